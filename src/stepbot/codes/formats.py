@@ -1,0 +1,148 @@
+"""SB7xx: what a format cannot say."""
+
+from ._code import Code
+
+CODES: tuple[Code, ...] = (
+    Code(
+        "SB701",
+        "warning",
+        "loop closure left out",
+        "The robot has closed loops, and the format can only hold a tree of links and joints.",
+        "The file moves like a mechanism whose closing pins were pulled out. `report.json` keeps the closures, so that "
+        "a simulation can add them as constraints.",
+        "Use the SDFormat or the MJCF where the loop matters, or leave this format out with `-f`.",
+    ),
+    Code(
+        "SB702",
+        "warning",
+        "actuator left out",
+        "The sidecar describes actuators, and this format has no element for them that engines agree on.",
+        "Gains and gear ratios are not in the file; whoever controls the robot has to know them from elsewhere. "
+        "The joints' effort limits are there all the same.",
+        "Use the MJCF where the actuators matter, or configure the controller of your simulator.",
+    ),
+    Code(
+        "SB703",
+        "warning",
+        "passive force of a joint left out",
+        "A joint has a spring or an armature (reflected inertia of its drive), and the format has no place for it.",
+        "The joint moves differently there: a spring that is missing pushes nothing back, an armature that is missing "
+        "makes the joint lighter.",
+        "Use a format that has it (`docs/mapping.md`), or add it in the simulator.",
+    ),
+    Code(
+        "SB704",
+        "note",
+        "number in place of a missing limit",
+        "A joint has no limit where the format demands a number, so that one is written that no robot reaches.",
+        "The number means `none`; a planner that takes it for the truth will plan with it.",
+        "Write the real limits of the joint into the sidecar (`limits: {lower, upper, effort, velocity}`).",
+    ),
+    Code(
+        "SB705",
+        "note",
+        "velocity limit kept as plain data",
+        "The format has no velocity limit for joints; the value is in the file as custom data that no engine enforces.",
+        "A simulation may drive the joint faster than its limit.",
+        "Limit the velocity in the controller.",
+    ),
+    Code(
+        "SB706",
+        "note",
+        "initial pose not in the file",
+        "The CAD drew the robot in a pose that is not q = 0, and the format cannot say in which pose a robot starts.",
+        "Simulators start it at q = 0. `report.json` has the drawn position of every joint.",
+        "Set the joint positions after loading where it matters.",
+    ),
+    Code(
+        "SB707",
+        "note",
+        "base attachment not in the file",
+        "The format cannot say whether the root link is fixed to the world or floats.",
+        "Whoever loads the file decides: PyBullet by `useFixedBase`, Drake by welding, others by a habit of their own.",
+        "Tell the loader what the sidecar says under `base`.",
+    ),
+    Code(
+        "SB708",
+        "note",
+        "frames written as links",
+        "The format has no frames; each is written as a link without mass on a fixed joint, as is the custom there.",
+        "The file has more links than the robot. Their inertia is written as zero, because some engines take a link "
+        "without `<inertial>` for one of 1 kg.",
+        "Nothing to do.",
+    ),
+    Code(
+        "SB709",
+        "note",
+        "shape written as several",
+        "The format lacks a kind of shape, which is written as several others that fill exactly the same space.",
+        "Nothing is lost, but the file has more shapes than the robot.",
+        "Nothing to do.",
+    ),
+    Code(
+        "SB710",
+        "warning",
+        "name changed",
+        "A joint, closure or frame has a name that is taken already, where the format wants one name for one thing.",
+        "Scripts that use the name find something else in this format than in the others.",
+        "Give them different names in the sidecar.",
+    ),
+    Code(
+        "SB711",
+        "warning",
+        "zero of a joint moved",
+        "A joint of a closed loop was drawn at another position than q = 0. The format places a closing joint by the "
+        "pose in which the file describes the robot, and that must be one in which the loop closes.",
+        "In this format q = 0 of these joints is the drawn pose; limits, mimics and springs are moved along.",
+        "Leave `zero` out of the joints of the loop, or add the drawn position when you read these joints.",
+    ),
+    Code(
+        "SB712",
+        "warning",
+        "flat collision mesh left out",
+        "A collision mesh lies in a plane, and the engine makes no convex hull of it.",
+        "MuJoCo would refuse the whole file. In this format nothing touches that surface.",
+        "Give the component a collision shape with some thickness (`collision: box`), or `collision: none`.",
+    ),
+    Code(
+        "SB713",
+        "error",
+        "kind of joint not written yet",
+        "The robot has a joint or closure of a kind that stepbot does not write to this format yet.",
+        "Without the joint the file would describe another robot.",
+        "Model it with joints that the format has, or leave the format out with `-f`.",
+    ),
+    Code(
+        "SB714",
+        "error",
+        "reserved name",
+        "A link, joint or frame has a name that means something else to the format.",
+        "Readers refuse the file, or take a link called `world` for the world itself.",
+        "Choose another name in the sidecar.",
+    ),
+    Code(
+        "SB715",
+        "note",
+        "newer version of the format",
+        "The robot needs something that the format has only had since a later version than the one usually written.",
+        "Older readers complain about the version, and take no notice of what is new.",
+        "Nothing to do for current readers.",
+    ),
+    Code(
+        "SB716",
+        "note",
+        "chain of mimics made flat",
+        "A joint mimics one that itself mimics another, and many readers of the format follow only one step.",
+        "In the file every mimic refers to the joint that leads the chain, with multiplier and offset to match: the "
+        "motion is the same.",
+        "Nothing to do.",
+    ),
+    Code(
+        "SB717",
+        "warning",
+        "collision mesh taken for its hull",
+        "A collision mesh is not convex, or not closed, and the engine of the format fills it up to its convex hull.",
+        "What should fit into a hole or between two fingers does not.",
+        "Give the component several convex shapes: split it into parts in the CAD, or list primitives under `collision`.",
+    ),
+)

@@ -1,0 +1,122 @@
+"""What stepbot says about its input: collected, placed, coded, with a remedy.
+
+    StepbotError            raised only where a stage ends and its diagnostics hold errors
+
+Untrusted data gives diagnostics, all of them at once; any other exception is a bug of ours and keeps its traceback.
+Codes never change their meaning and are never used again; :mod:`stepbot.codes` is their table.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from typing import Literal
+
+from .codes import CODES, Severity
+
+ExitCode = Literal[0, 1, 2]
+
+
+@dataclass(frozen=True, order=True)
+class Span:
+    """A place in a file. Lines and columns count from 1; line 0 means the file as a whole."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+    end_column: int = 0
+    """Column after the last character on ``line``; 0 where the extent is unknown."""
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One finding: complete in its first line, with the remedies below."""
+
+    code: str
+    severity: Severity
+    message: str
+    """``subject: what is wrong``, one line, no full stop."""
+    span: Span
+    help: tuple[str, ...] = ()
+    """Remedies, most useful first; near matches and snippets to paste."""
+    notes: tuple[str, ...] = ()
+    """Facts that explain the message: candidates, measured values."""
+
+    def __str__(self) -> str:
+        return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
+
+
+class Diagnostics:
+    """Collects the findings of one run, in the order in which they were found."""
+
+    def __init__(self) -> None:
+        self._found: dict[Diagnostic, None] = {}
+
+    def add(
+        self, code: str, message: str, span: Span, *, help: Iterable[str] = (), notes: Iterable[str] = ()
+    ) -> Diagnostic:
+        """Record a finding; its severity is the code's.
+
+        Raises:
+            KeyError: There is no such code.
+        """
+        diagnostic = Diagnostic(code, CODES[code].severity, message, span, tuple(help), tuple(notes))
+        return self.extend([diagnostic])[0]
+
+    def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """Take over findings made elsewhere; one that is already there is not repeated."""
+        taken = list(diagnostics)
+        self._found.update(dict.fromkeys(taken))
+        return taken
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any finding is an error."""
+        return any(d.severity == "error" for d in self._found)
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """0 clean (notes and warnings count as clean), 1 findings, 2 stepbot could not do its work."""
+        errors = [d for d in self._found if d.severity == "error"]
+        if any(CODES[d.code].could_not_run for d in errors):
+            return 2
+        return 1 if errors else 0
+
+    def make_strict(self) -> None:
+        """Turn every warning into an error (``--strict``)."""
+        self._found = {replace(d, severity="error") if d.severity == "warning" else d: None for d in self._found}
+
+    def raise_if_errors(self) -> None:
+        """End the stage where errors were found.
+
+        Raises:
+            StepbotError: At least one finding is an error.
+        """
+        if self.has_errors:
+            raise StepbotError(self)
+
+
+class StepbotError(Exception):
+    """A stage ended with errors; ``diagnostics`` holds everything that was found up to there."""
+
+    def __init__(self, diagnostics: Diagnostics) -> None:
+        self.diagnostics = diagnostics
+        super().__init__("\n".join(str(d) for d in diagnostics if d.severity == "error"))
+
+
+def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
+    """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing."""
+    names = list(dict.fromkeys(candidates))
+    same = [name for name in names if name.casefold() == word.casefold()]
+    near = same or get_close_matches(word, names, n=3, cutoff=0.6)
+    if not near:
+        return ()
+    return ("did you mean " + " or ".join(f"'{name}'" for name in near) + "?",)

@@ -1,0 +1,217 @@
+"""Runs functions on foreign data in processes of their own, so that a crash is a diagnostic.
+
+A :class:`Worker` starts at once and imports the module of its function while the caller is still busy; ``submit`` hands
+it the arguments, ``result`` waits. What native code prints to file descriptor 1 lands in the worker's standard error,
+never between the bytes of the result. Arguments and results are pickled: data classes and arrays only.
+"""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, BinaryIO
+
+DEFAULT_TIMEOUT = 600.0
+"""Seconds that a worker may take for one call."""
+
+_LAST_LINES = 12
+
+
+class WorkerDied(Exception):
+    """A worker ended without a result.
+
+    Attributes:
+        reason: For people: which signal or exit code, out of time, out of memory.
+        last_lines: The end of what it printed.
+    """
+
+    def __init__(self, reason: str, last_lines: tuple[str, ...]) -> None:
+        self.reason, self.last_lines = reason, last_lines
+        super().__init__(reason)
+
+
+class RemoteError(Exception):
+    """The function raised in the worker: a bug of ours, or an import that failed.
+
+    Attributes:
+        kind: Name of the exception's type.
+        text: Its message.
+        trace: The traceback in the worker.
+    """
+
+    def __init__(self, kind: str, text: str, trace: str) -> None:
+        self.kind, self.text, self.trace = kind, text, trace
+        super().__init__(f"{kind}: {text}\n{trace}")
+
+
+class Worker:
+    """One process that calls one function once."""
+
+    def __init__(self, function: str, *, memory_limit: int | None = None) -> None:
+        """Start the process; it begins to import at once.
+
+        Args:
+            function: ``package.module:function``.
+            memory_limit: Address space [bytes] where the system can limit it (POSIX); None for no limit.
+        """
+        self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
+        command = [sys.executable, "-c", "from stepbot.isolation import _serve; _serve()", function]
+        if memory_limit is not None:
+            command.append(str(memory_limit))
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._stderr, env=_environment()
+        )
+        self._writer: threading.Thread | None = None
+
+    @property
+    def pid(self) -> int:
+        """The worker's process id."""
+        return self._process.pid
+
+    def submit(self, *arguments: Any) -> "Worker":
+        """Hand over the arguments; returns at once."""
+        payload = pickle.dumps(arguments, protocol=5)
+        self._writer = threading.Thread(target=self._feed, args=(payload,), daemon=True)
+        self._writer.start()
+        return self
+
+    def result(self, timeout: float = DEFAULT_TIMEOUT) -> Any:
+        """Wait for the function's result.
+
+        Raises:
+            WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
+            RemoteError: The function raised.
+        """
+        timed_out = threading.Event()
+
+        def end() -> None:
+            timed_out.set()
+            self._process.kill()
+
+        timer = threading.Timer(timeout, end)
+        timer.daemon = True
+        timer.start()
+        assert self._process.stdout is not None
+        try:
+            output = self._process.stdout.read()
+            status = self._process.wait()
+        finally:
+            timer.cancel()
+        if self._writer is not None:
+            self._writer.join()
+        last_lines = self._last_lines()
+        self.close()
+        if timed_out.is_set():
+            raise WorkerDied(f"no result after {timeout:g} s", last_lines)
+        if status != 0 or not output:
+            raise WorkerDied(_death(status, last_lines), last_lines)
+        outcome, value = pickle.loads(output)
+        if outcome == "raised":
+            raise RemoteError(*value)
+        return value
+
+    def close(self) -> None:
+        """End the process if it still runs; safe to call twice."""
+        if self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        for stream in (self._process.stdin, self._process.stdout, self._stderr):
+            if stream is not None and not stream.closed:
+                try:
+                    stream.close()
+                except BrokenPipeError:  # the worker died before it read its input: `result` reports that
+                    continue
+
+    def __enter__(self) -> "Worker":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _feed(self, payload: bytes) -> None:
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(payload)
+            self._process.stdin.close()
+        except (BrokenPipeError, OSError):  # the worker is gone: `result` reports how it ended
+            return
+
+    def _last_lines(self) -> tuple[str, ...]:
+        self._stderr.seek(0)
+        text = self._stderr.read().decode("utf-8", "replace")
+        return tuple(line.rstrip() for line in text.splitlines() if line.strip())[-_LAST_LINES:]
+
+
+def call_isolated(
+    function: str, *arguments: Any, timeout: float = DEFAULT_TIMEOUT, memory_limit: int | None = None
+) -> Any:
+    """Call ``package.module:function`` in a process of its own; see :class:`Worker`.
+
+    Raises:
+        WorkerDied: The process ended without a result.
+        RemoteError: The function raised.
+    """
+    with Worker(function, memory_limit=memory_limit) as worker:
+        return worker.submit(*arguments).result(timeout)
+
+
+def _environment() -> dict[str, str]:
+    """The caller's environment, one thread per library, and the caller's import path."""
+    paths = [path for path in sys.path if path]
+    one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    return {**one_thread, **os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8"}
+
+
+def _death(status: int, last_lines: tuple[str, ...]) -> str:
+    if any("MemoryError" in line or "bad_alloc" in line for line in last_lines):
+        return "out of memory"
+    if status < 0:
+        try:
+            return f"killed by {signal.Signals(-status).name}"
+        except ValueError:
+            return f"killed by signal {-status}"
+    return f"ended with exit code {status} and no result"
+
+
+def _serve() -> None:
+    """What the worker process runs: import, read the arguments, call, write the outcome."""
+    import importlib
+    import traceback
+
+    results = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # native code that prints to standard output must not write between our bytes
+    sys.stdout = sys.stderr
+    if len(sys.argv) > 2:
+        _limit_memory(int(sys.argv[2]))
+    module, _, name = sys.argv[1].partition(":")
+    outcome: tuple[str, Any]
+    try:
+        loaded = importlib.import_module(module)
+        function: Callable[..., Any] = getattr(loaded, name)
+        getattr(loaded, "prepare", lambda: None)()  # slow imports, while the caller is still busy
+        arguments = pickle.loads(sys.stdin.buffer.read())
+        outcome = ("returned", function(*arguments))
+    except MemoryError:
+        print("MemoryError", file=sys.stderr)
+        sys.exit(1)
+    except Exception as error:
+        outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
+    results.write(pickle.dumps(outcome, protocol=5))
+    results.flush()
+    # Engines and the kernel are known to crash while they are torn down: the result is out, so leave at once.
+    os._exit(0)
+
+
+def _limit_memory(limit: int) -> None:
+    try:
+        import resource
+    except ImportError:  # Windows: no such limit; the timeout still holds
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))

@@ -1,0 +1,88 @@
+"""Triangle meshes, and their bytes.
+
+OBJ with one object per file, in metres, is what is written: the one form that PyBullet, MuJoCo and Drake all read
+(Drake refuses STL for collision, MuJoCo reads one object per OBJ). Format: http://paulbourke.net/dataformats/obj/.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .spatial import Pose, Vector3, bounds
+
+GRID_PER_METRE = 1e9
+"""Vertices lie on a grid of nanometres: what is measured is what is written; the last bits of a kernel never show."""
+
+
+@dataclass(frozen=True, eq=False)
+class TriMesh:
+    """A triangle mesh; counter-clockwise faces look outwards."""
+
+    vertices: NDArray[np.float64]
+    """Shape (n, 3) [m], read-only."""
+    faces: NDArray[np.int32]
+    """Shape (m, 3), indices of vertices, read-only."""
+
+    @staticmethod
+    def of(vertices: ArrayLike, faces: ArrayLike) -> "TriMesh":
+        """Mesh from anything array-like, snapped to the vertex grid.
+
+        Raises:
+            ValueError: A shape is wrong, a face names a vertex that is not there, or a coordinate is not finite.
+        """
+        v = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+        f = np.array(faces, dtype=np.int32).reshape(-1, 3)
+        if not np.isfinite(v).all():
+            raise ValueError("a vertex is not finite")
+        if len(f) and (f.min() < 0 or f.max() >= len(v)):
+            raise ValueError("a face names a vertex that is not there")
+        v = np.rint(v * GRID_PER_METRE) / GRID_PER_METRE + 0.0  # adding zero turns -0.0 into 0.0
+        v.setflags(write=False)
+        f.setflags(write=False)
+        return TriMesh(v, f)
+
+    @property
+    def bounds(self) -> tuple[Vector3, Vector3]:
+        """Lowest and highest corner [m] of the vertices."""
+        return bounds(self.vertices)
+
+    def moved(self, X_AB: Pose) -> "TriMesh":
+        """This mesh, given in B, expressed in A."""
+        return TriMesh.of(X_AB.apply(self.vertices), self.faces)
+
+    def subset(self, face_mask: NDArray[np.bool_]) -> "TriMesh":
+        """The faces that ``face_mask`` (m,) selects, with the vertices that they use, in the same order."""
+        faces = self.faces[face_mask]
+        used, renumbered = np.unique(faces, return_inverse=True)
+        return TriMesh.of(self.vertices[used], renumbered.reshape(-1, 3))
+
+
+def joined(meshes: list[TriMesh]) -> TriMesh:
+    """One mesh of several, faces and vertices one after the other; nothing is merged."""
+    offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    return TriMesh.of(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]),
+    )
+
+
+def obj_bytes(mesh: TriMesh, name: str) -> bytes:
+    """Wavefront OBJ, one object called ``name``, coordinates [m] in the shortest text that reads back the same.
+
+    A mesh of fewer than four vertices gets the middle of its first face as one more, with that face split around it:
+    MuJoCo reads no mesh with less.
+    """
+    if 0 < len(mesh.vertices) < 4 and len(mesh.faces):
+        mesh = _split_first_face(mesh)
+    coordinates = iter(map(repr, mesh.vertices.ravel().tolist()))
+    vertices = "".join([f"v {x} {y} {z}\n" for x, y, z in zip(coordinates, coordinates, coordinates, strict=True)])
+    faces = ("f %d %d %d\n" * len(mesh.faces)) % tuple((mesh.faces + 1).ravel().tolist())
+    return f"o {name}\n{vertices}{faces}".encode()
+
+
+def _split_first_face(mesh: TriMesh) -> TriMesh:
+    a, b, c = mesh.faces[0].tolist()
+    middle = len(mesh.vertices)
+    vertices = np.vstack([mesh.vertices, mesh.vertices[[a, b, c]].mean(axis=0)])
+    return TriMesh.of(vertices, [[a, b, middle], [b, c, middle], [c, a, middle], *mesh.faces[1:].tolist()])

@@ -1,0 +1,263 @@
+"""Poses and inertia tensors: the only place that knows rotation conventions.
+
+Notation as in Drake's multibody documentation: ``X_AB`` is the pose of frame B in frame A, ``R_AB`` its rotation and
+``p_AB`` its position; a product must match letter by letter, ``X_WC = X_WA @ X_AB @ X_BC``. Roll, pitch and yaw turn
+about the fixed axes X, Y, Z, in this order, as URDF and SDFormat define them. Quaternions are (w, x, y, z).
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+Vector3 = tuple[float, float, float]
+Matrix3 = tuple[Vector3, Vector3, Vector3]
+
+ZERO3: Vector3 = (0.0, 0.0, 0.0)
+IDENTITY3: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+ZERO33: Matrix3 = (ZERO3, ZERO3, ZERO3)
+
+
+def vector3(values: ArrayLike) -> Vector3:
+    """Three plain floats from anything array-like of shape (3,)."""
+    x, y, z = np.asarray(values, dtype=np.float64).tolist()
+    return (x, y, z)
+
+
+def matrix3(values: ArrayLike) -> Matrix3:
+    """Three rows of plain floats from anything array-like of shape (3, 3)."""
+    a, b, c = np.asarray(values, dtype=np.float64).tolist()
+    return (tuple(a), tuple(b), tuple(c))
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A rigid transform, X_AB: turns coordinates in B into coordinates in A.
+
+    The rotation is kept as a matrix, so that composing and inverting never pass through angles.
+    """
+
+    rotation: Matrix3 = IDENTITY3
+    """R_AB, rows."""
+    position: Vector3 = ZERO3
+    """p_AB [m]."""
+
+    @staticmethod
+    def of(rotation: ArrayLike = IDENTITY3, position: ArrayLike = ZERO3) -> "Pose":
+        """Pose from anything array-like: rotation (3, 3), position (3,) [m]."""
+        return Pose(matrix3(rotation), vector3(position))
+
+    @staticmethod
+    def from_matrix(matrix: ArrayLike) -> "Pose":
+        """Pose from a homogeneous (4, 4) or (3, 4) matrix."""
+        X = np.asarray(matrix, dtype=np.float64)
+        return Pose.of(X[:3, :3], X[:3, 3])
+
+    @staticmethod
+    def from_xyz_rpy(xyz: ArrayLike = ZERO3, rpy: ArrayLike = ZERO3) -> "Pose":
+        """Pose from a position [m] and fixed-axis roll, pitch, yaw [rad], as in URDF's ``<origin>``."""
+        return Pose.of(rotation_from_rpy(rpy), xyz)
+
+    @staticmethod
+    def from_quaternion(wxyz: Sequence[float], position: ArrayLike = ZERO3) -> "Pose":
+        """Pose from a quaternion (w, x, y, z), normalised here, and a position [m]."""
+        return Pose.of(rotation_from_quaternion(wxyz), position)
+
+    @cached_property
+    def R(self) -> Array:
+        """Rotation as a read-only array, shape (3, 3)."""
+        return _read_only(np.array(self.rotation, dtype=np.float64))
+
+    @cached_property
+    def p(self) -> Array:
+        """Position as a read-only array, shape (3,) [m]."""
+        return _read_only(np.array(self.position, dtype=np.float64))
+
+    @property
+    def matrix(self) -> Array:
+        """Homogeneous matrix, shape (4, 4)."""
+        X = np.eye(4)
+        X[:3, :3] = self.R
+        X[:3, 3] = self.p
+        return X
+
+    @property
+    def rpy(self) -> Vector3:
+        """Fixed-axis roll, pitch, yaw [rad]."""
+        return rpy_from_rotation(self.R)
+
+    @property
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """Unit quaternion (w, x, y, z) with w >= 0."""
+        return quaternion_from_rotation(self.R)
+
+    @property
+    def is_identity(self) -> bool:
+        """Whether this is exactly the identity."""
+        return self.rotation == IDENTITY3 and self.position == ZERO3
+
+    def __matmul__(self, other: "Pose") -> "Pose":
+        return Pose.of(self.R @ other.R, self.R @ other.p + self.p)
+
+    def inverse(self) -> "Pose":
+        """X_BA from X_AB."""
+        return Pose.of(self.R.T, -(self.R.T @ self.p))
+
+    def apply(self, points: ArrayLike) -> Array:
+        """Points (n, 3) or (3,) in B, expressed in A."""
+        return np.asarray(points, dtype=np.float64) @ self.R.T + self.p
+
+    def turn(self, vectors: ArrayLike) -> Array:
+        """Directions (n, 3) or (3,) in B, expressed in A."""
+        return np.asarray(vectors, dtype=np.float64) @ self.R.T
+
+    def distance_to(self, other: "Pose") -> tuple[float, float]:
+        """How far two poses are apart: position [m] and angle [rad]."""
+        return float(np.linalg.norm(self.p - other.p)), rotation_angle(self.R.T @ other.R)
+
+
+IDENTITY = Pose()
+
+
+def rotation_from_rpy(rpy: ArrayLike) -> Array:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
+    roll, pitch, yaw = np.asarray(rpy, dtype=np.float64).tolist()
+    cr, sr = math.cos(roll), math.sin(roll)
+    cp, sp = math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def rpy_from_rotation(R: Array) -> Vector3:
+    """Roll, pitch, yaw [rad] of a rotation matrix, accurate through the gimbal pole.
+
+    Pitch comes from ``atan2``, never ``asin``, which loses half the digits near +-90 degrees. Close to the pole, yaw
+    keeps what the first column says of it and roll is solved for what remains, so that the rotation always comes back.
+    """
+    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
+    yaw = math.atan2(R[1, 0], R[0, 0]) if math.hypot(R[0, 0], R[1, 0]) > 1e-12 else 0.0
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    # Undo the yaw: the second and third column of Rz(-yaw) R hold cos(roll) and sin(roll) in their y component.
+    roll = math.atan2(sy * R[0, 2] - cy * R[1, 2], cy * R[1, 1] - sy * R[0, 1])
+    return (roll, pitch, yaw)
+
+
+def rotation_from_quaternion(wxyz: Sequence[float]) -> Array:
+    """Rotation matrix (3, 3) of a quaternion (w, x, y, z); it need not be normalised."""
+    w, x, y, z = np.asarray(wxyz, dtype=np.float64) / np.linalg.norm(wxyz)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def quaternion_from_rotation(R: Array) -> tuple[float, float, float, float]:
+    """Unit quaternion (w, x, y, z) with w >= 0 of a rotation matrix (Shepperd 1978: largest component first)."""
+    diagonal = (float(R[0, 0] + R[1, 1] + R[2, 2]), float(R[0, 0]), float(R[1, 1]), float(R[2, 2]))
+    largest = max(range(4), key=lambda i: diagonal[i])
+    if largest == 0:
+        q = np.array([1 + diagonal[0], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    else:
+        i = largest - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q = np.empty(4)
+        q[0] = R[k, j] - R[j, k]
+        q[1 + i] = 1 + R[i, i] - R[j, j] - R[k, k]
+        q[1 + j] = R[j, i] + R[i, j]
+        q[1 + k] = R[k, i] + R[i, k]
+    q /= np.linalg.norm(q)
+    w, x, y, z = (q if q[0] >= 0 else -q).tolist()
+    return (w, x, y, z)
+
+
+def rotation_about(axis: ArrayLike, angle: float) -> Array:
+    """Rotation (3, 3) by ``angle`` [rad] about a unit ``axis`` (Rodrigues)."""
+    a = np.asarray(axis, dtype=np.float64)
+    K = cross_matrix(a)
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+
+
+def rotation_angle(R: Array) -> float:
+    """Angle [rad] in [0, pi] of a rotation matrix, accurate near zero and near pi."""
+    axis_part = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return math.atan2(float(np.linalg.norm(axis_part)), float(np.trace(R)) - 1.0)
+
+
+def cross_matrix(v: ArrayLike) -> Array:
+    """[v]x, shape (3, 3), so that ``cross_matrix(v) @ u == cross(v, u)``."""
+    x, y, z = np.asarray(v, dtype=np.float64).tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def unit(v: ArrayLike) -> Array:
+    """Vector (3,) scaled to length 1.
+
+    Raises:
+        ValueError: The vector is zero or not finite.
+    """
+    a = np.asarray(v, dtype=np.float64)
+    length = float(np.linalg.norm(a))
+    if not math.isfinite(length) or length == 0.0:
+        raise ValueError(f"no direction in {a.tolist()}")
+    return a / length
+
+
+def shift_inertia(I_com: ArrayLike, mass: float, p: ArrayLike) -> Array:
+    """Inertia (3, 3) about a point at ``p`` [m] from the centre of mass (Steiner); ``-mass`` goes the other way."""
+    d = np.asarray(p, dtype=np.float64)
+    return np.asarray(I_com, dtype=np.float64) + mass * (float(d @ d) * np.eye(3) - np.outer(d, d))
+
+
+def turn_inertia(R_AB: ArrayLike, I_B: ArrayLike) -> Array:
+    """Inertia (3, 3) given along the axes of B, expressed along the axes of A; exactly symmetric."""
+    R = np.asarray(R_AB, dtype=np.float64)
+    turned = R @ np.asarray(I_B, dtype=np.float64) @ R.T
+    return 0.5 * (turned + turned.T)
+
+
+def perpendicular_frame(z: ArrayLike) -> Array:
+    """Rotation (3, 3) whose z axis is the unit vector ``z`` and whose x axis is as near to the parent's x as it can be.
+
+    Where z lies within about 26 degrees of the parent's x (|z.x| > 0.9), x follows the parent's y instead.
+    """
+    z_axis = unit(z)
+    towards = np.array([0.0, 1.0, 0.0]) if abs(z_axis[0]) > 0.9 else np.array([1.0, 0.0, 0.0])
+    x_axis = unit(towards - (towards @ z_axis) * z_axis)
+    return np.column_stack([x_axis, np.cross(z_axis, x_axis), z_axis])
+
+
+def bounds(points: ArrayLike) -> tuple[Vector3, Vector3]:
+    """Lowest and highest corner of points (n, 3)."""
+    a = np.asarray(points, dtype=np.float64)
+    return vector3(a.min(axis=0)), vector3(a.max(axis=0))
+
+
+def join_bounds(boxes: Iterable[tuple[Vector3, Vector3]]) -> tuple[Vector3, Vector3]:
+    """The box around boxes.
+
+    Raises:
+        ValueError: There is no box.
+    """
+    corners = [corner for box in boxes for corner in box]
+    if not corners:
+        raise ValueError("no box to join")
+    return bounds(corners)
+
+
+def _read_only(array: Array) -> Array:
+    array.setflags(write=False)
+    return array
