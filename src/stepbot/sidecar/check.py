@@ -1,0 +1,34 @@
+"""Checks all of a sidecar that takes two places of the file, and no STEP, to judge."""
+
+from ..diagnostics import Diagnostics
+from .bounds import BoundedDiagnostics, TooManyFaultsError
+from .connections import check_connections
+from .joint_rules import check_joints
+from .load import Sidecar
+from .magnitudes import check_magnitudes
+from .mechanics import check_closures, check_drives, check_mimics
+from .names import check_names
+from .references import check_references
+from .text import file_name
+
+_CHECKS = (
+    check_names,
+    check_references,
+    check_connections,
+    check_joints,
+    check_mimics,
+    check_closures,
+    check_drives,
+    check_magnitudes,
+)
+
+
+def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report what does not fit together: SB126, SB128, SB130 to SB139 and SB450 to SB462."""
+    local, complete = BoundedDiagnostics(), True
+    try:
+        for check in _CHECKS:
+            check(sidecar, local)
+    except TooManyFaultsError:
+        complete = False
+    local.hand_over(found, file_name(sidecar.path), complete=complete)

@@ -1,0 +1,269 @@
+"""YAML 1.2 text to a tree of values with places, every fault reported, every expansion bounded.
+
+ruamel.yaml parses; composing is done here because its own composer stops at the first fault, accepts duplicate keys
+without their places, and writes aliases out without bound. Plain scalars follow the core schema of YAML 1.2.2, section
+10.3.2: ``010`` is ten, ``yes`` and ``1_000`` are texts. https://yaml.org/spec/1.2.2/
+"""
+
+import re
+from collections.abc import Iterator
+from typing import Any, Never
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
+
+from ..diagnostics import Diagnostics, Span, did_you_mean
+from .subjects import subject
+from .text import has_only_text
+from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree
+
+LARGEST_SIZE = 50_000
+"""Values that a sidecar may stand for, aliases written out."""
+DEEPEST = 24
+"""Levels that values may be nested in each other; a sidecar needs eight."""
+
+STAR = "\ue000"
+"""Stands for the first ``*`` of a key whose missing quotes have been reported."""
+
+_TEXT_TAGS = ("!", "tag:yaml.org,2002:str")
+_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_WORDS: dict[str, bool | float | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".inf", ".Inf", ".INF", "+.inf", "+.Inf", "+.INF"), float("inf")),
+    **dict.fromkeys(("-.inf", "-.Inf", "-.INF"), float("-inf")),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+}
+
+
+class TooMuchError(Exception):
+    """Composing was ended because the values are too many or too deep; the fault has been reported."""
+
+
+def compose(text: str, file: str, found: Diagnostics) -> Tree | None:
+    """The value that the text holds, or None where it holds none.
+
+    Reports SB106 unknown aliases, SB107 duplicate keys, SB108 bounds, SB109 several documents, SB110 tags, directives
+    and keys that a sidecar does not have, SB111 merges, SB112 empty values.
+
+    Raises:
+        MarkedYAMLError: The text is not YAML; what was reported so far stands.
+        TooMuchError: A bound was passed.
+    """
+    return _Composer(text, file, found).document()
+
+
+class _Composer:
+    def __init__(self, text: str, file: str, found: Diagnostics) -> None:
+        self._events = _events(text)
+        self._lines = text.split("\n")
+        self._file, self._found = file, found
+        self._anchors: dict[str, Tree | None] = {}
+        """What each anchor stands for; None while it is being composed."""
+        self._keys: list[str | int] = []
+        self._values = 0
+
+    def document(self) -> Tree | None:
+        root: Tree | None = None
+        for event in self._events:
+            if isinstance(event, DocumentStartEvent):
+                self._check_start(event, root)
+                if root is not None:
+                    break
+                root = self._value(next(self._events))
+            elif isinstance(event, StreamEndEvent):
+                break
+        return root
+
+    def _check_start(self, event: Any, root: Tree | None) -> None:
+        if root is not None:
+            help = ["one file describes one robot: remove the '---', or make it a file of its own"]
+            self._add("SB109", "sidecar: a second document starts here", self._span(event), help)
+        elif event.version not in (None, (1, 2), [1, 2]):
+            version = ".".join(map(str, event.version))
+            help = ["remove the directive: a sidecar is YAML 1.2"]
+            self._add("SB110", f"sidecar: the directive %YAML {version} asks for other rules", self._span(event), help)
+
+    def _value(self, event: Any) -> Tree:
+        """The value that starts with ``event``."""
+        self._values += 1
+        if self._values > LARGEST_SIZE:
+            self._too_much(event, f"more than {LARGEST_SIZE} values")
+        if len(self._keys) >= DEEPEST:
+            self._too_much(event, f"values are nested more than {DEEPEST} deep")
+        if isinstance(event, AliasEvent):
+            return self._alias(event)
+        tag_is_known = event.tag is None or (isinstance(event, ScalarEvent) and str(event.tag) in _TEXT_TAGS)
+        if not tag_is_known:
+            message = f"the tag '{event.tag}' has no meaning in a sidecar"
+            self._fault("SB110", message, self._span(event), ["write the value itself"])
+        anchor = event.anchor
+        if anchor is not None:
+            self._anchors[anchor] = None
+        value = self._content(event)
+        if not tag_is_known:
+            value = Scalar(value.span, "", "", faulty=True)
+        if anchor is not None:
+            self._anchors[anchor] = value
+        return self._bounded(value, event)
+
+    def _content(self, event: Any) -> Tree:
+        if isinstance(event, ScalarEvent):
+            return self._scalar(event)
+        if isinstance(event, SequenceStartEvent):
+            return self._listing(event)
+        return self._mapping(event)
+
+    def _bounded(self, value: Tree, event: Any) -> Tree:
+        if value.size > LARGEST_SIZE:
+            self._too_much(event, f"aliases written out, more than {LARGEST_SIZE} values")
+        if value.depth > DEEPEST:
+            self._too_much(event, f"aliases written out, values are nested more than {DEEPEST} deep")
+        return value
+
+    def _scalar(self, event: Any) -> Scalar:
+        span, text = self._span(event), str(event.value)
+        if not event.style and event.tag is None:
+            return Scalar(span, _core_value(text), text)
+        if not has_only_text(text):
+            self._fault("SB102", "an escape gives a character that does not belong in a text", span, [])
+            return Scalar(span, "", "", plain=False, faulty=True)
+        return Scalar(span, text, text, plain=False)
+
+    def _listing(self, event: Any) -> Listing:
+        values: list[Tree] = []
+        while not isinstance(item := next(self._events), SequenceEndEvent):
+            self._keys.append(len(values))
+            values.append(self._filled(self._value(item)))
+            self._keys.pop()
+        size, depth = 1 + sum(v.size for v in values), 1 + max((v.depth for v in values), default=0)
+        return Listing(self._span(event, item), tuple(values), size, depth, bool(event.flow_style))
+
+    def _mapping(self, event: Any) -> Mapping:
+        entries: dict[str, Entry] = {}
+        merged: list[Mapping] = []
+        while not isinstance(item := next(self._events), MappingEndEvent):
+            key, key_span = self._key(item)
+            self._keys.append(key if key is not None else "?")
+            value = self._value(next(self._events))
+            if key == "<<" and isinstance(item, ScalarEvent) and not item.style:
+                merged += self._merged(value)
+            elif key is None:
+                pass
+            elif key in entries:
+                self._keys.pop()
+                self._duplicate(key, entries[key].key_span, key_span)
+                continue
+            else:
+                entries[key] = Entry(key_span, self._filled(value, key_span))
+            self._keys.pop()
+        own = list(entries.values())
+        for source in merged:  # own keys beat merged ones, earlier sources beat later ones
+            entries.update({key: entry for key, entry in source.entries.items() if key not in entries})
+        size = 1 + sum(entry.value.size for entry in own) + sum(source.size for source in merged)
+        depth = 1 + max((entry.value.depth for entry in entries.values()), default=0)
+        return Mapping(self._span(event, item), entries, size, depth)
+
+    def _key(self, event: Any) -> tuple[str | None, Span]:
+        """A key as it is written, so that ``1`` and ``on`` can be names; None where it cannot be one."""
+        key = self._value(event)
+        if isinstance(key, Scalar) and not key.faulty:
+            return key.text.replace(STAR, "*"), self._span(event)
+        if not isinstance(key, Scalar):
+            help = ["a text that starts with [ or { goes in quotes"]
+            self._fault("SB110", "a key is a list or a mapping", key.span, help)
+        return None, key.span
+
+    def _alias(self, event: Any) -> Tree:
+        name, span = str(event.anchor), self._span(event)
+        if name not in self._anchors:
+            self._unknown_alias(name, span)
+        elif (value := self._anchors[name]) is None:
+            self._fault("SB108", f"the anchor '{name}' contains itself", span, ["write the value without the alias"])
+        elif isinstance(value, Scalar):
+            return Scalar(span, value.value, value.text, value.plain, value.faulty)
+        else:
+            return value
+        return Scalar(span, "", "", faulty=True)
+
+    def _unknown_alias(self, name: str, span: Span) -> None:
+        text = "*" + name
+        help = [f'a path that starts with * goes in quotes: "{text.rstrip(":")}"', *did_you_mean(name, self._anchors)]
+        self._fault("SB106", f"{text} without quotes is an alias, and there is no anchor '{name}'", span, help)
+
+    def _merged(self, value: Tree) -> list[Mapping]:
+        sources = value.values if isinstance(value, Listing) else [value]
+        for source in sources:
+            if not isinstance(source, Mapping) and not source.faulty:
+                help = ["point it to an anchor on a mapping: `<<: *name`"]
+                self._fault("SB111", "what '<<' merges is not a mapping", source.span, help)
+        return [source for source in sources if isinstance(source, Mapping)]
+
+    def _duplicate(self, key: str, first: Span, second: Span) -> None:
+        help = ["remove one of them, or rename it"]
+        self._fault(
+            "SB107", f"key '{key}' stands twice, first in line {first.line}", second, help, [f"first at {first}"]
+        )
+
+    def _filled(self, value: Tree, key_span: Span | None = None) -> Tree:
+        """The value, unless it is empty or null, which no key takes."""
+        if not isinstance(value, Scalar) or value.value is not None or value.faulty:
+            return value
+        start = key_span or value.span
+        comment = self._lines[start.line - 1][start.end_column - 1 :].lstrip(": ") if start.end_column else ""
+        if re.match(r"#[^\s#]", comment):
+            help = [f'a # starts a comment; text that has one goes in quotes: "{comment}"']
+        elif key_span and re.search(r"\w:\S", str(self._keys[-1])):
+            help = ["a colon needs a space after it: `key: value`"]
+        else:
+            help = ["give it a value, write {} for an empty mapping, or remove it"]
+        self._fault("SB112", "has no value", start, help)
+        return Scalar(value.span, None, value.text, faulty=True)
+
+    def _too_much(self, event: Any, message: str) -> Never:
+        self._add("SB108", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), [])
+        raise TooMuchError
+
+    def _fault(self, code: str, message: str, span: Span, help: list[str], notes: list[str] | None = None) -> None:
+        keys: Keys = tuple(self._keys)
+        self._add(code, f"{subject(keys)}: {message}", span, help, notes)
+
+    def _add(self, code: str, message: str, span: Span, help: list[str], notes: list[str] | None = None) -> None:
+        self._found.add(code, message, span, help=help, notes=notes or [])
+
+    def _span(self, first: Any, last: Any = None) -> Span:
+        start, end = first.start_mark, (last or first).end_mark
+        end_column = end.column + 1 if end.line == start.line else 0
+        return Span(self._file, start.line + 1, start.column + 1, end_column)
+
+
+def _events(text: str) -> Iterator[Any]:
+    """The events of ruamel.yaml's parser, which lets Python's own error through where an escape is beyond Unicode."""
+    yaml = YAML(typ="safe", pure=True)
+    try:
+        yield from yaml.parse(text)
+    except (ValueError, OverflowError) as failure:
+        raise MarkedYAMLError(problem="an escape is beyond Unicode", problem_mark=yaml.reader.get_mark()) from failure
+
+
+def _core_value(text: str) -> str | int | float | bool | None:
+    """What a plain scalar is by the core schema."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text) and len(text) < 19:
+        return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
+    return float(text) if _FLOAT.fullmatch(text) else text
+
+
+__all__ = ["STAR", "MarkedYAMLError", "TooMuchError", "compose"]

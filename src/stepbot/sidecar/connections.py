@@ -1,0 +1,107 @@
+"""Joints must make one tree of the links."""
+
+from collections.abc import Mapping
+
+from ..diagnostics import Diagnostics
+from .load import Sidecar
+
+
+def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB450 joints on themselves, SB451 two parents, SB452 cycles, SB453 several roots, SB454 a false root."""
+    above = _joint_above_each_link(sidecar, found)
+    joints = sidecar.document.joints
+    cycles = [ring[::-1] for ring in rings({link: joints[joint].parent for link, joint in above.items()})]
+    for cycle in cycles:
+        _report_cycle(sidecar, cycle, above, found)
+    _check_roots(sidecar, above, {link for cycle in cycles for link in cycle}, found)
+
+
+def _joint_above_each_link(sidecar: Sidecar, found: Diagnostics) -> dict[str, str]:
+    """For each link that a joint moves the name of that joint, the first one in the file."""
+    above: dict[str, str] = {}
+    for name, joint in sidecar.document.joints.items():
+        if joint.parent == joint.child:
+            message = f"joint '{name}': parent and child are both '{joint.child}'"
+            found.add("SB450", message, sidecar.span("joints", name, "child"))
+        elif joint.child in above:
+            other = above[joint.child]
+            help = ["if this closes a loop, move it to `closures`, with `link_a` and `link_b`"]
+            notes = [f"joint '{other}' at {sidecar.span('joints', other, 'child')}"]
+            message = f"joint '{name}': link '{joint.child}' is the child of joint '{other}' already"
+            found.add("SB451", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
+        else:
+            above[joint.child] = name
+    return above
+
+
+def rings(successor: Mapping[str, str]) -> list[list[str]]:
+    """Each ring that following ``successor`` from name to name leads around in, in that order."""
+    found: list[list[str]] = []
+    done: set[str] = set()
+    for start in successor:
+        path: list[str] = []
+        name = start
+        while name not in done and name in successor:
+            done.add(name)
+            path.append(name)
+            name = successor[name]
+        if name in path:
+            found.append(path[path.index(name) :])
+    return found
+
+
+def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], found: Diagnostics) -> None:
+    order = list(sidecar.document.joints)
+    last = max((above[link] for link in cycle), key=order.index)  # the one that was written last most likely closes it
+    child = sidecar.document.joints[last].child
+    at = cycle.index(child)
+    ring = " -> ".join([*cycle[at:], *cycle[:at], child])
+    help = ["turn one of the joints around, or, if it closes a loop, move it to `closures`"]
+    found.add("SB452", f"joint '{last}': closes a cycle: {ring}", sidecar.key_span("joints", last), help=help)
+
+
+def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
+    document = sidecar.document
+    roots = [link for link in document.links if link not in above]
+    root = document.root.link if document.root is not None else ""
+    if root in above and root not in in_cycles:
+        joint = above[root]
+        message = f"root: link '{root}' is the child of joint '{joint}', so it is not the root"
+        help = [f"at the top of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
+        found.add("SB454", message, sidecar.span("root", "link"), help=help)
+    misspelt = any(joint.child not in document.links for joint in document.joints.values())
+    if len(roots) < 2 or misspelt:  # the link that a misspelt child means is no root
+        return
+    if root not in roots:
+        counts = _counts_below(sidecar, roots)
+        root = max(roots, key=lambda link: counts[link])
+    for link in roots:
+        if link != root:
+            message = f"link '{link}': no joint connects it to the root '{root}'"
+            help = [f"add a joint with `child: {link}`, or give its parts to another link"]
+            found.add("SB453", message, sidecar.key_span("links", link), help=help)
+
+
+def _tops(sidecar: Sidecar, above: dict[str, str], link: str) -> list[str]:
+    """The link at the top of a link's tree; nothing where the way up ends in a cycle."""
+    passed = set()
+    while link in above and link not in passed:
+        passed.add(link)
+        link = sidecar.document.joints[above[link]].parent
+    return [] if link in passed else [link]
+
+
+def _counts_below(sidecar: Sidecar, roots: list[str]) -> dict[str, int]:
+    """How many links hang on each of the roots, directly or not."""
+    below: dict[str, list[str]] = {}
+    for joint in sidecar.document.joints.values():
+        below.setdefault(joint.parent, []).append(joint.child)
+    counts = {}
+    for root in roots:
+        reached, waiting = {root}, [root]
+        while waiting:
+            new = [child for child in below.get(waiting.pop(), []) if child not in reached]
+            reached.update(new)
+            waiting += new
+        counts[root] = len(reached)
+    return counts

@@ -1,0 +1,137 @@
+"""The sidecar's classes looked at from outside: which keys a section has, what they mean, where else a key exists."""
+
+import ast
+import inspect
+import sys
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from types import NoneType, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import Tag
+
+from .document import Document, Section
+from .origins import Origin
+
+Loc = tuple[str | int, ...]
+"""A place as pydantic tells it: keys, indices, and the tags of unions."""
+
+
+def sections_at(loc: Loc) -> tuple[type[Section], ...]:
+    """The sections that can stand at a place; several for a union whose form is not told by ``loc``."""
+    annotation: Any = Document
+    for part in loc:
+        annotation = _step(annotation, part)
+    return tuple(_sections(annotation))
+
+
+def section_classes() -> tuple[type[Section], ...]:
+    """Every kind of section of the document, the document first, each once."""
+    found: dict[type[Section], None] = {Document: None}
+    waiting: list[type[Section]] = [Document]
+    while waiting:
+        for field in waiting.pop().model_fields.values():
+            new = [section for section in _all_sections(field.annotation) if section not in found]
+            found.update(dict.fromkeys(new))
+            waiting += new
+    return tuple(found)
+
+
+def keys_of(sections: tuple[type[Section], ...]) -> tuple[str, ...]:
+    """The keys of one section, or of all forms of an origin, whichever of them it is."""
+    if is_origin(sections):
+        sections = tuple(_sections(Origin))
+    return tuple(dict.fromkeys(key for section in sections for key in section.model_fields))
+
+
+def is_origin(sections: tuple[type[Section], ...]) -> bool:
+    """Whether these are forms of an origin."""
+    origins = tuple(_sections(Origin))
+    return bool(sections) and all(section in origins for section in sections)
+
+
+def keys_below(sections: tuple[type[Section], ...], key: str) -> tuple[str, ...]:
+    """The keys of these sections whose own sections have ``key``."""
+    found = []
+    for section in sections:
+        for name, field in section.model_fields.items():
+            if any(key in inner.model_fields for inner in _sections(field.annotation)):
+                found.append(name)
+    return tuple(dict.fromkeys(found))
+
+
+@cache
+def top_level_keys_with(key: str) -> tuple[str, ...]:
+    """The top-level keys that have ``key`` in their own section, or in the section of each of their names."""
+    found = []
+    for name, field in Document.model_fields.items():
+        annotation = field.annotation
+        if get_origin(annotation) is dict:
+            annotation = get_args(annotation)[1]
+        if any(key in section.model_fields for section in _sections(annotation)):
+            found.append(name)
+    return tuple(found)
+
+
+@cache
+def descriptions(section: type[Section]) -> dict[str, str]:
+    """What each key of a section means: the docstrings below its fields."""
+    classes = ast.parse(inspect.getsource(sys.modules[section.__module__])).body
+    body = next(c.body for c in classes if isinstance(c, ast.ClassDef) and c.name == section.__name__)
+    found = {}
+    for field, text in pairwise(body):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
+            assert isinstance(text.value, ast.Constant)
+            found[field.target.id] = inspect.cleandoc(str(text.value.value))
+    return found
+
+
+def _step(annotation: Any, part: str | int) -> Any:
+    """The annotation one step further down."""
+    for member in _members(annotation):
+        if any(isinstance(extra, Tag) and extra.tag == part for extra in _extras(member)):
+            return member
+        plain = _plain(member)
+        if isinstance(plain, type) and issubclass(plain, Section) and part in plain.model_fields:
+            return plain.model_fields[str(part)].annotation
+        if get_origin(plain) is dict and isinstance(part, str):
+            return get_args(plain)[1]
+        if get_origin(plain) is tuple and isinstance(part, int):
+            return get_args(plain)[0]
+    return NoneType
+
+
+def _members(annotation: Any) -> Iterator[Any]:
+    """The members of a union, of unions in it too; anything else is its own only member."""
+    plain = _plain(annotation)
+    if get_origin(plain) in (Union, UnionType):
+        for member in get_args(plain):
+            yield from _members(member)
+    else:
+        yield annotation
+
+
+def _sections(annotation: Any) -> Iterator[type[Section]]:
+    for member in _members(annotation):
+        plain = _plain(member)
+        if isinstance(plain, type) and issubclass(plain, Section):
+            yield plain
+
+
+def _all_sections(annotation: Any) -> Iterator[type[Section]]:
+    """The sections of a type, also those of the values that it holds."""
+    for member in _members(annotation):
+        plain = _plain(member)
+        if isinstance(plain, type) and issubclass(plain, Section):
+            yield plain
+        for argument in get_args(plain):
+            yield from _all_sections(argument)
+
+
+def _plain(annotation: Any) -> Any:
+    return get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
+
+
+def _extras(annotation: Any) -> tuple[Any, ...]:
+    return get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()

@@ -1,0 +1,131 @@
+"""Limits and dynamics of a joint, after ``joint_defaults`` have filled what the joint leaves open.
+
+A default applies to the joints whose name matches its pattern (``*`` any run of characters, ``?`` one, ``[ab]`` one of
+these; upper and lower case differ). For each field the joint's own value counts first, then the first pattern in file
+order that sets it. A default gives a joint only what its type can have: ``"*": {limits: {lower: ..., upper: ...}}``
+leaves fixed and continuous joints alone.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+from ..model import JointDynamics, JointKind, Limit
+from ..units import (
+    ANGLE,
+    ANGULAR_DAMPING,
+    ANGULAR_SPEED,
+    ANGULAR_STIFFNESS,
+    FORCE,
+    INERTIA,
+    LENGTH,
+    LINEAR_DAMPING,
+    LINEAR_STIFFNESS,
+    MASS,
+    SPEED,
+    TORQUE,
+    Dimension,
+)
+from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
+from .quantities import JointValue
+from .tree import Keys
+
+ONE_FREEDOM = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC, JointKind.SCREW)
+"""Kinds with a single coordinate: what can mimic, be mimicked, be driven, and has a drawn position."""
+
+_TURNING = {
+    "lower": ANGLE,
+    "upper": ANGLE,
+    "velocity": ANGULAR_SPEED,
+    "effort": TORQUE,
+    "damping": ANGULAR_DAMPING,
+    "friction": TORQUE,
+    "stiffness": ANGULAR_STIFFNESS,
+    "spring_reference": ANGLE,
+    "armature": INERTIA,
+}
+_SLIDING = {
+    "lower": LENGTH,
+    "upper": LENGTH,
+    "velocity": SPEED,
+    "effort": FORCE,
+    "damping": LINEAR_DAMPING,
+    "friction": FORCE,
+    "stiffness": LINEAR_STIFFNESS,
+    "spring_reference": LENGTH,
+    "armature": MASS,
+}
+_SETTINGS_OF: dict[JointKind, Mapping[str, Dimension]] = {
+    JointKind.REVOLUTE: _TURNING,
+    JointKind.SCREW: _TURNING,
+    JointKind.CONTINUOUS: {field: d for field, d in _TURNING.items() if field not in ("lower", "upper")},
+    JointKind.PRISMATIC: _SLIDING,
+    # Several turning freedoms: what is the same for each of them, but no position, which is not one number.
+    JointKind.BALL: {field: d for field, d in _TURNING.items() if d is not ANGLE},
+    JointKind.UNIVERSAL: {field: d for field, d in _TURNING.items() if d is not ANGLE},
+}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One number of a joint, and where the sidecar says it."""
+
+    value: float
+    """[SI]."""
+    dimension: Dimension | None
+    """The dimension of the unit that was written; None for a plain number."""
+    keys: Keys
+    """Where it stands in the sidecar: ``("joints", name, "limits", "lower")`` or below ``joint_defaults``."""
+
+
+def settings_of(kind: JointKind) -> Mapping[str, Dimension]:
+    """The fields of ``limits`` and ``dynamics`` that joints of this kind have, with their dimensions."""
+    return _SETTINGS_OF.get(kind, {})
+
+
+def position_dimension(kind: JointKind) -> Dimension | None:
+    """What the position of such a joint is measured in; None where it is not one number."""
+    return settings_of(kind).get("spring_reference")
+
+
+def joint_settings(document: Document, name: str) -> dict[str, Setting]:
+    """Every field of limits and dynamics that is set for a joint, by its own words or by a default.
+
+    What the joint itself says is in the result even where its type does not know the field: the check reports it.
+
+    Raises:
+        KeyError: There is no such joint.
+    """
+    joint = document.joints[name]
+    found: dict[str, Setting] = {}
+    _take(found, joint, ("joints", name), None)
+    for pattern, defaults in document.joint_defaults.items():
+        if fnmatchcase(name, pattern):
+            _take(found, defaults, ("joint_defaults", pattern), settings_of(joint.type))
+    return found
+
+
+def joint_limits(document: Document, name: str) -> Limit:
+    """The bounds of a joint in SI, defaults applied; infinite where the sidecar sets none."""
+    return Limit(**_numbers(document, name, LimitsSection))
+
+
+def joint_dynamics(document: Document, name: str) -> JointDynamics:
+    """The passive forces of a joint in SI, defaults applied; zero where the sidecar sets none."""
+    return JointDynamics(**_numbers(document, name, DynamicsSection))
+
+
+def _numbers(document: Document, name: str, section: type[LimitsSection | DynamicsSection]) -> dict[str, float]:
+    settings = joint_settings(document, name)
+    return {field: settings[field].value for field in section.model_fields if field in settings}
+
+
+def _take(
+    found: dict[str, Setting], source: JointSection | JointDefaults, keys: Keys, known: Mapping[str, Dimension] | None
+) -> None:
+    """Add what ``source`` sets and ``found`` has not; only fields in ``known``, where that is given."""
+    for key, section in (("limits", source.limits), ("dynamics", source.dynamics)):
+        for field in type(section).model_fields:
+            value: JointValue | None = getattr(section, field)
+            if value is not None and field not in found and (known is None or field in known):
+                found[field] = Setting(value.value, value.dimension, (*keys, key, field))

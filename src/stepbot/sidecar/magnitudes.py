@@ -1,0 +1,71 @@
+"""Plain numbers, which are SI, that look as if degrees, millimetres or g/cm^3 were meant."""
+
+from collections.abc import Iterator
+from math import isfinite
+
+from ..diagnostics import Diagnostics
+from ..model import JointKind
+from .joint_settings import joint_settings, settings_of
+from .load import Sidecar
+from .subjects import subject
+from .tree import Keys, Listing, Mapping, Scalar, Tree
+
+_MOST_RADIANS = 20.0
+"""Three turns: beyond the limits of joints other than winches."""
+_MOST_ROTATION = 6.5
+"""A turn: no roll, pitch or yaw is written as more."""
+_MOST_METRES = 10.0
+_LIGHTEST = 25.0
+"""[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
+_LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
+
+
+def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB139 for numbers that were written without a unit and are far from what robots have."""
+    for name, joint in sidecar.document.joints.items():
+        for field, setting in joint_settings(sidecar.document, name).items():
+            if field in ("lower", "upper", "spring_reference") and field in settings_of(joint.type):
+                _check_position(sidecar, joint.type, setting.keys, found)
+        _check_position(sidecar, joint.type, ("joints", name, "zero"), found)
+        _check_position(sidecar, joint.type, ("joints", name, "mimic", "offset"), found)
+    for keys, number in _plain_numbers(sidecar.root, ()):
+        named = [key for key in keys if isinstance(key, str)]
+        if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
+            _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+        elif named[-1] in _LENGTHS and abs(number) > _MOST_METRES:
+            _report(sidecar, keys, f"{number:g} m is larger than most robots", "mm", "m", found)
+        elif named[-1] == "density" and 0.0 < number < _LIGHTEST:
+            _report(sidecar, keys, f"{number:g} kg/m^3 is lighter than foam", "g/cm^3", "kg/m^3", found)
+
+
+def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
+    number = sidecar.plain_number(*keys)
+    if number is None or not isfinite(number):
+        return
+    if kind is JointKind.PRISMATIC and abs(number) > _MOST_METRES:
+        _report(sidecar, keys, f"{number:g} m is larger than most robots", "mm", "m", found)
+    elif kind is not JointKind.PRISMATIC and abs(number) > _MOST_RADIANS:
+        _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+
+
+def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, found: Diagnostics) -> None:
+    written = sidecar.written(*keys)
+    help = [f"if {other} is meant, write `{written} {other}`; if not, `{written} {own}`"]
+    found.add("SB139", f"{subject(keys)}: {message}", sidecar.span(*keys), help=help)
+
+
+def _turns(radians: float) -> str:
+    return f"{abs(radians) / 6.283185307179586:.1f} turns"
+
+
+def _plain_numbers(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, float]]:
+    """Every value at and below a place that is written as a plain number."""
+    if isinstance(tree, Scalar):
+        if isinstance(tree.value, int | float) and not isinstance(tree.value, bool) and isfinite(tree.value):
+            yield keys, float(tree.value)
+    elif isinstance(tree, Listing):
+        for index, value in enumerate(tree.values):
+            yield from _plain_numbers(value, (*keys, index))
+    elif isinstance(tree, Mapping):
+        for key, entry in tree.entries.items():
+            yield from _plain_numbers(entry.value, (*keys, key))

@@ -1,0 +1,320 @@
+"""The scalar types of the sidecar: numbers in SI, or with their unit, as pydantic types.
+
+A value that cannot be read raises an error whose type is the diagnostic's code and whose context holds its message and
+remedies; :mod:`stepbot.sidecar.schema_faults` adds the place and the subject.
+"""
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, NamedTuple, Self
+
+from pydantic import BeforeValidator, PlainValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from .. import units
+from ..model import Rgba
+from ..spatial import Vector3, unit
+from ..units import Dimension, UnitError, read_quantity
+
+Parser = Callable[[Any], float]
+
+
+class JointValue(float):
+    """A number of a joint in SI that remembers its unit; whether that fits is for the joint's type to say."""
+
+    __slots__ = ("dimension",)
+
+    dimension: Dimension | None
+    """The dimension of the unit that was written; None for a plain number."""
+
+    def __new__(cls, value: float, dimension: Dimension | None = None) -> Self:
+        """The number, and the dimension of the unit that was written."""
+        self = super().__new__(cls, value)
+        self.dimension = dimension
+        return self
+
+    def __getnewargs__(self) -> tuple[float, Dimension | None]:  # type: ignore[override] # two, where float has one
+        return (float(self), self.dimension)
+
+    @property
+    def value(self) -> float:
+        """The number alone."""
+        return float(self)
+
+
+class ToleranceValue(NamedTuple):
+    """A mesh tolerance: a share of each solid's diagonal, or a length."""
+
+    relative: float
+    absolute: float
+    """[m]; 0 where ``relative`` counts."""
+
+
+def fault(code: str, text: str, *help: str) -> PydanticCustomError:
+    """A value that cannot be what its key needs."""
+    return PydanticCustomError(code, "{text}", {"text": text, "help": help})
+
+
+def described(value: Any) -> str:
+    """What a YAML value is, for people."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case int() | float():
+            return f"the number {value:g}"
+        case str():
+            return f"the text '{value if len(value) <= 40 else value[:37] + '...'}'"
+        case dict():
+            return "a mapping"
+        case None:
+            return "nothing"
+        case _:
+            return "a list"
+
+
+def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
+    """A number, or a number with a unit of one of the dimensions; infinity is a number, NaN is not.
+
+    Raises:
+        PydanticCustomError: SB122 wrong type, SB124 not a quantity of these dimensions, SB125 NaN.
+    """
+    example = " or ".join(dict.fromkeys(d.example for d in dimensions))
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        wanted = f"a number, or a text with a unit of {units.described(*dimensions)}"
+        raise fault("SB122", f"must be {wanted}, not {described(value)}", f"for example {example}")
+    if isinstance(value, str):
+        try:
+            quantity = read_quantity(value, *dimensions)
+        except UnitError as failure:
+            raise fault("SB124", str(failure), *failure.hints) from None
+        return JointValue(*quantity)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf if value > 0 else -math.inf
+    if math.isnan(number):
+        raise fault("SB125", "NaN is not a number", f"write a number [{dimensions[0].unit}], for example {example}")
+    return JointValue(number)
+
+
+def _finite(
+    dimension: Dimension, *, low: float = -math.inf, above: float = -math.inf, high: float = math.inf
+) -> Parser:
+    """Parser of a finite number of at least ``low``, more than ``above`` and at most ``high``."""
+
+    def parse(value: Any) -> float:
+        number = float(_quantity(value, dimension))
+        if not math.isfinite(number):
+            raise fault("SB125", f"{number:g} is not finite")
+        if number < low or number <= above:
+            bound = f"at least {low:g}" if number < low else f"greater than {above:g}"
+            raise fault("SB125", f"{number:g} {dimension.unit} is not a {dimension.name} {bound}")
+        if number > high:
+            hint = f"a plain number is in {dimension.unit}; with its unit it reads, for example, {dimension.example}"
+            raise fault("SB125", f"{number:g} {dimension.unit} is more than {high:g} {dimension.unit}", hint)
+        return number
+
+    return parse
+
+
+def _joint_value(*dimensions: Dimension, finite: bool = True, low: float = -math.inf) -> Callable[[Any], JointValue]:
+    """Parser of a value that has one of several dimensions, remembered for the check against the joint's type."""
+
+    def parse(value: Any) -> JointValue:
+        number = _quantity(value, *dimensions)
+        if finite and not math.isfinite(number):
+            raise fault("SB125", f"{number:g} is not finite")
+        if number < low:
+            raise fault("SB125", f"{number:g} is not a {dimensions[0].name} of at least {low:g}")
+        return number
+
+    return parse
+
+
+def _three(value: Any) -> Any:
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise fault("SB122", f"three values are needed, [x, y, z], not {described(value)}")
+    if len(value) != 3:
+        raise fault("SB122", f"three values are needed, [x, y, z], not {len(value)}")
+    return value
+
+
+_AXES: dict[str, Vector3] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
+}
+
+
+def _axis(value: Any) -> Vector3:
+    """A unit vector from one of six letters or three numbers."""
+    if isinstance(value, str):
+        if value not in _AXES:
+            raise fault("SB123", f"'{value}' is not an axis", "an axis is x, y, z, -x, -y, -z or [x, y, z]")
+        return _AXES[value]
+    numbers = [_finite(units.RATIO)(v) for v in _three(value)]
+    try:
+        x, y, z = unit(numbers).tolist()
+    except ValueError:
+        raise fault("SB125", f"{numbers} has no direction", "an axis needs a length other than zero") from None
+    return (x, y, z)
+
+
+_COLOR_HELP = 'a colour is "#rrggbb", "#rrggbbaa" (in quotes) or [red, green, blue] with numbers from 0 to 1'
+
+
+def _color(value: Any) -> Rgba:
+    """``#rgb``, ``#rrggbb``, ``#rrggbbaa``, or three or four numbers from 0 to 1."""
+    if isinstance(value, str):
+        digits = value.removeprefix("#")
+        if len(digits) in (3, 4):
+            digits = "".join(2 * digit for digit in digits)
+        if not value.startswith("#") or re.fullmatch(r"[0-9a-fA-F]{6}([0-9a-fA-F]{2})?", digits) is None:
+            raise fault("SB123", f"'{value}' is not a colour", _COLOR_HELP)
+        channels = [int(digits[i : i + 2], 16) / 255 for i in range(0, len(digits), 2)]
+    elif isinstance(value, Sequence) and len(value) in (3, 4):
+        channels = [_finite(units.RATIO, low=0.0, high=1.0)(v) for v in value]
+    else:
+        raise fault("SB122", f"a colour is not {described(value)}", _COLOR_HELP)
+    red, green, blue, alpha = [*channels, 1.0][:4]
+    return (red, green, blue, alpha)
+
+
+def _tolerance(value: Any) -> ToleranceValue:
+    if isinstance(value, str) and value.strip().endswith("%"):
+        return ToleranceValue(_finite(units.RATIO, above=0.0, high=1.0)(value), 0.0)
+    return ToleranceValue(0.0, _finite(units.LENGTH, above=0.0)(value))
+
+
+def _json(*dimensions: Dimension, **bounds: float) -> WithJsonSchema:
+    """JSON Schema of a quantity: a number in SI, or a text with the unit."""
+    examples = [d.example for d in dimensions]
+    return WithJsonSchema(
+        {
+            "anyOf": [{"type": "number", **bounds}, {"type": "string", "pattern": units.QUANTITY_PATTERN}],
+            "description": _written_as(*dimensions),
+            "examples": examples,
+        }
+    )
+
+
+def _written_as(*dimensions: Dimension) -> str:
+    examples = ", ".join(dict.fromkeys(f"`{d.example}`" for d in dimensions))
+    return f"{units.described(*dimensions)}: a plain number is SI; with its unit: {examples}."
+
+
+def _json_vector(dimension: Dimension) -> WithJsonSchema:
+    item = {"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}
+    description = f"`[x, y, z]`, each a {dimension.name} [{dimension.unit}] or with its unit: `{dimension.example}`."
+    return WithJsonSchema(
+        {
+            "type": "array",
+            "items": item,
+            "minItems": 3,
+            "maxItems": 3,
+            "description": description,
+            "examples": [[0, 0, dimension.example]],
+        }
+    )
+
+
+_NUMBERS3 = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+_CHANNELS = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": 1}, "minItems": 3, "maxItems": 4}
+_HEX_COLOR = {"type": "string", "pattern": "^#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$"}
+
+Number = Annotated[
+    float,
+    BeforeValidator(_finite(units.RATIO)),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}),
+]
+Length = Annotated[float, BeforeValidator(_finite(units.LENGTH, above=0.0)), _json(units.LENGTH, exclusiveMinimum=0)]
+Angle = Annotated[
+    float,
+    BeforeValidator(_finite(units.ANGLE, above=0.0, high=math.pi)),
+    _json(units.ANGLE, exclusiveMinimum=0, maximum=math.pi),
+]
+Mass = Annotated[float, BeforeValidator(_finite(units.MASS, above=0.0)), _json(units.MASS, exclusiveMinimum=0)]
+Density = Annotated[float, BeforeValidator(_finite(units.DENSITY, above=0.0)), _json(units.DENSITY, exclusiveMinimum=0)]
+Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), _json(units.INERTIA)]
+Pitch = Annotated[float, BeforeValidator(_finite(units.PITCH)), _json(units.PITCH)]
+
+_Coordinate = Annotated[float, BeforeValidator(_finite(units.LENGTH))]
+_Extent = Annotated[float, BeforeValidator(_finite(units.LENGTH, above=0.0))]
+_Turn = Annotated[float, BeforeValidator(_finite(units.ANGLE))]
+LengthVector = Annotated[
+    tuple[_Coordinate, _Coordinate, _Coordinate], BeforeValidator(_three), _json_vector(units.LENGTH)
+]
+SizeVector = Annotated[tuple[_Extent, _Extent, _Extent], BeforeValidator(_three), _json_vector(units.LENGTH)]
+RotationVector = Annotated[tuple[_Turn, _Turn, _Turn], BeforeValidator(_three), _json_vector(units.ANGLE)]
+AxisVector = Annotated[
+    Vector3,
+    BeforeValidator(_axis),
+    WithJsonSchema(
+        {
+            "anyOf": [{"enum": list(_AXES)}, _NUMBERS3],
+            "description": "`x`, `y`, `z`, `-x`, `-y`, `-z`, or `[x, y, z]` of any length but zero.",
+        }
+    ),
+]
+Color = Annotated[
+    Rgba,
+    BeforeValidator(_color),
+    WithJsonSchema(
+        {
+            "anyOf": [_HEX_COLOR, _CHANNELS],
+            "description": 'Colour: `"#rrggbb"` or `"#rrggbbaa"` in quotes, or `[red, green, blue, opacity]`, 0 to 1.',
+            "examples": ["#e0e0e0"],
+        }
+    ),
+]
+RelativeOrLength = Annotated[
+    ToleranceValue,
+    PlainValidator(_tolerance),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": units.QUANTITY_PATTERN}],
+            "description": "A share of each solid's diagonal, `0.2 %`, or a length [m], `0.1 mm`.",
+            "examples": ["0.2 %", "0.1 mm"],
+        }
+    ),
+]
+JointPosition = Annotated[
+    JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH)), _json(units.ANGLE, units.LENGTH)
+]
+JointBound = Annotated[
+    JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH, finite=False)), _json(units.ANGLE, units.LENGTH)
+]
+JointSpeed = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.ANGULAR_SPEED, units.SPEED, finite=False, low=0.0)),
+    _json(units.ANGULAR_SPEED, units.SPEED, minimum=0),
+]
+JointEffort = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.TORQUE, units.FORCE, finite=False, low=0.0)),
+    _json(units.TORQUE, units.FORCE, minimum=0),
+]
+JointFriction = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.TORQUE, units.FORCE, low=0.0)),
+    _json(units.TORQUE, units.FORCE, minimum=0),
+]
+JointDamping = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, low=0.0)),
+    _json(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, minimum=0),
+]
+JointStiffness = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, low=0.0)),
+    _json(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, minimum=0),
+]
+JointInertia = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.INERTIA, units.MASS, low=0.0)),
+    _json(units.INERTIA, units.MASS, minimum=0),
+]

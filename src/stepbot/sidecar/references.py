@@ -1,0 +1,135 @@
+"""Links, joints and materials that are named must exist; what needs one or two of them must have them."""
+
+from collections.abc import Collection
+from fnmatch import fnmatchcase
+
+from ..diagnostics import Diagnostics, did_you_mean
+from .document import AutoOrigin, Document, Origin, SensorKind, SensorSection
+from .load import Sidecar
+from .subjects import subject
+from .tree import Keys
+
+_MOST_LISTED = 12
+
+_ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
+_ON_LINKS = tuple(kind for kind in SensorKind if kind is not SensorKind.JOINT)
+
+
+def check_references(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB128, SB130 to SB134 and SB136."""
+    document = sidecar.document
+    _check_links(sidecar, found)
+    for name, joint in document.joints.items():
+        if joint.mimic is not None:
+            _check_joint(sidecar, ("joints", name, "mimic", "joint"), joint.mimic.joint, found)
+    for name, actuator in document.actuators.items():
+        _check_joint(sidecar, ("actuators", name, "joint"), actuator.joint, found)
+    for name, sensor in document.sensors.items():
+        if sensor.joint is not None:
+            _check_joint(sidecar, ("sensors", name, "joint"), sensor.joint, found)
+        _check_sensor(sidecar, name, sensor, found)
+    _check_materials(sidecar, found)
+    _check_patterns(sidecar, found)
+    _check_rest(sidecar, found)
+    _check_origins(sidecar, found)
+
+
+def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
+    document = sidecar.document
+    named: list[tuple[Keys, str | None]] = [(("root", "link"), document.root.link)] if document.root else []
+    for name, joint in document.joints.items():
+        named += [(("joints", name, "parent"), joint.parent), (("joints", name, "child"), joint.child)]
+    for name, closure in document.closures.items():
+        named += [(("closures", name, "link_a"), closure.link_a), (("closures", name, "link_b"), closure.link_b)]
+    named += [(("frames", name, "link"), frame.link) for name, frame in document.frames.items()]
+    named += [(("sensors", name, "link"), sensor.link) for name, sensor in document.sensors.items()]
+    for keys, link in named:
+        if link is None or link in document.links:
+            continue
+        help = _candidates(link, document.links, "links")
+        if link == "world":
+            help = ("`base: fixed` fixes the root link to the world; the world itself is not a link",)
+        found.add("SB130", f"{_user(keys)}: no link '{link}'", sidecar.span(*keys), help=help)
+
+
+def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -> None:
+    if joint not in sidecar.document.joints:
+        help = _candidates(joint, sidecar.document.joints, "joints")
+        if joint in sidecar.document.closures:
+            help = ("it is a closure; those follow from the joints of the tree",)
+        found.add("SB131", f"{_user(keys)}: no joint '{joint}'", sidecar.span(*keys), help=help)
+
+
+def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
+    keys = ("sensors", name)
+    if sensor.link is None and sensor.joint is None:
+        message = "names neither a link nor a joint"
+    elif sensor.link is not None and sensor.joint is not None:
+        message = "names a link and a joint; it can be on one of them"
+    elif sensor.joint is not None and sensor.type not in _ON_JOINTS:
+        message = f"a sensor of type {sensor.type} is on a link"
+    elif sensor.link is not None and sensor.type not in _ON_LINKS:
+        message = f"a sensor of type {sensor.type} is on a joint"
+    else:
+        return
+    found.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[_sensor_place(sensor.type)])
+
+
+def _sensor_place(kind: SensorKind) -> str:
+    if kind in _ON_JOINTS:
+        return "give it `joint`" + (", or `link`" if kind in _ON_LINKS else "")
+    return "give it `link`"
+
+
+def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
+    document = sidecar.document
+    named: list[tuple[Keys, str | None]] = [(("defaults", "material"), document.defaults.material)]
+    named += [(("parts", path, "material"), rule.material) for path, rule in document.parts.items()]
+    for keys, material in named:
+        if material is not None and material not in document.materials:
+            help = _candidates(material, document.materials, "materials")
+            found.add("SB132", f"{_user(keys)}: no material '{material}'", sidecar.span(*keys), help=help)
+
+
+def _check_patterns(sidecar: Sidecar, found: Diagnostics) -> None:
+    joints = sidecar.document.joints
+    for pattern in sidecar.document.joint_defaults:
+        if not any(fnmatchcase(name, pattern) for name in joints):
+            keys = ("joint_defaults", pattern)
+            help = _candidates(pattern, joints, "joints")
+            found.add("SB133", f"{subject(keys)}: matches no joint", sidecar.key_span(*keys), help=help)
+
+
+def _check_rest(sidecar: Sidecar, found: Diagnostics) -> None:
+    taking = [name for name, link in sidecar.document.links.items() if link.rest]
+    for name in taking[1:]:
+        message = f"link '{name}': link '{taking[0]}' takes the rest already"
+        notes = [f"first at {sidecar.key_span('links', taking[0], 'rest')}"]
+        found.add("SB134", message, sidecar.key_span("links", name, "rest"), help=["keep one"], notes=notes)
+
+
+def _check_origins(sidecar: Sidecar, found: Diagnostics) -> None:
+    for keys, origin in _origins_of_one_link(sidecar.document):
+        if origin == "auto" or isinstance(origin, AutoOrigin):
+            message = f"{subject(keys)}: 'auto' needs two links, and here is one"
+            help = ['say where: {axis_of: "..."}, {center: "..."}, {component: "..."} or {xyz: [...]}']
+            found.add("SB128", message, sidecar.span(*keys), help=help)
+
+
+def _origins_of_one_link(document: Document) -> list[tuple[Keys, Origin | None]]:
+    origins: list[tuple[Keys, Origin | None]] = [(("root", "frame"), document.root.frame)] if document.root else []
+    origins += [(("frames", name, "origin"), frame.origin) for name, frame in document.frames.items()]
+    return origins + [(("sensors", name, "origin"), sensor.origin) for name, sensor in document.sensors.items()]
+
+
+def _user(keys: Keys) -> str:
+    """Who names something; which of two links it is, where it has two."""
+    return subject(keys if keys[0] in ("joints", "closures", "root", "defaults") else keys[:2])
+
+
+def _candidates(name: str, names: Collection[str], what: str) -> tuple[str, ...]:
+    near = did_you_mean(name, names)
+    if near or not names:
+        return near or (f"there are no {what}",)
+    listed = list(names)[:_MOST_LISTED]
+    return (f"{what}: {', '.join(listed)}" + (", ..." if len(names) > len(listed) else ""),)

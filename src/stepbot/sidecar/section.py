@@ -1,0 +1,35 @@
+"""What every mapping of the sidecar is, and the kinds of names in it."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+def _name_pattern(excluded: str, at_ends: str) -> str:
+    """Of texts that hold none of some characters, and neither start nor end with some others.
+
+    Written so that Rust, Python and ECMA 262 with its ``u`` flag read the same: editors use it too.
+    """
+    inner, outer = rf"[^{excluded}\x00-\x1f\x7f]", rf"[^\s{at_ends}{excluded}\x00-\x1f\x7f]"
+    return f"^{outer}({inner}*{outer})?$"
+
+
+NOT_IN_NAMES = "/<>&\"'"
+NOT_IN_FILE_NAMES = NOT_IN_NAMES + "\\:*?|"
+
+NAME_PATTERN = _name_pattern(NOT_IN_NAMES, "")
+ROBOT_NAME_PATTERN = _name_pattern(NOT_IN_FILE_NAMES.replace("\\", r"\\"), ".")
+
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=NAME_PATTERN)]
+"""A name that every output format can carry as it is."""
+RobotName = Annotated[str, Field(min_length=1, max_length=100, pattern=ROBOT_NAME_PATTERN)]
+"""A name that is also the name of a file, on every system."""
+ComponentPath = Annotated[str, Field(min_length=1, max_length=2000)]
+"""A component path or glob; the grammar is in :mod:`stepbot.cad.paths`."""
+
+
+class Section(BaseModel):
+    """Base of every mapping in the sidecar: no unknown keys, no change after loading."""
+
+    # Deferred: only the document as a whole is ever validated, and building each section's validator takes longer.
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)

@@ -1,0 +1,108 @@
+"""Collision geometry: made from the mesh in one of several ways, or given as primitive shapes."""
+
+from enum import StrEnum
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Tag
+
+from .origins import Offset
+from .quantities import Length, SizeVector
+from .section import Section
+
+
+class CollisionShape(StrEnum):
+    """How collision geometry is made from a component's mesh."""
+
+    NONE = "none"
+    MESH = "mesh"
+    HULL = "hull"
+    BOX = "box"
+    CYLINDER = "cylinder"
+    SPHERE = "sphere"
+    CAPSULE = "capsule"
+    DECOMPOSE = "decompose"
+
+
+class BoxShape(Section):
+    """A box around its origin."""
+
+    type: Literal["box"]
+    """The shape."""
+    size: SizeVector
+    """Full edge lengths [m]."""
+    origin: Offset = Offset()
+    """Pose in the link's frame."""
+
+
+class CylinderShape(Section):
+    """A cylinder along z around its origin."""
+
+    type: Literal["cylinder"]
+    """The shape."""
+    radius: Length
+    """Radius [m]."""
+    length: Length
+    """Full length [m] along z."""
+    origin: Offset = Offset()
+    """Pose in the link's frame."""
+
+
+class SphereShape(Section):
+    """A sphere around its origin."""
+
+    type: Literal["sphere"]
+    """The shape."""
+    radius: Length
+    """Radius [m]."""
+    origin: Offset = Offset()
+    """Pose in the link's frame."""
+
+
+class CapsuleShape(Section):
+    """A cylinder along z with half spheres on both ends, around its origin."""
+
+    type: Literal["capsule"]
+    """The shape."""
+    radius: Length
+    """Radius [m]."""
+    length: Length
+    """Length [m] of the cylinder, without the half spheres."""
+    origin: Offset = Offset()
+    """Pose in the link's frame."""
+
+
+def _shape_type(value: Any) -> str | None:
+    """The type of a primitive shape; None where it does not say."""
+    kind = value.get("type") if isinstance(value, dict) else getattr(value, "type", None)
+    return f"<{kind}>" if kind in ("box", "cylinder", "sphere", "capsule") else None
+
+
+Shape = Annotated[
+    Annotated[BoxShape, Tag("<box>")]
+    | Annotated[CylinderShape, Tag("<cylinder>")]
+    | Annotated[SphereShape, Tag("<sphere>")]
+    | Annotated[CapsuleShape, Tag("<capsule>")],
+    Discriminator(_shape_type),
+]
+
+
+class MergedCollision(Section):
+    """One collision shape for the whole link."""
+
+    merge: CollisionShape
+    """How it is made from all of the link's components together."""
+
+
+def _collision_form(value: Any) -> str:
+    """A word, a mapping or a list."""
+    if isinstance(value, dict | MergedCollision):
+        return "<merge>"
+    return "<list>" if isinstance(value, list | tuple) else "<word>"
+
+
+Collision = Annotated[
+    Annotated[CollisionShape, Tag("<word>")]
+    | Annotated[MergedCollision, Tag("<merge>")]
+    | Annotated[tuple[Shape, ...], Tag("<list>")],
+    Discriminator(_collision_form),
+]

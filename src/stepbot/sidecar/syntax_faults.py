@@ -1,0 +1,194 @@
+"""YAML syntax faults in a roboticist's words, and what of the text can still be read around them.
+
+A parser stops at its first fault. To report more than that one, the top-level section around it is blanked, line
+numbers stay, and the rest is read again.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ruamel.yaml.error import MarkedYAMLError, StringMark
+
+from ..diagnostics import Diagnostics, Span
+from .bounds import BoundedDiagnostics, TooManyFaultsError
+from .compose import STAR, TooMuchError, compose
+from .tree import Tree
+
+MOST_ATTEMPTS = 8
+"""How many syntax faults of one file are looked for."""
+MOST_TEXT = 1 << 18
+"""Characters that are read in all attempts together, so that a large broken file does not take minutes."""
+
+_OPENERS = {"sequence": ("[", "]"), "mapping": ("{", "}")}
+_TOP_LEVEL_KEY = re.compile(r"[^\s#\]})]")
+
+
+@dataclass(frozen=True)
+class Composed:
+    """What could be read of a text."""
+
+    tree: Tree | None
+    whole: bool
+    """Whether all of the text is in the tree; False where sections around syntax faults are missing."""
+
+
+def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
+    """The tree of all sections that are YAML; every syntax fault is reported.
+
+    Reports SB104 syntax, SB105 tabs, SB106 unquoted paths, and what :func:`stepbot.sidecar.compose.compose` reports.
+    """
+    lines = text.split("\n")
+    _quote_starred_keys(lines, file, found)
+    spoiled: set[int] = set()
+    whole, budget = True, MOST_TEXT
+    for _ in range(MOST_ATTEMPTS):
+        attempt = BoundedDiagnostics()
+        budget -= len(text)
+        try:
+            tree = compose("\n".join(lines), file, attempt)
+        except (TooMuchError, TooManyFaultsError):
+            found.extend(attempt)
+            return Composed(None, False)
+        except MarkedYAMLError as failure:
+            whole = False
+            if "'\\t'" in str(failure.problem) and (tabbed := _untabbed(lines, file, found)):
+                spoiled |= tabbed
+                continue
+            fault = _Fault(failure, lines, file)
+            section = fault.section()
+            found.extend(d for d in attempt if d.span.line - 1 in section)
+            # A path without quotes is reported where it stands, with what the parser makes of it on the same line.
+            if spoiled.isdisjoint(section) and (fault.line, "SB106") not in {(d.span.line, d.code) for d in found}:
+                fault.report(found)
+            if budget < len(text) or fault.ends_document or not _blank(lines, section):
+                return Composed(None, False)
+        else:
+            found.extend(attempt)
+            return Composed(tree, whole)
+    return Composed(None, False)
+
+
+_STARRED_KEY = re.compile(r"(?P<indent> *(?:- +)?)(?P<path>\*(?:[^\"'{}\[\],#:]*[^\s\"'{}\[\],#:])?):(?=\s|$)")
+
+
+def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None:
+    """Report keys such as ``**/M3*:`` without quotes, and make them keys again.
+
+    (An alias as a key needs a space before its colon, so that this is never one.)
+    """
+    for number, line in enumerate(lines):
+        if match := _STARRED_KEY.match(line):
+            path, column = match["path"], match.start("path")
+            help = [f'a path that starts with * goes in quotes: "{path}"']
+            span = Span(file, number + 1, column + 1, column + 1 + len(path))
+            found.add("SB106", f"sidecar: {path} without quotes is an alias", span, help=help)
+            lines[number] = line[:column] + STAR + line[column + 1 :]
+
+
+def _untabbed(lines: list[str], file: str, found: Diagnostics) -> set[int]:
+    """Report tabs that indent, put a space in the place of each, and tell which lines they were in."""
+    tabbed = set()
+    for number, line in enumerate(lines):
+        indent = line[: len(line) - len(line.lstrip())]
+        if "\t" in indent and line.strip() and not line.lstrip().startswith("#"):
+            column = indent.index("\t") + 1
+            help = ["indent with spaces, two for each level"]
+            span = Span(file, number + 1, column, len(indent) + 1)
+            found.add("SB105", "sidecar: the line is indented with a tab", span, help=help)
+            lines[number] = line.replace("\t", " ", indent.count("\t"))
+            tabbed.add(number)
+    return tabbed
+
+
+def _blank(lines: list[str], section: Iterable[int]) -> bool:
+    """Empty the lines of a section; False where they are empty already."""
+    full = [number for number in section if lines[number].strip()]
+    for number in full:
+        lines[number] = ""
+    return bool(full)
+
+
+class _Fault:
+    """A syntax fault: where it is, and what to say about it."""
+
+    def __init__(self, failure: MarkedYAMLError, lines: Sequence[str], file: str) -> None:
+        self._lines, self._file = lines, file
+        self._problem, self._context = str(failure.problem or ""), str(failure.context or "")
+        self._mark = _clipped(failure.problem_mark or failure.context_mark, lines)
+        self._start = _clipped(failure.context_mark, lines) if failure.context_mark else self._mark
+        self.line = self._mark[0] + 1
+        self.ends_document = "<document start>" in self._problem
+
+    def section(self) -> range:
+        """Lines, from 0, of the top-level section that the fault spoils."""
+        spoiled = self._start[0] if self._is_unclosed() else self._mark[0]
+        starts = [n for n, line in enumerate(self._lines) if _TOP_LEVEL_KEY.match(line)]
+        first = max((n for n in starts if n <= spoiled), default=0)
+        last = min((n for n in starts if n > spoiled), default=len(self._lines))
+        return range(first, last)
+
+    def report(self, found: Diagnostics) -> None:
+        """Say what is wrong."""
+        path = self._unquoted_path()
+        if path is not None:
+            span = self._span(self._mark[0], self._lines[self._mark[0]].index(path), len(path))
+            help = [f'a path that starts with * goes in quotes: "{path}"']
+            found.add("SB106", f"sidecar: {path} without quotes is an alias", span, help=help)
+            return
+        message, help = self._message()
+        place = self._start if self._is_unclosed() else self._mark
+        found.add("SB104", f"sidecar: {message}", self._span(*place), help=help)
+
+    def _is_unclosed(self) -> bool:
+        return ("flow" in self._context and "expected ','" in self._problem) or "quoted scalar" in self._context
+
+    def _unquoted_path(self) -> str | None:
+        """The glob without quotes that the fault is about, if it is."""
+        line = self._lines[self._mark[0]]
+        match = re.search(r"(?:^|[\s\[{,:-])(\*[^\s,\]}]*?):?(?=[\s,\]}]|$)", line)
+        return match[1] if match and "<alias>" in self._problem else None
+
+    def _message(self) -> tuple[str, list[str]]:
+        problem, line = self._problem, self._lines[self._mark[0]]
+        if match := re.search(r"character '(.+)' that cannot start", problem):
+            return f"a value cannot start with {match[1]}", ["put the text in quotes"]
+        if "mapping values are not allowed" in problem:
+            return "a colon where no key can be", [
+                "text that has ': ' in it goes in quotes",
+                "or the line above lacks its colon, or this line is indented too far",
+            ]
+        if "sequence entries are not allowed" in problem:
+            return "a list item where none can be", ["start the list on a line of its own, or write it as [a, b]"]
+        if "unknown escape character" in problem:
+            return f"{problem.removeprefix('found ')}: in double quotes a backslash starts an escape", [
+                "use single quotes, 'a\\#b', or write the backslash twice"
+            ]
+        if "quoted scalar" in self._context:
+            return "a quote that is not closed", ["close it on the same line"]
+        if self._is_unclosed():
+            kind = "mapping" if "mapping" in self._context else "sequence"
+            opened, closing = _OPENERS[kind]
+            return f"'{opened}' is not closed, or a comma is missing in it", [
+                f"add '{closing}', or ',' between two values"
+            ]
+        if "<block end>" in problem and not line[: self._mark[1]].strip():
+            return "the line is indented unlike its neighbours", ["align keys of one mapping, and items of one list"]
+        if re.search("<block end>|<document start>|node content|comment or a line break", problem):
+            token = re.search(r"found \(?'([^<>]+?)'", problem)
+            what = f"'{token[1]}'" if token else "text"
+            return f"{what} is not expected here", [
+                "a text with quotes, brackets or commas in it goes in quotes as a whole"
+            ]
+        return f"not YAML: {problem or self._context}", ["put text with special characters in quotes"]
+
+    def _span(self, line: int, column: int, width: int = 1) -> Span:
+        return Span(self._file, line + 1, column + 1, column + 1 + width)
+
+
+def _clipped(mark: StringMark, lines: Sequence[str]) -> tuple[int, int]:
+    """Line and column from 0, within the text; the end of the text is the end of its last line."""
+    if mark.line < len(lines) and (mark.column < len(lines[mark.line]) or mark.line + 1 < len(lines)):
+        return mark.line, mark.column
+    last = max((n for n, line in enumerate(lines) if line.strip()), default=0)
+    return last, max(len(lines[last]) - 1, 0)

@@ -1,0 +1,94 @@
+"""The text of a sidecar: read from the disk, bounded, as UTF-8."""
+
+import re
+from pathlib import Path
+
+from ..diagnostics import Diagnostics, Span
+
+LARGEST_FILE = 1 << 20
+"""Bytes of the largest file that is read."""
+
+# What YAML allows, but for three rare characters that it takes for line ends and editors do not.
+_NO_TEXT = re.compile("[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_BYTE_ORDER_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
+
+
+def file_name(path: Path) -> str:
+    """How diagnostics call the file: as the user gave it, with forward slashes."""
+    return path.as_posix()
+
+
+def read_text(path: Path, found: Diagnostics) -> str | None:
+    """The text of a file with line feeds at line ends, or None where there is none to read.
+
+    Reports SB001 not found, SB101 too large, SB102 not UTF-8, SB103 empty, SB109 a STEP file in place of a sidecar.
+    """
+    whole = Span(file_name(path))
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(LARGEST_FILE + 1)
+    except OSError as failure:
+        found.add("SB001", f"sidecar: {_reason(path, failure)}", whole)
+        return None
+    if content.lstrip()[:12] == b"ISO-10303-21":
+        help = ["name the sidecar; its key `step` names the STEP file"]
+        found.add("SB109", "sidecar: this is a STEP file", whole, help=help)
+        return None
+    if len(content) > LARGEST_FILE:
+        help = ["check that the path names the sidecar; globs and `rest: true` make long lists of parts short"]
+        found.add(
+            "SB101", f"sidecar: larger than {LARGEST_FILE // 1024} KiB, too large for a sidecar", whole, help=help
+        )
+        return None
+    text = _decoded(content, whole.file, found)
+    if text is not None and not text.strip("\ufeff \t\n"):
+        found.add("SB103", "sidecar: the file is empty", whole, help=["start with `version: 1`; see docs/sidecar.md"])
+        return None
+    return text
+
+
+def _decoded(content: bytes, file: str, found: Diagnostics) -> str | None:
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as failure:
+        before = content[: failure.start].decode("utf-8", "replace")
+        encoding = _BYTE_ORDER_MARKS.get(content[:2])
+        is_bytes = (
+            f"the file is {encoding}, not UTF-8" if encoding else f"byte 0x{content[failure.start]:02x} is not UTF-8"
+        )
+        found.add("SB102", f"sidecar: {is_bytes}", _place(file, before), help=["save the file as UTF-8"])
+        return None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def is_text(text: str, file: str, found: Diagnostics) -> bool:
+    """Whether all characters are those of a text; reports the first that is not, SB102."""
+    match = _NO_TEXT.search(text)
+    if match is not None:
+        place = _place(file, text[: match.start()])
+        found.add("SB102", f"sidecar: character {character(match[0])} does not belong in a text file", place)
+    return match is None
+
+
+def has_only_text(text: str) -> bool:
+    """Whether a value, its escapes undone, can be written and shown."""
+    return _NO_TEXT.search(text) is None
+
+
+def character(c: str) -> str:
+    """How a character that cannot be shown is called."""
+    return f"U+{ord(c):04X}"
+
+
+def _place(file: str, before: str) -> Span:
+    line = before.count("\n") + 1
+    column = len(before) - (before.rfind("\n") + 1) + 1
+    return Span(file, line, column, column + 1)
+
+
+def _reason(path: Path, failure: OSError) -> str:
+    if isinstance(failure, FileNotFoundError):
+        return "no such file"
+    if isinstance(failure, IsADirectoryError) or path.is_dir():
+        return "is a folder, not a file"
+    return f"cannot be read: {failure.strerror or failure}"

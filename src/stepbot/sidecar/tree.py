@@ -1,0 +1,119 @@
+"""A YAML file as a tree of values that know their places."""
+
+from collections.abc import Mapping as MappingType
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..diagnostics import Span
+
+Keys = tuple[str | int, ...]
+"""The way from the root to a value: keys of mappings, indices of lists."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scalar:
+    """A single value."""
+
+    span: Span
+    value: str | int | float | bool | None
+    text: str
+    """As it is written, without quotes."""
+    plain: bool = True
+    """Whether it is written without quotes."""
+    faulty: bool = False
+    """Whether a fault has been reported for it: what follows from it is not reported again."""
+    size = 1
+    depth = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Listing:
+    """A list of values."""
+
+    span: Span
+    values: Sequence["Tree"]
+    size: int
+    """Number of values in it, itself and what its aliases stand for included."""
+    depth: int
+    """Levels of values in it, itself included."""
+    flow: bool = False
+    """Whether it is written in brackets."""
+    faulty = False
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A key and its value."""
+
+    key_span: Span
+    value: "Tree"
+
+
+@dataclass(frozen=True, eq=False)
+class Mapping:
+    """Values by key, in file order."""
+
+    span: Span
+    entries: MappingType[str, Entry]
+    size: int
+    """Number of values in it, itself and what its aliases stand for included."""
+    depth: int
+    """Levels of values in it, itself included."""
+    faulty = False
+
+
+Tree = Scalar | Listing | Mapping
+
+
+def child(tree: Tree, key: str | int) -> Tree | None:
+    """The value at a key or index, or None."""
+    if isinstance(tree, Mapping) and isinstance(key, str):
+        entry = tree.entries.get(key)
+        return entry.value if entry is not None else None
+    if isinstance(tree, Listing) and isinstance(key, int) and 0 <= key < len(tree.values):
+        return tree.values[key]
+    return None
+
+
+def way(root: Tree, keys: Keys) -> list[Tree]:
+    """The values from the root along ``keys``, as far as there are any; the root first."""
+    values = [root]
+    for key in keys:
+        value = child(values[-1], key)
+        if value is None:
+            break
+        values.append(value)
+    return values
+
+
+def key_span(root: Tree, keys: Keys) -> Span:
+    """The place of the last key of ``keys``, or of the nearest above it that exists."""
+    values = way(root, keys)
+    for depth in range(len(values) - 1, 0, -1):
+        above, key = values[depth - 1], keys[depth - 1]
+        if isinstance(above, Mapping) and isinstance(key, str):
+            return above.entries[key].key_span
+    return root.span
+
+
+def span(root: Tree, keys: Keys) -> Span:
+    """The place of the value at ``keys``, or of the nearest key above it that exists."""
+    values = way(root, keys)
+    return values[-1].span if len(values) == len(keys) + 1 else key_span(root, keys)
+
+
+def plain_data(tree: Tree) -> Any:
+    """The tree as dictionaries, lists and scalars; what an alias repeats is the same object."""
+    return _plain_data(tree, {})
+
+
+def _plain_data(tree: Tree, done: dict[int, Any]) -> Any:
+    if isinstance(tree, Scalar):
+        return tree.value
+    if id(tree) not in done:
+        if isinstance(tree, Listing):
+            done[id(tree)] = [_plain_data(value, done) for value in tree.values]
+        else:
+            done[id(tree)] = {key: _plain_data(entry.value, done) for key, entry in tree.entries.items()}
+    return done[id(tree)]

@@ -1,0 +1,203 @@
+"""Checks across a sidecar: what is right passes, and each wrong turn of something right is found."""
+
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.check import check_sidecar
+from stepbot.sidecar.connections import rings
+from stepbot.sidecar.load import parse_sidecar
+from tests.unit.sidecar.samples import FULL
+
+
+def checked(text: str) -> Diagnostics:
+    """What loading and checking find in a text."""
+    found = Diagnostics()
+    sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
+    if sidecar is not None:
+        check_sidecar(sidecar, found)
+    return found
+
+
+def codes(text: str) -> list[str]:
+    """The codes of what is found."""
+    return [d.code for d in checked(text)]
+
+
+def robot(links: int, joints: list[tuple[int, int]], extra: str = "") -> str:
+    """A sidecar with links ``l0`` ... and fixed joints between them."""
+    lines = ["version: 1", "robot: tree", "step: tree.step", "links:"]
+    lines += [f"  l{n}: {{parts: [p{n}]}}" for n in range(links)]
+    lines += ["joints:"] if joints else []
+    lines += [f"  j{n}: {{type: fixed, parent: l{a}, child: l{b}}}" for n, (a, b) in enumerate(joints)]
+    return "\n".join(lines) + "\n" + extra
+
+
+@st.composite
+def trees(draw: st.DrawFn) -> tuple[int, list[tuple[int, int]]]:
+    """A random tree: each link but the first hangs on an earlier one, joints in any order."""
+    links = draw(st.integers(2, 12))
+    edges = [(draw(st.integers(0, child - 1)), child) for child in range(1, links)]
+    return links, draw(st.permutations(edges))
+
+
+def test_full_sidecar_is_sound() -> None:
+    """The sidecar that has every key has no fault but those of its mimic, which is made to have none."""
+    sound = FULL.replace(
+        "mimic: {joint: lift, multiplier: -1, offset: 0}", "mimic: {joint: pan, multiplier: 0, offset: 0}"
+    )
+    assert codes(sound) == []
+
+
+@given(tree=trees())
+def test_trees_are_sound(tree: tuple[int, list[tuple[int, int]]]) -> None:
+    """No tree, in whatever order its joints stand, has a fault."""
+    assert codes(robot(*tree)) == []
+
+
+@given(tree=trees(), data=st.data())
+def test_one_joint_more_is_found(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
+    """A further joint gives a link a second parent, or the root a parent, which makes a ring of all joints above."""
+    links, joints = tree
+    a, b = data.draw(st.tuples(st.integers(0, links - 1), st.integers(0, links - 1)).filter(lambda ab: ab[0] != ab[1]))
+    assert codes(robot(links, [*joints, (a, b)])) == (["SB452"] if b == 0 else ["SB451"])
+
+
+@given(tree=trees(), data=st.data())
+def test_one_joint_less_is_found(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
+    """Without one of its joints a tree falls into two."""
+    links, joints = tree
+    del joints[data.draw(st.integers(0, len(joints) - 1))]
+    assert codes(robot(links, joints)) == ["SB453"]
+
+
+@given(tree=trees(), data=st.data())
+def test_only_the_root_is_the_root(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
+    """Naming any other link the root is found."""
+    named = data.draw(st.integers(0, tree[0] - 1))
+    assert codes(robot(*tree, extra=f"root: {{link: l{named}}}\n")) == (["SB454"] if named else [])
+
+
+@given(successor=st.lists(st.integers(0, 9), min_size=10, max_size=10))
+def test_rings(successor: list[int]) -> None:
+    """The rings of any map are the names that come back to themselves, each once."""
+    names = {str(n): str(m) for n, m in enumerate(successor)}
+    back = set()
+    for start, name in names.items():
+        reached = name
+        for _ in names:
+            if reached == start:
+                back.add(start)
+            reached = names[reached]
+    found = rings(names)
+    assert sorted(name for ring in found for name in ring) == sorted(back)
+    for ring in found:
+        assert [names[name] for name in ring] == [*ring[1:], ring[0]]
+
+
+JOINT = """\
+version: 1
+robot: arm
+step: arm.step
+links: {{base: {{rest: true}}, arm: {{parts: [arm]}}, hand: {{parts: [hand]}}}}
+joints:
+  elbow: {{parent: base, child: arm, {elbow}}}
+  wrist: {{parent: arm, child: hand, {wrist}}}
+"""
+TURNS = "type: continuous"
+
+
+@pytest.mark.parametrize(
+    ("elbow", "wrist", "expected"),
+    [
+        ("type: revolute, limits: {lower: -1, upper: 1}", TURNS, []),
+        ("type: revolute, limits: {lower: 10 deg, upper: 1}, zero: 20 deg", TURNS, []),
+        ("type: revolute, limits: {lower: 0, upper: 1}", TURNS, []),
+        ("type: revolute, limits: {lower: 0, upper: inf}", TURNS, []),
+        ("type: prismatic, limits: {lower: -inf, upper: inf}", TURNS, []),
+        ("type: revolute, limits: {lower: inf, upper: inf}", TURNS, ["SB456"]),
+        ("type: revolute, limits: {lower: 1e-3, upper: 1}", TURNS, ["SB457"]),
+        ("type: revolute, limits: {lower: -1, upper: 1}, zero: 1.0000000001", TURNS, []),
+        ("type: screw, pitch: 2 mm/rev, limits: {upper: 10 rev}", TURNS, []),
+        ("type: screw, pitch: 0", TURNS, ["SB125"]),
+        ("type: universal, axis: z, axis2: x, limits: {effort: 1 N*m}", TURNS, []),
+        ("type: universal, axis: [1, 1, 0], axis2: [-1, -1, 0]", TURNS, ["SB462"]),
+        ("type: ball, dynamics: {damping: 0.1 N*m*s/rad}", TURNS, []),
+        ("type: floating", "type: fixed", []),
+        ("type: planar, axis: x", "type: cylindrical, axis: y", []),
+        ("type: planar, limits: {velocity: 1}", TURNS, ["SB137"]),
+        (TURNS, "type: continuous, mimic: {joint: elbow, multiplier: -2, offset: 0}", []),
+        (TURNS, "type: continuous, mimic: {joint: elbow, offset: 1}", ["SB461"]),
+        (
+            "type: continuous, zero: 1",
+            "type: continuous, zero: 2.5, mimic: {joint: elbow, multiplier: 2, offset: 0.5}",
+            [],
+        ),
+        (
+            "type: revolute, limits: {lower: -1, upper: 1}",
+            "type: revolute, limits: {lower: -2, upper: 2}, mimic: {joint: elbow, multiplier: -2}",
+            [],
+        ),
+        (
+            "type: revolute, limits: {lower: -1, upper: 1}",
+            "type: revolute, limits: {lower: -1, upper: 2}, mimic: {joint: elbow, multiplier: -2}",
+            ["SB460"],
+        ),
+        ("type: revolute, limits: {lower: -20, upper: 20}", TURNS, []),
+        ("type: revolute, limits: {lower: -21 rad, upper: 21 rad}", TURNS, []),
+        ("type: revolute, limits: {lower: -21, upper: 0}", TURNS, ["SB139"]),
+    ],
+)
+def test_rules_of_joints(elbow: str, wrist: str, expected: list[str]) -> None:
+    """What a type asks for, at its borders."""
+    assert codes(JOINT.format(elbow=elbow, wrist=wrist)) == expected
+
+
+def test_defaults_fill_limits() -> None:
+    """Limits that a default gives need not be repeated."""
+    text = JOINT.format(elbow="type: revolute", wrist=TURNS)
+    assert codes(text) == ["SB455"]
+    assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
+
+
+def test_fault_of_a_default_is_told_where_it_stands() -> None:
+    """Swapped limits that come from a default are marked there."""
+    text = JOINT.format(elbow="type: revolute", wrist=TURNS) + "joint_defaults: {'*': {limits: {lower: 2, upper: 1}}}\n"
+    (diagnostic,) = checked(text)
+    assert (diagnostic.code, diagnostic.span.line) == ("SB456", 8)
+    assert diagnostic.message.startswith("joint 'elbow'")
+
+
+@pytest.mark.parametrize(
+    ("damage", "expected"),
+    [
+        # A joint that is cut away leaves its child alone, which is no fault of the file.
+        (("type: revolute", "tpye: revolute"), ["SB121", "SB120"]),
+        # The misspelt section may hold the joints.
+        (("joints:", "jonits:"), ["SB120"]),
+        # A fault elsewhere does not hide one of the tree.
+        (("robot: arm", "robot: a/b"), ["SB126"]),
+        (("robot: arm", "robot: a/b\nroot: {link: arm}"), ["SB126", "SB454"]),
+    ],
+)
+def test_faults_do_not_beget_faults(damage: tuple[str, str], expected: list[str]) -> None:
+    """Of what is left around a fault, only faults of its own are told."""
+    text = JOINT.format(elbow="type: revolute, limits: {lower: -1, upper: 1}", wrist=TURNS)
+    assert codes(text.replace(*damage, 1)) == expected
+
+
+def test_large_robots_are_checked_quickly() -> None:
+    """A chain of a thousand joints that all follow one another takes seconds, not minutes."""
+    links = "".join(f"  l{n}: {{parts: [p{n}]}}\n" for n in range(1001))
+    joints = "".join(
+        f"  j{n}: {{type: continuous, parent: l{n}, child: l{n + 1}, mimic: {{joint: j{n + 1}}}}}\n" for n in range(999)
+    )
+    last = "  j999: {type: continuous, parent: l999, child: l1000}\n"
+    text = f"version: 1\nrobot: chain\nstep: c.step\nlinks:\n{links}joints:\n{joints}{last}"
+    start = time.process_time()
+    assert codes(text) == []
+    assert time.process_time() - start < 15

@@ -1,0 +1,184 @@
+"""YAML text to values with places; what a value is, is judged by ruamel.yaml's own loader where it follows YAML 1.2."""
+
+import io
+import json
+import math
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.bounds import BoundedDiagnostics, TooManyFaultsError
+from stepbot.sidecar.compose import DEEPEST, TooMuchError, compose
+from stepbot.sidecar.tree import Tree, plain_data, span
+
+FILE = "a.robot.yaml"
+
+
+def composed(text: str, found: Diagnostics) -> Tree:
+    """The tree of a text that holds a value."""
+    tree = compose(text, FILE, found)
+    assert tree is not None
+    return tree
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("010", 10),
+        ("0o10", 8),
+        ("0x10", 16),
+        ("-7", -7),
+        ("1e3", 1000.0),
+        ("-1e-3", -0.001),
+        (".5", 0.5),
+        ("5.", 5.0),
+        (".inf", math.inf),
+        ("-.inf", -math.inf),
+        ("-inf", "-inf"),
+        ("true", True),
+        ("yes", "yes"),
+        ("on", "on"),
+        ("1_000", "1_000"),
+        ("1:30", "1:30"),
+        ("2024-01-01", "2024-01-01"),
+        ("_", "_"),
+        ("45 deg", "45 deg"),
+        ("-z", "-z"),
+        ("'10'", "10"),
+        ("!!str 10", "10"),
+        ("! 10", "10"),
+        ("9" * 30, 1e30),
+    ],
+)
+def test_scalars_follow_the_core_schema(text: str, value: object, found: Diagnostics) -> None:
+    """Plain scalars are what YAML 1.2.2, section 10.3.2, says; in quotes they are texts."""
+    data = plain_data(composed(f"a: {text}", found))["a"]
+    assert data == value
+    assert type(data) is type(value)
+
+
+SCALARS = st.one_of(
+    st.integers(-(10**9), 10**9),
+    st.floats(allow_nan=False, allow_infinity=False),
+    st.booleans(),
+    st.text("abcö *#:,[]{}'\"\\\n0-", min_size=1),
+)
+KEYS = st.text("abcö *#:0-", min_size=1, max_size=8)
+VALUES = st.recursive(
+    SCALARS, lambda values: st.lists(values, max_size=4) | st.dictionaries(KEYS, values, max_size=4), max_leaves=20
+)
+
+
+@given(data=st.dictionaries(KEYS, VALUES, max_size=5))
+def test_json_comes_back(data: object) -> None:
+    """JSON is YAML: whatever the standard library writes is read as what it was."""
+    found = Diagnostics()
+    assert plain_data(composed(json.dumps(data, ensure_ascii=False), found)) == data
+    assert len(found) == 0
+
+
+@given(data=st.dictionaries(KEYS, VALUES, max_size=5))
+def test_block_style_comes_back(data: object) -> None:
+    """Whatever ruamel.yaml writes, indented and without braces, is read as what it was."""
+    writer, stream, found = YAML(typ="safe", pure=True), io.StringIO(), Diagnostics()
+    writer.default_flow_style = False
+    writer.dump(data, stream)
+    assert plain_data(composed(stream.getvalue(), found)) == data
+    assert len(found) == 0
+
+
+@given(text=st.text("ab:*&<-#[]{}, \n'\"!|>%@`\t?0.~", max_size=60))
+def test_any_text_ends_in_a_value_or_a_fault(text: str) -> None:
+    """No text makes composing fail otherwise than by a YAML error or a bound."""
+    try:
+        tree = compose(text, FILE, Diagnostics())
+    except (MarkedYAMLError, TooMuchError):
+        return
+    if tree is not None:
+        plain_data(tree)
+
+
+def test_places(found: Diagnostics) -> None:
+    """Lines and columns count from 1; a value on one line tells where it ends."""
+    tree = composed("a:\n  b: [1, 'zwölf']\n  c: {d: *x}\n".replace("*x", "x"), found)
+    assert (span(tree, ("a", "b", 1)).line, span(tree, ("a", "b", 1)).column) == (2, 10)
+    assert span(tree, ("a", "b", 1)).end_column == 17
+    assert span(tree, ("a", "b")).end_column == 18
+    assert span(tree, ("a",)).end_column == 0
+    assert span(tree, ("a", "c", "no", "such")).column == 3
+    assert span(tree, ()).line == 1
+
+
+def test_merge_keys(found: Diagnostics) -> None:
+    """Own keys beat merged ones wherever they stand, and earlier sources beat later ones."""
+    text = "a: &a {x: 1, y: 1}\nb: &b {x: 2, z: 2}\nc: {z: 3, <<: [*a, *b]}\nd:\n  <<: *a\n  x: 4\n"
+    data = plain_data(composed(text, found))
+    assert data["c"] == {"z": 3, "x": 1, "y": 1}
+    assert data["d"] == {"x": 4, "y": 1}
+
+
+def test_quoted_merge_key_is_a_key(found: Diagnostics) -> None:
+    """Only the plain scalar merges."""
+    assert plain_data(composed("a: {'<<': {x: 1}}", found)) == {"a": {"<<": {"x": 1}}}
+
+
+def test_every_duplicate_is_reported(found: Diagnostics) -> None:
+    """Each further key of a name is reported with its place, and the first counts."""
+    tree = composed("a: 1\nb: {c: 1, c: 2, c: 3}\n'a': 2\n", found)
+    assert plain_data(tree) == {"a": 1, "b": {"c": 1}}
+    assert [(d.code, d.span.line, d.span.column) for d in found] == [
+        ("SB107", 2, 11),
+        ("SB107", 2, 17),
+        ("SB107", 3, 1),
+    ]
+
+
+def test_alias_shows_its_own_place(found: Diagnostics) -> None:
+    """A fault of an aliased scalar is where the alias stands."""
+    assert span(composed("a: &x 3 kg\nb: *x\n", found), ("b",)).line == 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a: &a [x, x, x, x, x, x, x, x, x, x]\n"
+        + "".join(f"{b}: &{b} [{', '.join(['*' + a] * 10)}]\n" for a, b in zip("abcdefghi", "bcdefghij", strict=True)),
+        "a0: &a0 {k0: 1, l0: 1}\n"
+        + "".join(f"a{n}: &a{n} {{k{n}: *a{n - 1}, l{n}: *a{n - 1}}}\n" for n in range(1, 23)),
+        "a: &a {" + ", ".join(f"k{n}: 1" for n in range(1000)) + "}\n" + "b:\n" + "- <<: *a\n" * 200,
+        "[" * 5000,
+        "a: " + "{a: " * 5000,
+        "- " * 5000 + "x",
+        "a: &a [" * (DEEPEST + 1) + "x" + "]" * (DEEPEST + 1),
+    ],
+    ids=["billion laughs", "doubling maps", "merges", "lists", "maps", "items", "anchors"],
+)
+def test_bombs_end_quickly(text: str) -> None:
+    """What stands for too much, or goes too deep, is reported before it is written out."""
+    found, start = Diagnostics(), time.process_time()
+    with pytest.raises((TooMuchError, MarkedYAMLError)) as caught:
+        compose(text, FILE, found)
+    assert time.process_time() - start < 20
+    if caught.type is TooMuchError:
+        assert [d.code for d in found] == ["SB108"]
+
+
+def test_values_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A list that is long without any alias ends where the bound is passed, not at its end."""
+    monkeypatch.setattr("stepbot.sidecar.compose.LARGEST_SIZE", 1000)
+    found = Diagnostics()
+    with pytest.raises(TooMuchError):
+        compose("a: [" + "1, " * 300_000, FILE, found)
+    assert [(d.code, d.span.column) for d in found] == [("SB108", 5 + 997 * 3)]
+
+
+def test_faults_are_bounded() -> None:
+    """A text that is nothing but faults ends the collector, not the patience of the reader."""
+    found = BoundedDiagnostics()
+    with pytest.raises(TooManyFaultsError):
+        compose("a: 1\n" * 3000, FILE, found)

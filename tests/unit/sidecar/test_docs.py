@@ -1,0 +1,90 @@
+"""docs/sidecar.md: its examples work, its tables are complete, and its faults are those that stepbot tells."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.model import JointKind
+from stepbot.sidecar.check import check_sidecar
+from stepbot.sidecar.compose import compose
+from stepbot.sidecar.document import CollisionShape, SensorKind
+from stepbot.sidecar.fields import section_classes
+from stepbot.sidecar.load import parse_sidecar
+from stepbot.sidecar.tree import plain_data
+from stepbot.units import known_units
+
+PAGE = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+WHOLE = [text for text in EXAMPLES if text.startswith("version:")]
+FRAGMENTS = [text for text in EXAMPLES if not text.startswith("version:")]
+
+REST_OF_A_ROBOT: dict[str, Any] = {
+    "version": 1,
+    "robot": "arm",
+    "step": "arm.step",
+    "links": {"base": {"rest": True}, "forearm": {}, "hand": {}},
+    "joints": {
+        "elbow": {"type": "continuous", "parent": "base", "child": "forearm"},
+        "wrist": {"type": "continuous", "parent": "forearm", "child": "hand"},
+    },
+}
+GRIPPER = {"links": {"hand": {}, "left_finger": {}, "right_finger": {}}, "joints": {}}
+
+
+def faults(text: str) -> list[str]:
+    """What is said about a sidecar."""
+    found = Diagnostics()
+    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found)
+    if sidecar is not None:
+        check_sidecar(sidecar, found)
+    return list(map(str, found))
+
+
+@pytest.mark.parametrize("text", WHOLE, ids=lambda text: text.split("\n")[1])
+def test_whole_examples_are_sound(text: str) -> None:
+    """A whole sidecar draws no word."""
+    assert faults(text) == []
+
+
+@pytest.mark.parametrize("text", FRAGMENTS, ids=lambda text: text.split("\n")[1].strip())
+def test_fragments_are_sound(text: str) -> None:
+    """A part of a sidecar, put into a robot that has what it names, draws no word."""
+    tree = compose(text, "fragment", Diagnostics())
+    assert tree is not None
+    fragment = plain_data(tree)
+    robot = dict(REST_OF_A_ROBOT)
+    if "left_finger" in text:
+        robot |= GRIPPER
+    if "ground" in fragment.get("links", {}):
+        robot |= {"links": {}, "joints": {}}
+    for key, value in fragment.items():
+        robot[key] = {**robot.get(key, {}), **value}
+    assert faults(json.dumps(robot)) == []
+
+
+def test_faults_are_those_that_are_told() -> None:
+    """The faults of the example are the lines below it."""
+    (text,) = re.findall(r"^```yaml faults\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+    (lines,) = re.findall(r"^```text faults\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+    assert faults(text) == lines.splitlines()
+
+
+def test_every_key_and_word_is_explained() -> None:
+    """Every key, every type of joint, sensor and shape, and every unit stands on the page."""
+    code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE) + EXAMPLES)))
+    keys = {key for section in section_classes() for key in section.model_fields}
+    words = {str(word) for kinds in (JointKind, SensorKind, CollisionShape) for word in kinds}
+    assert keys | words | set(known_units()) <= code
+
+
+def test_links_lead_somewhere() -> None:
+    """Each link within the page leads to one of its headings."""
+    headings = {
+        re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+        for heading in re.findall(r"^#+ (.*)$", PAGE, re.MULTILINE)
+    }
+    assert set(re.findall(r"\]\(#([^)]+)\)", PAGE)) <= headings

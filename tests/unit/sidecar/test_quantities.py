@@ -1,0 +1,112 @@
+"""Scalars of the sidecar: what they accept, what they become, what they say when they refuse."""
+
+import copy
+import math
+import pickle
+from typing import Any
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from stepbot.sidecar import quantities
+from stepbot.sidecar.quantities import JointValue, ToleranceValue
+from stepbot.units import ANGLE, FORCE, LENGTH
+
+
+def value_of(kind: Any, value: Any) -> Any:
+    """What a value becomes."""
+    return TypeAdapter(kind).validate_python(value)
+
+
+def refusal_of(kind: Any, value: Any) -> tuple[str, str]:
+    """Code and message of the only fault of a value."""
+    with pytest.raises(ValidationError) as caught:
+        value_of(kind, value)
+    (error,) = caught.value.errors()
+    return error["type"], error["msg"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "result"),
+    [
+        (quantities.Length, "12 mm", 0.012),
+        (quantities.Length, 2, 2.0),
+        (quantities.Mass, "57.2 g", 0.0572),
+        (quantities.Density, "1.04 g/cm^3", 1040.0),
+        (quantities.Inertia, -1e-5, -1e-5),
+        (quantities.LengthVector, [0, "-40 mm", "1 in"], (0.0, -0.04, 0.0254)),
+        (quantities.RotationVector, [0, "90 deg", "0.5 rev"], (0.0, math.pi / 2, math.pi)),
+        (quantities.AxisVector, "-y", (0.0, -1.0, 0.0)),
+        (quantities.AxisVector, [0, 3, 4], (0.0, 0.6, 0.8)),
+        (quantities.Color, "#ff000080", (1.0, 0.0, 0.0, 128 / 255)),
+        (quantities.Color, "#0F0", (0.0, 1.0, 0.0, 1.0)),
+        (quantities.Color, [0, 0.5, 1], (0.0, 0.5, 1.0, 1.0)),
+        (quantities.RelativeOrLength, "0.2 %", ToleranceValue(0.002, 0.0)),
+        (quantities.RelativeOrLength, "0.1 mm", ToleranceValue(0.0, 0.0001)),
+        (quantities.RelativeOrLength, 0.001, ToleranceValue(0.0, 0.001)),
+        (quantities.JointBound, "-inf", -math.inf),
+        (quantities.JointBound, math.inf, math.inf),
+        (quantities.JointEffort, "20 N", 20.0),
+        (quantities.Number, -1, -1.0),
+    ],
+)
+def test_value(kind: Any, value: Any, result: Any) -> None:
+    """Each form that a scalar may have becomes one number, or a few, in SI."""
+    assert value_of(kind, value) == result
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "code", "message"),
+    [
+        (quantities.Length, True, "SB122", "not true"),
+        (quantities.Length, [1], "SB122", "not a list"),
+        (quantities.Length, {}, "SB122", "not a mapping"),
+        (quantities.Length, 0, "SB125", "greater than 0"),
+        (quantities.Length, "3 kg", "SB124", "not a unit of length"),
+        (quantities.Length, math.nan, "SB125", "NaN"),
+        (quantities.Length, math.inf, "SB125", "not finite"),
+        pytest.param(quantities.Length, -(10**400), "SB125", "-inf is not finite", id="huge"),
+        (quantities.Mass, "-3 g", "SB125", "-0.003 kg is not a mass greater than 0"),
+        (quantities.Angle, 15, "SB125", "more than 3.14159 rad"),
+        (quantities.LengthVector, [0, 0], "SB122", "three values are needed, [x, y, z], not 2"),
+        (quantities.LengthVector, "0 0 0", "SB122", "three values are needed"),
+        (quantities.LengthVector, [0, 0, "1 deg"], "SB124", "not a unit of length"),
+        (quantities.SizeVector, [1, 1, 0], "SB125", "greater than 0"),
+        (quantities.AxisVector, [0, 0, 0], "SB125", "no direction"),
+        (quantities.AxisVector, "up", "SB123", "'up' is not an axis"),
+        (quantities.AxisVector, [1, 0], "SB122", "three values"),
+        (quantities.Color, "red", "SB123", "'red' is not a colour"),
+        (quantities.Color, [0, 0, 2], "SB125", "more than 1"),
+        (quantities.Color, [0, 0], "SB122", "not a list"),
+        (quantities.JointBound, "fast", "SB124", "'fast' is not an angle or length"),
+        (quantities.JointPosition, "inf", "SB125", "not finite"),
+        (quantities.JointEffort, -1, "SB125", "at least 0"),
+        (quantities.JointSpeed, "3 kg", "SB124", "angular speed [rad/s] or speed [m/s]"),
+        (quantities.RelativeOrLength, "0 %", "SB125", "greater than 0"),
+    ],
+)
+def test_refusal(kind: Any, value: Any, code: str, message: str) -> None:
+    """What a scalar cannot be is refused with the code and the reason."""
+    found = refusal_of(kind, value)
+    assert found[0] == code
+    assert message in found[1]
+
+
+def test_joint_values_remember_their_unit() -> None:
+    """A number of a joint is a float that knows whether an angle, a length or neither was written."""
+    angle = value_of(quantities.JointBound, "90 deg")
+    assert isinstance(angle, float)
+    assert type(angle.value) is float
+    assert angle.value == math.pi / 2
+    assert angle.dimension == ANGLE
+    assert value_of(quantities.JointBound, "3 mm").dimension == LENGTH
+    assert value_of(quantities.JointBound, 3).dimension is None
+    assert value_of(quantities.JointBound, "-inf").dimension is None
+    assert value_of(quantities.JointEffort, "3 N").dimension == FORCE
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))])
+def test_joint_values_survive_copies(duplicate: Any) -> None:
+    """Copies and pickles keep number and dimension."""
+    made = duplicate(JointValue(1.5, ANGLE))
+    assert (made, made.dimension) == (1.5, ANGLE)

@@ -1,0 +1,97 @@
+"""Texts that are not YAML: every fault at its place, and the sections around it still read."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.syntax_faults import compose_around_faults
+from stepbot.sidecar.tree import plain_data
+
+FILE = "a.robot.yaml"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column", "message"),
+    [
+        ("a: [1, 2\nb: 3\n", 1, 4, "'[' is not closed"),
+        ("a: {x: 1\nb: 3\n", 1, 4, "'{' is not closed"),
+        ("a: [x, {y: [1}]\nb: 3\n", 1, 12, "'[' is not closed"),
+        ('a: "x\nb: 3\n', 1, 4, "a quote that is not closed"),
+        ("a: 'x\n", 1, 4, "a quote that is not closed"),
+        ("a: x: y\n", 1, 5, "a colon where no key can be"),
+        ("a\nb: 3\n", 2, 2, "a colon where no key can be"),
+        ("a:\n  x: 1\n y: 2\n", 3, 2, "indented unlike its neighbours"),
+        ("a:\n  - x\n   - y\n  z: 1\n", 4, 3, "indented unlike its neighbours"),
+        ("a: @x\n", 1, 4, "a value cannot start with @"),
+        ("a: 'it's'\n", 1, 8, "text is not expected here"),
+        ("a: x]\nb: [1]]\n", 2, 7, "']' is not expected here"),
+        ('a: "b\\#1"\n', 1, 4, "in double quotes a backslash starts an escape"),
+        ("a: - x\n", 1, 4, "a list item where none can be"),
+        ("{a: 1}}\n", 1, 7, "'}' is not expected here"),
+    ],
+)
+def test_fault_is_told_at_its_place(text: str, line: int, column: int, message: str) -> None:
+    """A fault is told in words, where the hand must go."""
+    found = Diagnostics()
+    assert not compose_around_faults(text, FILE, found).whole
+    first = next(iter(found))
+    assert first.code == "SB104"
+    assert message in first.message
+    assert (first.span.line, first.span.column) == (line, column)
+
+
+def test_sections_around_faults_are_read() -> None:
+    """Several faults are all told, and what stands between them is there."""
+    found = Diagnostics()
+    composed = compose_around_faults("a: [1\nb: 2\nc: {x: @}\nd:\n  e: 5\nf: 'g\n", FILE, found)
+    assert composed.tree is not None
+    assert plain_data(composed.tree) == {"b": 2, "d": {"e": 5}}
+    assert [(d.span.line, d.span.column) for d in found] == [(1, 4), (3, 8), (6, 4)]
+
+
+def test_tabs_are_told_line_by_line() -> None:
+    """Each line that a tab indents is told, and read as if it had spaces."""
+    found = Diagnostics()
+    composed = compose_around_faults("a:\n\tb: 1\n\tc: 2\nd:\n  e: 3\n", FILE, found)
+    assert composed.tree is not None
+    assert plain_data(composed.tree) == {"a": {"b": 1, "c": 2}, "d": {"e": 3}}
+    assert [(d.code, d.span.line) for d in found] == [("SB105", 2), ("SB105", 3)]
+
+
+def test_json_with_tabs_is_yaml(found: Diagnostics) -> None:
+    """Within braces, tabs are blanks like any other."""
+    composed = compose_around_faults('{\n\t"a": 1\n}\n', FILE, found)
+    assert composed.whole
+
+
+def test_globs_without_quotes_stay_keys() -> None:
+    """A glob that lacks its quotes is told, and its rule is checked all the same."""
+    found = Diagnostics()
+    text = "parts:\n  **/M3*: {ignore: true}\n  b: {}\n  *nut v1: {mass: }\n"
+    composed = compose_around_faults(text, FILE, found)
+    assert composed.tree is not None
+    assert list(plain_data(composed.tree)["parts"]) == ["**/M3*", "b", "*nut v1"]
+    assert [(d.code, d.span.line, d.span.column, d.span.end_column) for d in found] == [
+        ("SB106", 2, 3, 9),
+        ("SB106", 4, 3, 10),
+        ("SB112", 4, 13, 17),
+    ]
+
+
+def test_alias_as_a_key_needs_a_blank_and_is_no_glob(found: Diagnostics) -> None:
+    """``*name : value`` is YAML for a key by alias."""
+    composed = compose_around_faults("a: &k key\n*k : 1\n", FILE, found)
+    assert composed.whole
+
+
+@given(text=st.text("ab:*&<-#[]{}, \n'\"!|>%@`\t?0.~", max_size=80))
+def test_any_text_ends(text: str) -> None:
+    """Whatever the text, there is a tree of all of it, or a fault."""
+    found = Diagnostics()
+    composed = compose_around_faults(text, FILE, found)
+    assert composed.whole or len(found)
+    lines = text.split("\n")
+    for diagnostic in found:
+        assert 1 <= diagnostic.span.line <= len(lines)
+        assert 1 <= diagnostic.span.column <= len(lines[diagnostic.span.line - 1]) + 1

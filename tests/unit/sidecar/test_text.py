@@ -1,0 +1,56 @@
+"""Reading the bytes of a sidecar."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.text import LARGEST_FILE, read_text
+
+
+def test_line_ends_and_byte_order_mark(tmp_path: Path, found: Diagnostics) -> None:
+    """Line ends of every system become line feeds, and a byte order mark is not part of the text."""
+    path = tmp_path / "a.robot.yaml"
+    path.write_bytes(b"\xef\xbb\xbfa: 1\r\nb: \xc3\xb6\rc: 3\n")
+    assert read_text(path, found) == "a: 1\nb: ö\nc: 3\n"
+
+
+def test_largest_file(tmp_path: Path, found: Diagnostics) -> None:
+    """A file of the largest size is read, one byte more is not."""
+    path = tmp_path / "a.robot.yaml"
+    path.write_bytes(b"#" * LARGEST_FILE)
+    assert read_text(path, found) == "#" * LARGEST_FILE
+    path.write_bytes(b"#" * (LARGEST_FILE + 1))
+    assert read_text(path, found) is None
+    assert [d.code for d in found] == ["SB101"]
+
+
+def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
+    """Of a file of 100 GB, which takes no room here, only the beginning is looked at."""
+    path = tmp_path / "a.robot.yaml"
+    with path.open("wb") as stream:
+        stream.truncate(100 * 1024**3)
+    assert read_text(path, found) is None
+    assert [d.code for d in found] == ["SB101"]
+
+
+@pytest.mark.parametrize(("make", "reason"), [(None, "no such file"), ("folder", "is a folder, not a file")])
+def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, found: Diagnostics) -> None:
+    """A file that is not there, or is a folder, is said to be so."""
+    path = tmp_path / "a.robot.yaml"
+    if make:
+        path.mkdir()
+    assert read_text(path, found) is None
+    (diagnostic,) = found
+    assert diagnostic.code == "SB001"
+    assert diagnostic.message == f"sidecar: {reason}"
+    assert diagnostic.span.file == path.as_posix()
+
+
+def test_place_of_a_byte_that_is_not_utf_8(tmp_path: Path, found: Diagnostics) -> None:
+    """The place counts characters, not bytes."""
+    path = tmp_path / "a.robot.yaml"
+    path.write_bytes("a: 1\nöö: ".encode() + b"\xff\n")
+    assert read_text(path, found) is None
+    (diagnostic,) = found
+    assert (diagnostic.code, diagnostic.span.line, diagnostic.span.column) == ("SB102", 2, 5)
