@@ -1,0 +1,90 @@
+"""Assembly and sidecar become a robot, free of any format.
+
+matter    what each component is made of        frames    where each origin is, as drawn
+claims    which link each component is in       joints    joints, closures, named frames
+weigh     whose volume, com and inertia counts  links     mass properties, visuals, collisions
+masses    what each component weighs
+"""
+
+from collections.abc import Sequence
+
+from ..cad.assembly import Assembly, VolumeProperties
+from ..diagnostics import Diagnostics
+from ..model import Robot
+from ..sidecar.load import Sidecar
+from .binder import Binder
+from .claims import Claims, claim
+from .frames import Frames
+from .joints import build_actuators, build_closures, build_frames, build_joints, tree_order
+from .links import Links, is_complete
+from .masses import masses
+from .matter import matters
+from .unsupported import report_unsupported
+from .weigh import Weighing, report_weighing, report_weightless, weigh
+
+
+def build_robot(
+    assembly: Assembly, sidecar: Sidecar, measures: Sequence[VolumeProperties | None], found: Diagnostics
+) -> Robot | None:
+    """The robot that the sidecar makes of the assembly; None where there are errors, all of which are in ``found``.
+
+    Args:
+        assembly: What the STEP holds.
+        sidecar: A sidecar whose own check found no error.
+        measures: What trimesh measures on the mesh of each of ``assembly.bodies``; None where it encloses no volume.
+        found: Receives SB3xx, SB4xx and SB5xx.
+    """
+    document = sidecar.document
+    binder = Binder(assembly, sidecar, found)
+    report_unsupported(binder)
+    root, order = tree_order(document)
+    matter = matters(binder)
+    claims = claim(binder, matter.of)
+    frames = Frames(binder, claims, root)
+    joints = build_joints(binder, frames, order)
+    closures = build_closures(binder, frames)
+    named = build_frames(binder, frames)
+
+    weighings = weigh(assembly, measures, document.mass)
+    links = Links(binder, claims, matter.of, masses(binder, matter, weighings), weighings)
+    links.report_unknown_masses()
+    _report_bodies(binder, claims, weighings)
+    binder.report_fragile()
+    X_WR = frames.link(root)
+    if found.has_errors or X_WR is None or joints is None or closures is None or named is None:
+        return None
+
+    X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
+    built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
+    links.report_flat()
+    return Robot(
+        document.robot,
+        built,
+        joints,
+        closures,
+        named,
+        build_actuators(document),
+        links.assets.all(),
+        document.base,
+        assembly.source,
+    )
+
+
+def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
+    """For each link the indices of the components whose bodies it has; what does not bind is reported in ``found``."""
+    binder = Binder(assembly, sidecar, found)
+    claims = claim(binder, matters(binder).of)
+    return {link: claims.parts_of(link) for link in sidecar.document.links}
+
+
+def _report_bodies(binder: Binder, claims: Claims, weighings: Sequence[Weighing]) -> None:
+    """Report bodies whose mass properties are not what one would expect, in links that are not given theirs."""
+    links = binder.document.links
+    given = {name for name, link in links.items() if link.inertial is not None and is_complete(link.inertial)}
+    used = [index for index, link in enumerate(claims.link_of) if link]
+    excused = {index for index in used if claims.link_of[index] in given}
+    report_weighing(binder, weighings, [index for index in used if index not in excused])
+    report_weightless(binder, weighings, used, excused)
+
+
+__all__ = ["build_robot", "link_components"]

@@ -1,0 +1,49 @@
+"""Names of meshes: valid as file names on every system and as names in every format, unique, and always the same."""
+
+import re
+import unicodedata
+from collections.abc import Iterable
+
+LONGEST = 60
+"""Characters of a name, before a number is added."""
+FALLBACK = "part"
+
+_CYRILLIC = "а:a б:b в:v г:g д:d е:e ж:zh з:z и:i й:y к:k л:l м:m н:n о:o п:p р:r с:s т:t у:u ф:f х:kh ц:ts ч:ch ш:sh"
+_CYRILLIC_LAST = "щ:shch ъ:_ ы:y ь:_ э:e ю:yu я:ya"
+_LATIN = "ß:ss æ:ae ø:o œ:oe đ:d ð:d þ:th ł:l ı:i µ:u ⌀:d"
+_LETTERS = dict(pair.split(":") for pair in f"{_CYRILLIC} {_CYRILLIC_LAST} {_LATIN}".split())
+# Windows opens a device under these names, whatever the extension.
+_RESERVED = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
+
+
+def ascii_name(text: str) -> str:
+    """A name in ``[A-Za-z0-9_-]`` that reads like ``text``: accents dropped, Cyrillic letters spelt, the rest ``_``."""
+    plain = "".join(_plain(letter) for letter in text)
+    name = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9-]", "_", plain)).strip("_-")[:LONGEST].rstrip("_-") or FALLBACK
+    return f"{name}_{FALLBACK}" if _RESERVED.fullmatch(name) else name
+
+
+def _plain(letter: str) -> str:
+    """A letter without accents, in Latin script where the table knows it."""
+    if letter in _LETTERS:
+        return _LETTERS[letter]
+    if letter.lower() in _LETTERS:
+        return _LETTERS[letter.lower()].capitalize()
+    parts = unicodedata.normalize("NFKD", letter)
+    return "".join(c if c == letter else _plain(c) for c in parts if not unicodedata.combining(c))
+
+
+class UniqueNames:
+    """Hands out names, each once; names that differ only in case would be one file on some systems."""
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self._taken = {name.casefold() for name in taken}
+
+    def unique(self, name: str) -> str:
+        """``name``, or with the lowest number from 2 that makes it unique."""
+        candidate, n = name, 1
+        while candidate.casefold() in self._taken:
+            n += 1
+            candidate = f"{name}_{n}"
+        self._taken.add(candidate.casefold())
+        return candidate

@@ -1,0 +1,44 @@
+"""What version 1 of the sidecar can say and this stepbot cannot build yet: an error each, never left out."""
+
+from ..model import JointKind
+from ..sidecar.document import CollisionShape, MergedCollision
+from ..sidecar.tree import Keys
+from .binder import Binder
+
+JOINTS = (JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
+"""Kinds of joints that are built."""
+CLOSURES = (JointKind.REVOLUTE,)
+"""Kinds of closures that are built."""
+
+
+def report_unsupported(binder: Binder) -> None:
+    """Report everything that is parsed but not built."""
+    document = binder.document
+    for name, joint in document.joints.items():
+        if joint.type not in JOINTS:
+            _report(binder, ("joints", name, "type"), f"joints of type {joint.type}", f"use {_words(JOINTS)}")
+    for name, closure in document.closures.items():
+        if closure.type not in CLOSURES:
+            _report(binder, ("closures", name, "type"), f"closures of type {closure.type}", f"use {_words(CLOSURES)}")
+    for name, sensor in document.sensors.items():
+        _report(binder, ("sensors", name, "type"), f"{sensor.type} sensors", "leave the sensor out for now")
+    for pattern, rule in document.parts.items():
+        if rule.collision is CollisionShape.DECOMPOSE:
+            _report_decompose(binder, ("parts", pattern, "collision"))
+    for name, link in document.links.items():
+        if isinstance(link.collision, MergedCollision) and link.collision.merge is CollisionShape.DECOMPOSE:
+            _report_decompose(binder, ("links", name, "collision", "merge"))
+        elif link.collision is CollisionShape.DECOMPOSE:
+            _report_decompose(binder, ("links", name, "collision"))
+
+
+def _report_decompose(binder: Binder, keys: Keys) -> None:
+    _report(binder, keys, "collision by convex decomposition", "use hull, mesh, or a list of primitive shapes")
+
+
+def _report(binder: Binder, keys: Keys, what: str, remedy: str) -> None:
+    binder.report("SB307", keys, f"{what}: parsed but not yet supported", help=(remedy,))
+
+
+def _words(kinds: tuple[JointKind, ...]) -> str:
+    return ", ".join(kinds[:-1]) + f" or {kinds[-1]}" if len(kinds) > 1 else str(kinds[0])
