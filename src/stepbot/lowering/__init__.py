@@ -1,0 +1,122 @@
+"""What becomes of a robot in a format that cannot say all of it: one table, and the rewriting that follows from it.
+
+Every writer declares for each :class:`Notion` how its format says it. :func:`lower` makes of a robot the one that the
+format can hold: it rewrites what the format lacks into what it has, leaves out what has no place there, and reports
+both. What it returns is what the file says, so it is also what an engine that reads the file is compared with.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from ..diagnostics import Diagnostics, Span
+from ..model import Base, JointKind, Robot
+from .joints import (
+    CLOSED,
+    UNLIMITED,
+    WRITTEN,
+    bound,
+    bound_effort,
+    chained_mimics,
+    describe_closures,
+    drop_closures,
+    each_joint,
+    flatten_mimics,
+    frames_as_links,
+    is_open,
+    joints_where,
+    lacks_effort,
+    loop_zeros,
+    move_loop_zeros,
+    without_armature,
+    without_spring,
+)
+from .names import free_name, rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
+from .notions import Format, Level, Notion, Support, exact, lowered, refused, reported
+from .shapes import (
+    concave_collisions,
+    drop_flat_collisions,
+    flat_collisions,
+    geometries,
+    links_with_capsules,
+    split_capsules,
+)
+
+__all__ = [
+    "UNLIMITED",
+    "Format",
+    "Level",
+    "Notion",
+    "Support",
+    "exact",
+    "free_name",
+    "geometries",
+    "lower",
+    "lowered",
+    "refused",
+    "reported",
+]
+
+
+@dataclass(frozen=True)
+class _Handling:
+    """What to do where a format does not say a notion as it is."""
+
+    affected: Callable[[Robot], list[str]]
+    """What of the robot is concerned, for the message; empty where the robot does not have the notion."""
+    rewrite: Callable[[Robot], Robot] = lambda robot: robot
+
+
+def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
+    """The robot as the format can say it; what is rewritten or left out is reported, once per notion."""
+    span = Span(f"{robot.name}{written.SUFFIX}")
+    names = reserved(robot, written.reserves)
+    if names:
+        support = written.EXPRESSES[Notion.RESERVED_NAME]
+        found.add(support.code, f"{written.TITLE}: {support.how}: {', '.join(names)}", span)
+    for notion, handling in _HANDLINGS.items():
+        support = written.EXPRESSES[notion]
+        affected = [] if support.level is Level.EXACT else handling.affected(robot)
+        if affected:
+            found.add(support.code, f"{written.TITLE}: {support.how}: {', '.join(affected)}", span)
+            robot = handling.rewrite(robot)
+    return robot
+
+
+def _root_if(base: Base) -> Callable[[Robot], list[str]]:
+    return lambda robot: [f"'{robot.root.name}' is {robot.base}"] if robot.base is base else []
+
+
+# In this order: names before what refers to them, zeros of loops before limits and drawn poses.
+_HANDLINGS: Mapping[Notion, _Handling] = {
+    Notion.JOINT_NAME: _Handling(renamed_joints, rename_joints),
+    Notion.FRAME_NAME: _Handling(renamed_frames, rename_frames),
+    Notion.OTHER_JOINT: _Handling(joints_where(lambda joint: joint.kind not in WRITTEN)),
+    Notion.CLOSURE: _Handling(describe_closures(lambda closure: True), drop_closures),
+    Notion.OTHER_CLOSURE: _Handling(describe_closures(lambda closure: closure.kind not in CLOSED)),
+    Notion.LOOP_ZERO: _Handling(loop_zeros, move_loop_zeros),
+    Notion.INITIAL_POSE: _Handling(joints_where(lambda joint: joint.drawn_position != 0.0)),
+    Notion.OPEN_POSITION: _Handling(joints_where(is_open), each_joint(bound)),
+    Notion.OPEN_EFFORT: _Handling(joints_where(lacks_effort), each_joint(bound_effort)),
+    Notion.VELOCITY: _Handling(
+        joints_where(lambda joint: joint.kind is not JointKind.FIXED and isfinite(joint.limit.velocity))
+    ),
+    Notion.SPRING: _Handling(joints_where(lambda joint: joint.dynamics.stiffness != 0.0), each_joint(without_spring)),
+    Notion.ARMATURE: _Handling(
+        joints_where(lambda joint: joint.dynamics.armature != 0.0), each_joint(without_armature)
+    ),
+    Notion.MIMIC: _Handling(joints_where(lambda joint: joint.mimic is not None)),
+    Notion.MIMIC_CHAIN: _Handling(chained_mimics, flatten_mimics),
+    Notion.ACTUATOR: _Handling(
+        lambda robot: [f"'{actuator.name}' on '{actuator.joint}'" for actuator in robot.actuators],
+        lambda robot: replace(robot, actuators=()),
+    ),
+    Notion.FRAME: _Handling(
+        lambda robot: [f"'{frame.name}' on '{frame.link}'" for frame in robot.frames], frames_as_links
+    ),
+    Notion.CAPSULE: _Handling(links_with_capsules, split_capsules),
+    Notion.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
+    Notion.CONCAVE_COLLISION: _Handling(concave_collisions),
+    Notion.FIXED_BASE: _Handling(_root_if(Base.FIXED)),
+    Notion.FLOATING_BASE: _Handling(_root_if(Base.FLOATING)),
+}

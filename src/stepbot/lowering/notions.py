@@ -1,0 +1,98 @@
+"""What a robot may have and a format may lack, and how a format declares what it does about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+
+class Notion(StrEnum):
+    """Something that a robot may have, in the words of the table in ``docs/mapping.md``."""
+
+    FIXED_BASE = "base fixed to the world"
+    FLOATING_BASE = "floating base"
+    INERTIA = "mass, centre of mass, full inertia"
+    MESH = "mesh"
+    SHAPE = "box, cylinder, sphere"
+    CAPSULE = "capsule"
+    FLAT_COLLISION = "collision mesh that lies in a plane"
+    CONCAVE_COLLISION = "collision mesh that is not convex"
+    COLOR = "colour and opacity"
+    NEIGHBOURS = "no contact between neighbours"
+    FIXED = "fixed joint"
+    REVOLUTE = "revolute joint"
+    CONTINUOUS = "continuous joint"
+    PRISMATIC = "prismatic joint"
+    OTHER_JOINT = "joint of another kind"
+    OPEN_POSITION = "joint without lower or upper limit"
+    OPEN_EFFORT = "joint without effort or velocity limit"
+    EFFORT = "effort limit"
+    VELOCITY = "velocity limit"
+    FRICTION = "damping, friction"
+    SPRING = "spring"
+    ARMATURE = "armature"
+    MIMIC = "mimic"
+    MIMIC_CHAIN = "mimic of a joint that mimics"
+    CLOSURE = "revolute, ball or fixed closure"
+    OTHER_CLOSURE = "closure of another kind"
+    LOOP_ZERO = "loop that closes away from q = 0"
+    INITIAL_POSE = "drawn pose away from q = 0"
+    FRAME = "frame"
+    ACTUATOR = "actuator"
+    JOINT_NAME = "joint or closure named like a link"
+    FRAME_NAME = "frame named like a link or joint"
+    RESERVED_NAME = "name that the format reserves"
+
+
+class Level(StrEnum):
+    """How much of a notion a format says."""
+
+    EXACT = "exact"
+    LOWERED = "lowered"
+    """Said by other means, with a remark."""
+    REPORTED = "reported"
+    """Not said, and reported."""
+    REFUSED = "refused"
+    """An error: nothing is written."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """What a format does about a notion."""
+
+    level: Level
+    how: str
+    """For the table and for messages: a clause, no full stop."""
+    code: str = ""
+    """Of the diagnostic where a robot has the notion; empty for what is exact."""
+
+
+def exact(how: str) -> Support:
+    """The format says all of it."""
+    return Support(Level.EXACT, how)
+
+
+def lowered(code: str, how: str) -> Support:
+    """The format says it by other means."""
+    return Support(Level.LOWERED, how, code)
+
+
+def reported(code: str, how: str) -> Support:
+    """The format does not say it."""
+    return Support(Level.REPORTED, how, code)
+
+
+def refused(code: str, how: str) -> Support:
+    """There is no file of a robot that has it."""
+    return Support(Level.REFUSED, how, code)
+
+
+class Format(Protocol):
+    """What lowering asks of the module of a format."""
+
+    TITLE: str
+    SUFFIX: str
+    EXPRESSES: Mapping[Notion, Support]
+
+    def reserves(self, name: str) -> bool:
+        """Whether the name means something else to the format."""

@@ -1,0 +1,230 @@
+"""The one place that writes results to disk: all files of a run or none.
+
+New files are made in a hidden folder beside their places and then moved there one by one, meshes first, the files that
+refer to them last; a file that did not change is not touched. If one of them cannot be moved, those that were are moved
+back. A process that is killed leaves every single file whole, old or new, and the next run puts things in order.
+
+``.stepbot.json`` in the output folder lists which meshes each robot file needs, with a hash of what was written. With
+it a later run removes meshes that nothing needs any more; what is not listed, or was changed since, is never touched.
+"""
+
+import errno
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import NoReturn
+
+from .diagnostics import Diagnostics, Span, StepbotError
+
+MANIFEST = ".stepbot.json"
+_STAGING = ".stepbot-"
+_ABANDONED_AFTER = 24 * 3600.0
+"""Age [s] from which a staging folder belongs to a run that was killed."""
+_NEVER_IN_NAMES = frozenset("\\\0")
+_NEVER_IN_WINDOWS_NAMES = frozenset('<>:"|?*')
+
+Manifest = dict[str, dict[str, str]]
+"""For each file at the top of the folder the files below that it needs, each with its SHA-256."""
+
+
+def failed_output(folder: Path) -> Path:
+    """Where the files of a run go that failed its checks: beside ``folder``, which keeps what it has."""
+    return folder.parent / f"{folder.resolve().name}.failed"
+
+
+def write_atomically(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write all files, or none.
+
+    Files at the top of the folder are taken to need all of those in sub-folders; meshes that an earlier run wrote for
+    the same files, and that are needed no more, are removed.
+
+    Args:
+        files: Content by path relative to ``folder``, with forward slashes.
+        folder: Where to; made where it is missing.
+
+    Raises:
+        StepbotError: A path is no path below ``folder``, or something cannot be written (SB004); nothing was changed.
+    """
+    for path in files:
+        _check_path(path, folder)
+    made: list[Path] = []
+    try:
+        _make_folders(folder, made)
+        staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
+        try:
+            _check_case(files, staging, folder)
+            _write(files, folder, staging, made)
+        finally:
+            shutil.rmtree(staging, ignore_errors=True)
+    except (OSError, StepbotError) as error:
+        for path_made in reversed(made):
+            _remove_if_empty(path_made)
+        if isinstance(error, StepbotError):
+            raise
+        _refuse(folder, f"cannot write {error.filename or folder}: {error.strerror or error}")
+
+
+def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[Path]) -> None:
+    before = _read_manifest(folder)
+    after = {**before, **_manifest_of(files)}
+    stale = _stale(before, after)
+    # While files are on the move the manifest lists old and new, so that a killed run leaves nothing unknown behind.
+    during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in _manifest_of(files).items()}}
+    below = {path: content for path, content in files.items() if "/" in path}
+    top = {path: content for path, content in files.items() if "/" not in path}
+    moves = {MANIFEST: _manifest_bytes(during), **below, **top}
+    changed = {path: content for path, content in moves.items() if not _holds(folder / path, content)}
+    for number, (path, content) in enumerate(changed.items()):
+        (staging / f"{number}.new").write_bytes(content)
+        _make_folders((folder / path).parent, made)
+    (staging / MANIFEST).write_bytes(_manifest_bytes(after))
+    _move(list(changed), folder, staging)
+    for path, digest in stale.items():
+        _remove_stale(folder / path, digest)
+    if after != during:
+        (staging / MANIFEST).replace(folder / MANIFEST)
+    _remove_abandoned(folder, staging)
+
+
+def _move(paths: list[str], folder: Path, staging: Path) -> None:
+    """Move new files to their places; if one fails, put back what was there."""
+    moved: list[tuple[Path, Path | None]] = []
+    try:
+        for number, path in enumerate(paths):
+            target, backup = folder / path, staging / f"{number}.old"
+            kept = backup if _keep(target, backup) else None
+            (staging / f"{number}.new").replace(target)
+            moved.append((target, kept))
+    except BaseException:
+        for target, kept in reversed(moved):
+            if kept is None:
+                target.unlink(missing_ok=True)
+            else:
+                kept.replace(target)
+        raise
+
+
+def _keep(target: Path, backup: Path) -> bool:
+    """Keep what is at ``target`` under a second name; False where there is nothing."""
+    if not os.path.lexists(target):
+        return False
+    try:
+        os.link(target, backup, follow_symlinks=False)
+    except (OSError, NotImplementedError):  # no hard links on this file system
+        shutil.copy2(target, backup, follow_symlinks=False)
+    return True
+
+
+def _holds(target: Path, content: bytes) -> bool:
+    """Whether ``target`` is a plain file with this content already."""
+    try:
+        return not target.is_symlink() and target.stat().st_size == len(content) and target.read_bytes() == content
+    except OSError:
+        return False
+
+
+def _make_folders(folder: Path, made: list[Path]) -> None:
+    """Make a folder and those above it; the ones that were missing are added to ``made``, top first."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    for path in reversed(missing):
+        path.mkdir(exist_ok=True)
+        made.append(path)
+    if not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
+
+
+def _remove_if_empty(folder: Path) -> None:
+    try:
+        folder.rmdir()
+    except OSError:  # somebody else put something there: it is theirs now
+        return
+
+
+def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
+    needs = {path: hashlib.sha256(content).hexdigest() for path, content in files.items() if "/" in path}
+    return {path: needs for path in files if "/" not in path}
+
+
+def _manifest_bytes(manifest: Manifest) -> bytes:
+    return (json.dumps({"version": 1, "files": manifest}, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode()
+
+
+def _read_manifest(folder: Path) -> Manifest:
+    """What earlier runs wrote here; empty where there is no list, or none that can be read: then nothing is removed."""
+    try:
+        files = json.loads((folder / MANIFEST).read_bytes())["files"]
+        return {
+            str(name): {str(path): str(digest) for path, digest in needs.items() if _is_below(str(path))}
+            for name, needs in files.items()
+        }
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _stale(before: Manifest, after: Manifest) -> dict[str, str]:
+    """Files that something needed and nothing needs now, with the hash of what was written."""
+    needed = {path for needs in after.values() for path in needs}
+    return {path: digest for needs in before.values() for path, digest in needs.items() if path not in needed}
+
+
+def _remove_stale(target: Path, digest: str) -> None:
+    try:
+        if not target.is_symlink() and hashlib.sha256(target.read_bytes()).hexdigest() == digest:
+            target.unlink()
+            _remove_if_empty(target.parent)
+    except OSError:  # it is gone, or in use: a mesh too many harms nobody
+        return
+
+
+def _remove_abandoned(folder: Path, staging: Path) -> None:
+    """Remove what killed runs left."""
+    for path in sorted(folder.glob(f"{_STAGING}*")):
+        try:
+            if path != staging and path.is_dir() and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
+                shutil.rmtree(path, ignore_errors=True)
+        except OSError:  # another run removes it at this moment
+            continue
+
+
+def _is_below(path: str) -> bool:
+    """Whether a relative path with forward slashes stays below its folder, on every system."""
+    never = _NEVER_IN_NAMES | (_NEVER_IN_WINDOWS_NAMES if os.name == "nt" else frozenset())
+    parts = path.split("/")
+    return (
+        bool(path)
+        and not PurePosixPath(path).is_absolute()
+        and all(part not in ("", ".", "..") and never.isdisjoint(part) for part in parts)
+        and parts[0] != MANIFEST
+        and not parts[0].startswith(_STAGING)
+    )
+
+
+def _check_path(path: str, folder: Path) -> None:
+    if not _is_below(path):
+        _refuse(folder, f"'{path}' cannot be the name of a file here", "choose another name in the sidecar")
+
+
+def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None:
+    """Where the file system does not tell `A` from `a`, two files must not differ in that alone."""
+    (staging / "case").write_bytes(b"")
+    if not (staging / "CASE").exists():
+        return
+    first: dict[str, str] = {}
+    for path in files:
+        other = first.setdefault(path.casefold(), path)
+        if other != path:
+            message = f"'{other}' and '{path}' are one file on this file system"
+            _refuse(folder, message, "give them names in the sidecar that differ in more than upper and lower case")
+
+
+def _refuse(
+    folder: Path, message: str, remedy: str = "choose another folder with -o, or get the right to write there"
+) -> NoReturn:
+    found = Diagnostics()
+    found.add("SB004", message, Span(str(folder)), help=(remedy,))
+    raise StepbotError(found)

@@ -1,0 +1,328 @@
+"""MJCF, MuJoCo's own format: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
+
+Joints sit at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
+Closures hold sites together: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
+``connect``, at F and at a second point of its axis: six rows, of which five are independent, two in a planar loop.
+Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
+close; the keyframe ``home`` is the drawn pose, where it does.
+"""
+
+from math import isfinite, isinf
+
+import numpy as np
+
+from ..kinematics import initial_configuration, neighbours
+from ..lowering import Notion, exact, free_name, lowered, refused, reported
+from ..model import (
+    Actuator,
+    ActuatorKind,
+    Base,
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointKind,
+    Link,
+    LoopClosure,
+    MassProperties,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+from ..spatial import Pose
+from ._xml import Element, Value, document, element, root
+
+NAME = "mjcf"
+ALIASES = ("mujoco",)
+SUFFIX = ".xml"
+TITLE = "MJCF"
+
+EXPRESSES = {
+    Notion.FIXED_BASE: exact("body of the world without a joint"),
+    Notion.FLOATING_BASE: exact("`<freejoint>`"),
+    Notion.INERTIA: exact("`<inertial>` with `fullinertia`"),
+    Notion.MESH: exact("OBJ in metres, path relative to the file"),
+    Notion.SHAPE: exact("`box`, `cylinder`, `sphere`"),
+    Notion.CAPSULE: exact("`capsule`"),
+    Notion.FLAT_COLLISION: reported("SB712", "MuJoCo makes no hull of a collision mesh in a plane; left out"),
+    Notion.CONCAVE_COLLISION: reported("SB717", "MuJoCo touches with the convex hull of these meshes"),
+    Notion.COLOR: exact("`rgba`"),
+    Notion.NEIGHBOURS: exact("`<exclude>` for links that a joint, fixed joint or closure holds together"),
+    Notion.FIXED: exact("body without a joint"),
+    Notion.REVOLUTE: exact("`hinge` with `range`"),
+    Notion.CONTINUOUS: exact("`hinge`"),
+    Notion.PRISMATIC: exact("`slide`"),
+    Notion.OTHER_JOINT: refused("SB713", "joints of this kind are not written yet"),
+    Notion.OPEN_POSITION: exact("infinite `range`, or none"),
+    Notion.OPEN_EFFORT: exact("no attribute"),
+    Notion.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
+    Notion.VELOCITY: lowered("SB705", "velocity limits are `<numeric>` data that MuJoCo does not enforce"),
+    Notion.FRICTION: exact("`damping`, `frictionloss`"),
+    Notion.SPRING: exact("`stiffness`, `springref`"),
+    Notion.ARMATURE: exact("`armature`"),
+    Notion.MIMIC: exact("`<equality>` of two joints"),
+    Notion.MIMIC_CHAIN: exact("`<equality>` of two joints"),
+    Notion.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
+    Notion.OTHER_CLOSURE: refused("SB713", "closures of this kind are not written yet"),
+    Notion.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
+    Notion.INITIAL_POSE: exact("keyframe `home`"),
+    Notion.FRAME: exact("`<site>`"),
+    Notion.ACTUATOR: exact("`<position>`, `<velocity>`, `<motor>`"),
+    Notion.JOINT_NAME: exact("each kind of element has names of its own"),
+    Notion.FRAME_NAME: exact("each kind of element has names of its own"),
+    Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
+}
+
+HOME = "home"
+"""Name of the keyframe with the drawn pose."""
+
+_ROUNDING = 1e-12
+"""Relative margin by which MuJoCo's own rounding may break A + B >= C of principal moments that satisfy it exactly."""
+
+
+def reserves(name: str) -> bool:
+    """Whether the name is that of MuJoCo's own body."""
+    return name == "world"
+
+
+def render(robot: Robot) -> bytes:
+    """The MJCF of a lowered robot."""
+    top = root("mujoco", robot.source, model=robot.name)
+    element(top, "compiler", angle="radian", inertiafromgeom="false")
+    _defaults(top)
+    _assets(top, robot)
+    _bodies(top, robot)
+    _contact(top, robot)
+    _equality(top, robot)
+    _actuators(top, robot)
+    _velocity_limits(top, robot)
+    _keyframe(top, robot)
+    return document(top)
+
+
+def _defaults(top: Element) -> None:
+    default = element(top, "default")
+    visual = element(default, "default", class_="visual")
+    element(visual, "geom", group=2, contype=0, conaffinity=0, mass=0)
+    element(element(default, "default", class_="collision"), "geom", group=3)
+
+
+def _assets(top: Element, robot: Robot) -> None:
+    """Meshes; what is only seen may be open or flat, which MuJoCo accepts where it computes no volume (``shell``)."""
+    touched = {c.geometry.name for link in robot.links for c in link.collisions if isinstance(c.geometry, MeshRef)}
+    seen = {v.geometry.name for link in robot.links for v in link.visuals if isinstance(v.geometry, MeshRef)}
+    if touched or seen:
+        asset = element(top, "asset")
+        for mesh in robot.meshes:
+            if mesh.name in touched or mesh.name in seen:
+                inertia = "convex" if mesh.name in touched else "shell"
+                element(asset, "mesh", name=mesh.name, file=mesh.path, inertia=inertia)
+
+
+def _bodies(top: Element, robot: Robot) -> None:
+    parents = {robot.root.name: element(top, "worldbody")}
+    joint_of = {joint.child: joint for joint in robot.joints}
+    names = _GeomNames()
+    for link in robot.links:
+        joint = joint_of.get(link.name)
+        above = parents[joint.parent] if joint else parents[robot.root.name]
+        body = element(above, "body", name=link.name, **_pose(joint.X_PC if joint else Pose()))
+        parents[link.name] = body
+        _inertial(body, link.mass_properties)
+        if joint is not None:
+            _joint(body, joint)
+        elif robot.base is Base.FLOATING:
+            taken = set(robot.joint_by_name)
+            element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
+        for visual in link.visuals:
+            _geom(body, "visual", visual, names.of(visual.name), rgba=visual.rgba)
+        for collision in link.collisions:
+            _geom(body, "collision", collision, names.of(collision.name))
+        _sites(body, link, robot)
+
+
+class _GeomNames:
+    """Visuals and collisions are both geoms, and no two geoms may share a name."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+
+    def of(self, name: str) -> str:
+        return free_name(name, "_geom", self._taken)
+
+
+def _inertial(body: Element, mass: MassProperties) -> None:
+    if mass.mass == 0.0:
+        element(body, "inertial", pos=mass.com, mass=0, diaginertia=(0.0, 0.0, 0.0))
+        return
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    A, B, C = np.linalg.eigvalsh(np.array(mass.inertia)).tolist()
+    if abs(A + B - C) < _ROUNDING * C:
+        # A flat body has A + B = C; MuJoCo finds the moments anew and refuses the body if rounding makes C the larger.
+        ixx, iyy, izz = (moment + _ROUNDING * C for moment in (ixx, iyy, izz))
+    element(body, "inertial", pos=mass.com, mass=mass.mass, fullinertia=(ixx, iyy, izz, ixy, ixz, iyz))
+
+
+def _joint(body: Element, joint: Joint) -> None:
+    if joint.kind is JointKind.FIXED:
+        return
+    optional: dict[str, Value] = {}
+    limit, dynamics = joint.limit, joint.dynamics
+    if joint.kind is not JointKind.CONTINUOUS and not (isinf(limit.lower) and isinf(limit.upper)):
+        optional["range"] = (limit.lower, limit.upper)
+    if isfinite(limit.effort):
+        optional["actuatorfrcrange"] = (-limit.effort, limit.effort)
+    given = {
+        "damping": dynamics.damping,
+        "frictionloss": dynamics.friction,
+        "stiffness": dynamics.stiffness,
+        "springref": dynamics.spring_reference,
+        "armature": dynamics.armature,
+    }
+    optional.update({name: value for name, value in given.items() if value})
+    kind = "slide" if joint.kind is JointKind.PRISMATIC else "hinge"
+    element(body, "joint", name=joint.name, type=kind, axis=joint.axis, **optional)
+
+
+def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **more: Value) -> None:
+    kind, size = _geometry(shape.geometry)
+    element(body, "geom", name=name, class_=class_, type=kind, **size, **_pose(shape.X_LG), **more)
+
+
+def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
+    """Type and size of a geom; MuJoCo wants half lengths."""
+    match geometry:
+        case Box(size):
+            return "box", {"size": [edge / 2 for edge in size]}
+        case Cylinder(radius, length):
+            return "cylinder", {"size": (radius, length / 2)}
+        case Capsule(radius, length):
+            return "capsule", {"size": (radius, length / 2)}
+        case Sphere(radius):
+            return "sphere", {"size": (radius,)}
+        case MeshRef(name):
+            return "mesh", {"mesh": name}
+
+
+def _sites(body: Element, link: Link, robot: Robot) -> None:
+    for frame in robot.frames:
+        if frame.link == link.name:
+            element(body, "site", name=frame.name, **_pose(frame.X_LF))
+    for closure in robot.closures:
+        for side, holder, X_LF in (("a", closure.link_a, closure.X_AF), ("b", closure.link_b, closure.X_BF)):
+            if holder == link.name:
+                name = f"{closure.name}/{side}"
+                element(body, "site", name=name, **_pose(X_LF))
+                if closure.kind is JointKind.REVOLUTE:
+                    element(body, "site", name=f"{name}/axis", pos=X_LF.apply(_second_point(closure)).tolist())
+
+
+def _second_point(closure: LoopClosure) -> list[float]:
+    """A point of the axis, in F [m], as far away as F is from the links' frames: turns and shifts weigh alike."""
+    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
+    return [reach * direction for direction in closure.axis]
+
+
+def _contact(top: Element, robot: Robot) -> None:
+    """Excludes for neighbours: MuJoCo's own filter does not cover bodies fixed to the world, nor closures."""
+    close = neighbours(robot)
+    touching = [link.name for link in robot.links if link.collisions]
+    pairs = [(a, b) for i, a in enumerate(touching) for b in touching[i + 1 :] if frozenset((a, b)) in close]
+    if pairs:
+        contact = element(top, "contact")
+        for a, b in pairs:
+            element(contact, "exclude", body1=a, body2=b)
+
+
+def _equality(top: Element, robot: Robot) -> None:
+    mimics = [(joint.name, joint.mimic) for joint in robot.joints if joint.mimic is not None]
+    if not (mimics or robot.closures):
+        return
+    equality = element(top, "equality")
+    for name, mimic in mimics:
+        polynomial = (mimic.offset, mimic.multiplier, 0.0, 0.0, 0.0)
+        element(equality, "joint", joint1=name, joint2=mimic.joint, polycoef=polynomial)
+    for closure in robot.closures:
+        kind = "weld" if closure.kind is JointKind.FIXED else "connect"
+        sides = {"site1": f"{closure.name}/a", "site2": f"{closure.name}/b"}
+        element(equality, kind, name=closure.name, **sides)
+        if closure.kind is JointKind.REVOLUTE:
+            on_axis = {side: f"{site}/axis" for side, site in sides.items()}
+            element(equality, kind, name=f"{closure.name}/axis", **on_axis)
+
+
+def _actuators(top: Element, robot: Robot) -> None:
+    if robot.actuators:
+        xml = element(top, "actuator")
+        for actuator in robot.actuators:
+            _actuator(xml, actuator, robot.joint_by_name[actuator.joint])
+
+
+def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
+    """An actuator; its control and force are on the motor's side of the gear, its joint's limits on the other."""
+    gear, limit = actuator.gear, joint.limit
+    optional: dict[str, Value] = {"gear": gear} if gear != 1.0 else {}
+    match actuator.kind:
+        case ActuatorKind.POSITION:
+            optional["kp"] = actuator.kp
+            if actuator.kv:
+                optional["kv"] = actuator.kv
+            control = sorted((limit.lower * gear, limit.upper * gear))
+        case ActuatorKind.VELOCITY:
+            optional["kv"] = actuator.kv
+            control = [-limit.velocity * abs(gear), limit.velocity * abs(gear)]
+        case ActuatorKind.MOTOR:
+            control = [-limit.effort / abs(gear), limit.effort / abs(gear)]
+    if all(map(isfinite, control)):
+        optional["ctrlrange"] = control
+    if isfinite(limit.effort) and actuator.kind is not ActuatorKind.MOTOR:
+        optional["forcerange"] = (-limit.effort / abs(gear), limit.effort / abs(gear))
+    element(parent, actuator.kind.value, name=actuator.name, joint=actuator.joint, **optional)
+
+
+def _velocity_limits(top: Element, robot: Robot) -> None:
+    limited = [j for j in robot.joints if j.kind is not JointKind.FIXED and isfinite(j.limit.velocity)]
+    if limited:
+        custom = element(top, "custom")
+        for joint in limited:
+            element(custom, "numeric", name=f"{joint.name}/velocity", data=joint.limit.velocity)
+
+
+def _keyframe(top: Element, robot: Robot) -> None:
+    """The drawn pose, where it is not q = 0 or a loop must close; position actuators hold it."""
+    drawn = initial_configuration(robot)
+    if not (robot.closures or any(drawn.values())):
+        return
+    base = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0] if robot.base is Base.FLOATING else []
+    qpos = base + [drawn[name] for name in _depth_first(robot) if name in drawn]
+    control = [
+        drawn[actuator.joint] * actuator.gear if actuator.kind is ActuatorKind.POSITION else 0.0
+        for actuator in robot.actuators
+    ]
+    element(element(top, "keyframe"), "key", name=HOME, qpos=qpos, **({"ctrl": control} if any(control) else {}))
+
+
+def _depth_first(robot: Robot) -> list[str]:
+    """Names of the joints in the order of MuJoCo's coordinates: that of the nested bodies."""
+    below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
+    for joint in robot.joints:
+        below[joint.parent].append(joint)
+    order: list[str] = []
+    stack = list(reversed(below[robot.root.name]))
+    while stack:
+        joint = stack.pop()
+        order.append(joint.name)
+        stack += reversed(below[joint.child])
+    return order
+
+
+def _pose(X: Pose) -> dict[str, Value]:
+    pose: dict[str, Value] = {}
+    if any(X.position):
+        pose["pos"] = X.position
+    if X.rotation != Pose().rotation:
+        pose["quat"] = X.quaternion
+    return pose

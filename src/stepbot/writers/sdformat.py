@@ -1,0 +1,230 @@
+"""SDFormat, as Gazebo and Drake read it: http://sdformat.org/spec.
+
+Poses are flat: each link's in the model at q = 0, each joint's in its child, so that readers without ``relative_to``
+understand them. A closed loop is a joint more than a tree has: its frame is given in the child, and lies in the parent
+where the pose of the file puts it, so a loop must close at q = 0 (:data:`Notion.LOOP_ZERO`).
+"""
+
+from math import isfinite, isinf
+
+from ..lowering import Notion, exact, free_name, lowered, refused, reported
+from ..model import (
+    Base,
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointDynamics,
+    JointKind,
+    Limit,
+    Link,
+    LoopClosure,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+from ..spatial import IDENTITY, Pose, Vector3
+from ._xml import Element, document, element, root
+
+NAME = "sdf"
+ALIASES = ("sdformat",)
+SUFFIX = ".sdf"
+TITLE = "SDFormat"
+
+VERSION = "1.9"
+MIMIC_VERSION = "1.11"
+"""The first version that has ``<mimic>``."""
+
+EXPRESSES = {
+    Notion.FIXED_BASE: exact("fixed joint to `world`"),
+    Notion.FLOATING_BASE: exact("no joint to `world`"),
+    Notion.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
+    Notion.MESH: exact("OBJ in metres, path relative to the file"),
+    Notion.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
+    Notion.CAPSULE: exact("`<capsule>`"),
+    Notion.FLAT_COLLISION: exact("as any mesh"),
+    Notion.CONCAVE_COLLISION: exact("as any mesh"),
+    Notion.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
+    Notion.NEIGHBOURS: exact("links of a model do not touch unless `<self_collide>` says so"),
+    Notion.FIXED: exact("`fixed`"),
+    Notion.REVOLUTE: exact("`revolute`"),
+    Notion.CONTINUOUS: exact("`continuous`"),
+    Notion.PRISMATIC: exact("`prismatic`"),
+    Notion.OTHER_JOINT: refused("SB713", "joints of this kind are not written yet"),
+    Notion.OPEN_POSITION: exact("±1e16, which the format defines as no limit"),
+    Notion.OPEN_EFFORT: exact("no element"),
+    Notion.EFFORT: exact("`<effort>`"),
+    Notion.VELOCITY: exact("`<velocity>`"),
+    Notion.FRICTION: exact("`<dynamics>`"),
+    Notion.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
+    Notion.ARMATURE: reported("SB703", "armatures are left out"),
+    Notion.MIMIC: lowered("SB715", "`<mimic>` takes version 1.11 (Gazebo Harmonic) in place of 1.9"),
+    Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
+    Notion.CLOSURE: exact("a second joint to the child, after all joints of the tree"),
+    Notion.OTHER_CLOSURE: refused("SB713", "closures of this kind are not written yet"),
+    Notion.LOOP_ZERO: lowered("SB711", "a loop closes at q = 0, so zeros are moved to the drawn pose"),
+    Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
+    Notion.FRAME: exact("`<frame>` attached to its link"),
+    Notion.ACTUATOR: reported("SB702", "actuators are left out"),
+    Notion.JOINT_NAME: lowered("SB710", "links, joints and frames share their names"),
+    Notion.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
+    Notion.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` mean something else"),
+}
+
+_NO_LIMIT = 1e16
+"""What SDFormat 1.9 defines as the position limit of a joint that has none."""
+
+
+def reserves(name: str) -> bool:
+    """Whether the name is the world's, one of the format's own (``__model__``), or reads as a path of names."""
+    return name == "world" or "::" in name or (name.startswith("__") and name.endswith("__"))
+
+
+def render(robot: Robot) -> bytes:
+    """The SDFormat of a lowered robot."""
+    mimics = any(joint.mimic is not None for joint in robot.joints)
+    top = root("sdf", robot.source, version=MIMIC_VERSION if mimics else VERSION)
+    model = element(top, "model", name=robot.name)
+    X_ML = _link_poses(robot)
+    for link in robot.links:
+        _link(model, link, X_ML[link.name], robot)
+    if robot.base is Base.FIXED:
+        _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
+    for joint in robot.joints:
+        _joint(model, joint)
+    for closure in robot.closures:
+        _closure(model, closure, robot)
+    for frame in robot.frames:
+        _pose(element(model, "frame", name=frame.name, attached_to=frame.link), frame.X_LF)
+    return document(top)
+
+
+def _link_poses(robot: Robot) -> dict[str, Pose]:
+    """X_ML of every link with all joints at q = 0, mimics too."""
+    poses = {robot.root.name: IDENTITY}
+    for joint in robot.joints:
+        poses[joint.child] = poses[joint.parent] @ joint.X_PC
+    return poses
+
+
+def _world_joint_name(robot: Robot) -> str:
+    taken = {*robot.link_by_name, *robot.joint_by_name}
+    taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
+    return free_name(f"world_to_{robot.root.name}", "_joint", taken)
+
+
+def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> None:
+    xml = element(model, "link", name=link.name)
+    _pose(xml, X_ML)
+    mass = link.mass_properties
+    inertial = element(xml, "inertial")
+    element(inertial, "pose", (*mass.com, 0.0, 0.0, 0.0))
+    element(inertial, "mass", mass.mass)
+    inertia = element(inertial, "inertia")
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    for tag, value in (("ixx", ixx), ("ixy", ixy), ("ixz", ixz), ("iyy", iyy), ("iyz", iyz), ("izz", izz)):
+        element(inertia, tag, value)
+    for visual in link.visuals:
+        shape = _shape(xml, "visual", visual, robot)
+        material = element(shape, "material")
+        element(material, "ambient", visual.rgba)
+        element(material, "diffuse", visual.rgba)
+    for collision in link.collisions:
+        _shape(xml, "collision", collision, robot)
+
+
+def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+    xml = element(parent, tag, name=shape.name)
+    _pose(xml, shape.X_LG)
+    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    return xml
+
+
+def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
+    match geometry:
+        case Box(size):
+            element(element(parent, "box"), "size", size)
+        case Cylinder(radius, length):
+            _round(parent, "cylinder", radius, length)
+        case Capsule(radius, length):
+            _round(parent, "capsule", radius, length)
+        case Sphere(radius):
+            element(element(parent, "sphere"), "radius", radius)
+        case MeshRef(name):
+            element(element(parent, "mesh"), "uri", robot.mesh_by_name[name].path)
+
+
+def _round(parent: Element, tag: str, radius: float, length: float) -> None:
+    xml = element(parent, tag)
+    element(xml, "radius", radius)
+    element(xml, "length", length)
+
+
+def _joint_head(model: Element, name: str, kind: str, parent: str, child: str) -> Element:
+    xml = element(model, "joint", name=name, type=kind)
+    element(xml, "parent", parent)
+    element(xml, "child", child)
+    return xml
+
+
+def _joint(model: Element, joint: Joint) -> None:
+    xml = _joint_head(model, joint.name, joint.kind.value, joint.parent, joint.child)
+    if joint.kind is JointKind.FIXED:
+        return
+    axis = _axis(xml, joint.axis)
+    _limit(axis, joint.kind, joint.limit)
+    _dynamics(axis, joint.dynamics)
+    if joint.mimic is not None:
+        mimic = element(axis, "mimic", joint=joint.mimic.joint)
+        element(mimic, "multiplier", joint.mimic.multiplier)
+        element(mimic, "offset", joint.mimic.offset)
+        element(mimic, "reference", 0.0)
+
+
+def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
+    """The joint that closes a loop; the root is never its child, so that every reader still finds one root."""
+    parent, child, X_CF = closure.link_a, closure.link_b, closure.X_BF
+    if child == robot.root.name:
+        parent, child, X_CF = closure.link_b, closure.link_a, closure.X_AF
+    xml = _joint_head(model, closure.name, closure.kind.value, parent, child)
+    _pose(xml, X_CF)
+    if closure.kind is JointKind.REVOLUTE:
+        _limit(_axis(xml, closure.axis), JointKind.REVOLUTE, Limit())
+
+
+def _axis(joint: Element, axis: Vector3) -> Element:
+    xml = element(joint, "axis")
+    element(xml, "xyz", axis)
+    return xml
+
+
+def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
+    bounded = kind is not JointKind.CONTINUOUS
+    if not (bounded or isfinite(limit.effort) or isfinite(limit.velocity)):
+        return
+    xml = element(axis, "limit")
+    if bounded:
+        element(xml, "lower", -_NO_LIMIT if isinf(limit.lower) else limit.lower)
+        element(xml, "upper", _NO_LIMIT if isinf(limit.upper) else limit.upper)
+    if isfinite(limit.effort):
+        element(xml, "effort", limit.effort)
+    if isfinite(limit.velocity):
+        element(xml, "velocity", limit.velocity)
+
+
+def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
+    if not (dynamics.damping or dynamics.friction or dynamics.stiffness):
+        return
+    xml = element(axis, "dynamics")
+    element(xml, "damping", dynamics.damping)
+    element(xml, "friction", dynamics.friction)
+    element(xml, "spring_reference", dynamics.spring_reference)
+    element(xml, "spring_stiffness", dynamics.stiffness)
+
+
+def _pose(parent: Element, X: Pose) -> None:
+    if not X.is_identity:
+        element(parent, "pose", (*X.position, *X.rpy))

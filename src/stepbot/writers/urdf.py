@@ -1,0 +1,133 @@
+"""URDF, as ROS and most simulators read it: http://wiki.ros.org/urdf/XML.
+
+The root link is the robot's; there is no link called ``world``, because loaders disagree on it. Inertias are about the
+centre of mass along the axes of the link (rpy = 0), since some readers ignore that rotation. Every link has an
+``<inertial>``, zero where it weighs nothing: some engines take a link without one for 1 kg.
+"""
+
+from math import isfinite
+
+from ..lowering import Notion, exact, lowered, refused, reported
+from ..model import Box, Capsule, Collision, Cylinder, Geometry, Joint, JointKind, Link, MeshRef, Robot, Sphere, Visual
+from ..spatial import Pose
+from ._xml import Element, document, element, root
+
+NAME = "urdf"
+ALIASES: tuple[str, ...] = ()
+SUFFIX = ".urdf"
+TITLE = "URDF"
+
+EXPRESSES = {
+    Notion.FIXED_BASE: reported("SB707", "whoever loads the file decides whether the base is fixed"),
+    Notion.FLOATING_BASE: reported("SB707", "whoever loads the file decides whether the base is fixed"),
+    Notion.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
+    Notion.MESH: exact("OBJ in metres, path relative to the file"),
+    Notion.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
+    Notion.CAPSULE: lowered("SB709", "a cylinder and two spheres stand for each capsule"),
+    Notion.FLAT_COLLISION: exact("as any mesh"),
+    Notion.CONCAVE_COLLISION: exact("as any mesh"),
+    Notion.COLOR: exact("`<material>` of its own in each visual"),
+    Notion.NEIGHBOURS: exact("readers leave it out between parent and child"),
+    Notion.FIXED: exact("`fixed`"),
+    Notion.REVOLUTE: exact("`revolute`"),
+    Notion.CONTINUOUS: exact("`continuous`"),
+    Notion.PRISMATIC: exact("`prismatic`"),
+    Notion.OTHER_JOINT: refused("SB713", "joints of this kind are not written yet"),
+    Notion.OPEN_POSITION: lowered(
+        "SB704", "1e9 stands for a missing position limit; a revolute joint without any is continuous"
+    ),
+    Notion.OPEN_EFFORT: lowered("SB704", "1e9 stands for a missing effort or velocity limit"),
+    Notion.EFFORT: exact("`effort`"),
+    Notion.VELOCITY: exact("`velocity`"),
+    Notion.FRICTION: exact("`<dynamics>`"),
+    Notion.SPRING: reported("SB703", "springs are left out"),
+    Notion.ARMATURE: reported("SB703", "armatures are left out"),
+    Notion.MIMIC: exact("`<mimic>`"),
+    Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
+    Notion.CLOSURE: reported("SB701", "a tree has no closed loops; closures are left out"),
+    Notion.OTHER_CLOSURE: reported("SB701", "a tree has no closed loops; closures are left out"),
+    Notion.LOOP_ZERO: exact("the tree alone is written"),
+    Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
+    Notion.FRAME: lowered("SB708", "frames are links without mass on fixed joints"),
+    Notion.ACTUATOR: reported("SB702", "actuators are left out"),
+    Notion.JOINT_NAME: exact("links and joints have names of their own"),
+    Notion.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
+    Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
+}
+
+
+def reserves(name: str) -> bool:
+    """Whether readers take the name for the world itself."""
+    return name == "world"
+
+
+def render(robot: Robot) -> bytes:
+    """The URDF of a lowered robot."""
+    top = root("robot", robot.source, name=robot.name)
+    for link in robot.links:
+        _link(top, link, robot)
+    for joint in robot.joints:
+        _joint(top, joint)
+    return document(top)
+
+
+def _link(top: Element, link: Link, robot: Robot) -> None:
+    xml = element(top, "link", name=link.name)
+    mass = link.mass_properties
+    inertial = element(xml, "inertial")
+    element(inertial, "origin", xyz=mass.com, rpy=(0.0, 0.0, 0.0))
+    element(inertial, "mass", value=mass.mass)
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
+    for visual in link.visuals:
+        shape = _shape(xml, "visual", visual, robot)
+        material = element(shape, "material", name=visual.name)
+        element(material, "color", rgba=visual.rgba)
+    for collision in link.collisions:
+        _shape(xml, "collision", collision, robot)
+
+
+def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+    xml = element(parent, tag, name=shape.name)
+    _origin(xml, shape.X_LG)
+    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    return xml
+
+
+def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
+    match geometry:
+        case Box(size):
+            element(parent, "box", size=size)
+        case Cylinder(radius, length):
+            element(parent, "cylinder", radius=radius, length=length)
+        case Sphere(radius):
+            element(parent, "sphere", radius=radius)
+        case MeshRef(name):
+            element(parent, "mesh", filename=robot.mesh_by_name[name].path)
+        case Capsule():
+            raise ValueError("capsules are lowered before they are written")
+
+
+def _joint(top: Element, joint: Joint) -> None:
+    xml = element(top, "joint", name=joint.name, type=joint.kind.value)
+    _origin(xml, joint.X_PC)
+    element(xml, "parent", link=joint.parent)
+    element(xml, "child", link=joint.child)
+    if joint.kind is JointKind.FIXED:
+        return
+    element(xml, "axis", xyz=joint.axis)
+    limit = joint.limit
+    if joint.kind is not JointKind.CONTINUOUS:
+        element(xml, "limit", lower=limit.lower, upper=limit.upper, effort=limit.effort, velocity=limit.velocity)
+    elif isfinite(limit.effort):
+        element(xml, "limit", effort=limit.effort, velocity=limit.velocity)
+    if joint.dynamics.damping or joint.dynamics.friction:
+        element(xml, "dynamics", damping=joint.dynamics.damping, friction=joint.dynamics.friction)
+    if joint.mimic is not None:
+        mimic = joint.mimic
+        element(xml, "mimic", joint=mimic.joint, multiplier=mimic.multiplier, offset=mimic.offset)
+
+
+def _origin(parent: Element, X: Pose) -> None:
+    if not X.is_identity:
+        element(parent, "origin", xyz=X.position, rpy=X.rpy)

@@ -1,0 +1,29 @@
+"""Every robot in every format, written to a folder of its own."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.lowering import lower
+from stepbot.model import Robot
+from stepbot.writers import FORMATS, render
+from tests.robots import ROBOTS
+
+Write = Callable[[str, str], tuple[Robot, Path]]
+
+
+@pytest.fixture(scope="session")
+def write(tmp_path_factory: pytest.TempPathFactory) -> Write:
+    """Writes a robot by name in a format; gives the robot as the format can say it, and the main file."""
+
+    def write_robot(name: str, format_: str) -> tuple[Robot, Path]:
+        robot = ROBOTS[name]()
+        folder = tmp_path_factory.mktemp(name)
+        for path, content in render(robot, format_, Diagnostics()).items():
+            (folder / path).parent.mkdir(exist_ok=True)
+            (folder / path).write_bytes(content)
+        return lower(robot, FORMATS[format_], Diagnostics()), folder / f"{robot.name}{FORMATS[format_].SUFFIX}"
+
+    return write_robot

@@ -1,0 +1,135 @@
+"""What holds for every format that is found, on every robot."""
+
+import copy
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lxml import etree
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.lowering import lower
+from stepbot.model import Robot
+from stepbot.writers import FORMATS, render, used_meshes, writer_of
+from tests.robots import ROBOTS
+
+every_robot = pytest.mark.parametrize("name", ROBOTS)
+every_format = pytest.mark.parametrize("format_", FORMATS)
+
+RENDER_ALL = """
+import hashlib, sys
+from stepbot.diagnostics import Diagnostics
+from stepbot.writers import FORMATS, render
+from tests.robots import ROBOTS
+digest = hashlib.sha256()
+for build in ROBOTS.values():
+    for name in FORMATS:
+        for path, content in render(build(), name, Diagnostics()).items():
+            digest.update(path.encode() + content)
+print(digest.hexdigest())
+"""
+
+
+def mesh_bytes(robot: Robot) -> list[bytes]:
+    """Vertices and faces of all meshes of a robot."""
+    return [asset.mesh.vertices.tobytes() + asset.mesh.faces.tobytes() for asset in robot.meshes]
+
+
+@every_format
+@every_robot
+def test_same_input_same_bytes(name: str, format_: str) -> None:
+    """Two robots of the same content give the same files in the same order."""
+    first, second = (list(render(ROBOTS[name](), format_, Diagnostics()).items()) for _ in range(2))
+    assert first == second
+
+
+def test_bytes_depend_on_nothing_around(tmp_path: Path) -> None:
+    """Another hash seed, locale and working directory change no byte."""
+    root = Path(__file__).resolve().parents[2]
+    digests = set()
+    for seed, locale, folder in (("1", "C", root), ("4242", "de_DE.UTF-8", tmp_path)):
+        paths = os.pathsep.join([str(root), str(root / "src")])
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale, "PYTHONPATH": paths}
+        run = subprocess.run(
+            [sys.executable, "-c", RENDER_ALL], env=environment, cwd=folder, capture_output=True, text=True, check=True
+        )
+        digests.add(run.stdout)
+    here = hashlib.sha256()
+    for build in ROBOTS.values():
+        for format_ in FORMATS:
+            for path, content in render(build(), format_, Diagnostics()).items():
+                here.update(path.encode() + content)
+    assert digests == {here.hexdigest() + "\n"}
+
+
+@every_format
+@every_robot
+def test_robot_is_left_as_it_was(name: str, format_: str) -> None:
+    """Writing changes nothing of the robot that it is given."""
+    robot = ROBOTS[name]()
+    before, meshes = copy.deepcopy(robot.links + robot.joints + robot.closures), mesh_bytes(robot)
+    render(robot, format_, Diagnostics())
+    assert robot.links + robot.joints + robot.closures == before
+    assert mesh_bytes(robot) == meshes
+
+
+@every_format
+@every_robot
+def test_every_name_is_in_the_file(name: str, format_: str) -> None:
+    """Names of the robot, its links and joints stand in the file as they are, where the format has room for them."""
+    robot = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
+    files = render(ROBOTS[name](), format_, Diagnostics())
+    top = etree.fromstring(files[f"{robot.name}{FORMATS[format_].SUFFIX}"])
+    names = {element.get("name") for element in top.iter("*")} | {top.get("model")}
+    said = {robot.name, *(link.name for link in robot.links), *(frame.name for frame in robot.frames)}
+    said |= {shape.name for link in robot.links for shape in (*link.visuals, *link.collisions)}
+    said |= {closure.name for closure in robot.closures} | {actuator.name for actuator in robot.actuators}
+    said |= {joint.name for joint in robot.joints if not (format_ == "mjcf" and joint.kind == "fixed")}
+    assert said <= names
+
+
+@every_format
+@every_robot
+def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
+    """The file refers to exactly the meshes that come with it, by relative paths."""
+    robot = ROBOTS[name]()
+    files = render(robot, format_, Diagnostics())
+    main, *meshes = files
+    top = etree.fromstring(files[main])
+    attributes = {element.get(key) for element in top.iter("mesh") for key in ("filename", "file")}
+    referred = attributes | {element.text for element in top.iter("uri")}
+    assert referred - {None} == set(meshes) == {asset.path for asset in used_meshes(robot)}
+
+
+def test_meshes_read_back_by_trimesh() -> None:
+    """An OBJ file holds one object in metres, with the same vertices and faces."""
+    import trimesh
+
+    robot = ROBOTS["tree"]()
+    files = render(robot, "urdf", Diagnostics())
+    for asset in robot.meshes:
+        read = trimesh.load_mesh(trimesh.util.wrap_as_stream(files[asset.path]), file_type="obj", process=False)
+        np.testing.assert_array_equal(read.vertices, asset.mesh.vertices)
+        np.testing.assert_array_equal(read.faces, asset.mesh.faces)
+
+
+def test_formats_are_found_and_have_aliases() -> None:
+    """Formats are known by name in the order in which people name them, and by alias in any case."""
+    assert tuple(FORMATS) == ("urdf", "sdf", "mjcf")
+    assert writer_of("SDFormat") is FORMATS["sdf"]
+    assert writer_of("mujoco") is FORMATS["mjcf"]
+    with pytest.raises(KeyError):
+        writer_of("step")
+
+
+def test_finding_formats_imports_no_xml_library() -> None:
+    """A list of formats costs no import of lxml."""
+    code = "import sys, stepbot.writers; print([m for m in ('lxml', 'trimesh', 'mujoco') if m in sys.modules])"
+    root = Path(__file__).resolve().parents[2]
+    environment = {**os.environ, "PYTHONPATH": str(root / "src")}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert run.stdout == "[]\n"

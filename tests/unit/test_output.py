@@ -1,0 +1,189 @@
+"""Writing all files of a run or none, and taking away only what an earlier run wrote."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import StepbotError
+from stepbot.output import MANIFEST, write_atomically
+
+ARM = {"arm.urdf": b"urdf", "arm.xml": b"mjcf", "meshes/a.obj": b"a", "meshes/b.obj": b"b"}
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder but the list that stepbot keeps."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != MANIFEST)
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+def codes(error: StepbotError) -> list[str]:
+    """The codes of what went wrong."""
+    return [diagnostic.code for diagnostic in error.diagnostics]
+
+
+def test_files_are_written_and_nothing_else(tmp_path: Path) -> None:
+    """Missing folders are made; no trace of the staging is left."""
+    out = tmp_path / "a" / "b"
+    write_atomically(ARM, out)
+    assert contents(out) == ARM
+    assert sorted(path.name for path in out.iterdir()) == [MANIFEST, "arm.urdf", "arm.xml", "meshes"]
+
+
+def test_second_run_touches_nothing(tmp_path: Path) -> None:
+    """What is there already keeps its time stamp."""
+    write_atomically(ARM, tmp_path)
+    for path in tmp_path.rglob("*"):
+        os.utime(path, (1, 1))
+    write_atomically(ARM, tmp_path)
+    assert {path.stat().st_mtime for path in tmp_path.rglob("*") if path.is_file()} == {1}
+
+
+def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
+    """A mesh that no file needs any more is removed; what stepbot did not write, or somebody changed, is not."""
+    write_atomically({**ARM, "meshes/c.obj": b"c"}, tmp_path)
+    (tmp_path / "meshes/mine.obj").write_bytes(b"mine")
+    (tmp_path / "meshes/c.obj").write_bytes(b"edited by hand")
+    write_atomically({"arm.urdf": b"2", "arm.xml": b"2", "meshes/a.obj": b"a"}, tmp_path)
+    assert contents(tmp_path) == {
+        "arm.urdf": b"2",
+        "arm.xml": b"2",
+        "meshes/a.obj": b"a",
+        "meshes/c.obj": b"edited by hand",
+        "meshes/mine.obj": b"mine",
+    }
+
+
+def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
+    """A run for one format, or for another robot, leaves alone what the files of earlier runs refer to."""
+    write_atomically(ARM, tmp_path)
+    write_atomically({"leg.urdf": b"leg", "meshes/b.obj": b"b", "meshes/c.obj": b"c"}, tmp_path)
+    write_atomically({"arm.urdf": b"2", "meshes/d.obj": b"d"}, tmp_path)
+    assert set(contents(tmp_path)) == {"arm.urdf", "arm.xml", "leg.urdf", *(f"meshes/{x}.obj" for x in "abcd")}
+    write_atomically({"arm.xml": b"2", "meshes/d.obj": b"d"}, tmp_path)
+    assert set(contents(tmp_path)) == {"arm.urdf", "arm.xml", "leg.urdf", *(f"meshes/{x}.obj" for x in "bcd")}
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"files": 3}', '{"files": {"arm.urdf": ["meshes/b.obj"]}}'])
+def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
+    """Where the list of earlier files is broken, they are all left alone."""
+    write_atomically(ARM, tmp_path)
+    (tmp_path / MANIFEST).write_text(text, encoding="utf-8")
+    write_atomically({"arm.urdf": b"2", "meshes/a.obj": b"a"}, tmp_path)
+    assert "meshes/b.obj" in contents(tmp_path)
+
+
+def test_list_cannot_name_files_elsewhere(tmp_path: Path) -> None:
+    """A list that somebody tampered with removes nothing outside the folder."""
+    out = tmp_path / "out"
+    victim = tmp_path / "victim"
+    victim.write_bytes(b"b")
+    write_atomically(ARM, out)
+    listed = json.loads((out / MANIFEST).read_bytes())
+    digest = listed["files"]["arm.urdf"].pop("meshes/b.obj")
+    listed["files"]["arm.urdf"].update({"../victim": digest, str(victim): digest})
+    (out / MANIFEST).write_text(json.dumps(listed), encoding="utf-8")
+    write_atomically({"arm.urdf": b"2", "arm.xml": b"2", "meshes/a.obj": b"a"}, out)
+    assert victim.exists()
+
+
+@pytest.mark.parametrize(
+    "path", ["/abs", "../up", "a/../../b", "", ".", "a//b", "a\\b", "a\0b", MANIFEST, ".stepbot-x/a"]
+)
+def test_paths_stay_in_the_folder(tmp_path: Path, path: str) -> None:
+    """No name leads out of the folder, or onto stepbot's own files."""
+    with pytest.raises(StepbotError) as error:
+        write_atomically({"arm.urdf": b"1", path: b"x"}, tmp_path / "out")
+    assert codes(error.value) == ["SB004"]
+    assert not (tmp_path / "out").exists()
+
+
+def test_failure_in_the_middle_puts_everything_back(tmp_path: Path) -> None:
+    """When one file cannot be moved to its place, all others are as they were."""
+    write_atomically(ARM, tmp_path)
+    before = {**contents(tmp_path), MANIFEST: (tmp_path / MANIFEST).read_bytes()}
+    (tmp_path / "zzz.urdf").mkdir()  # a folder where the last file should go
+    with pytest.raises(StepbotError) as error:
+        write_atomically(
+            {"arm.urdf": b"new", "meshes/a.obj": b"new", "meshes/n/n.obj": b"n", "zzz.urdf": b"z"}, tmp_path
+        )
+    assert codes(error.value) == ["SB004"]
+    assert "zzz.urdf" in str(error.value)
+    assert {**contents(tmp_path), MANIFEST: (tmp_path / MANIFEST).read_bytes()} == before
+    assert not (tmp_path / "meshes/n").exists()
+    assert not list(tmp_path.glob(".stepbot-*"))
+
+
+def test_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    """A file in place of the folder, or of one above it, ends in a diagnostic."""
+    (tmp_path / "out").write_bytes(b"")
+    for folder in (tmp_path / "out", tmp_path / "out" / "deeper"):
+        with pytest.raises(StepbotError) as error:
+            write_atomically(ARM, folder)
+        assert codes(error.value) == ["SB004"]
+    assert (tmp_path / "out").read_bytes() == b""
+
+
+def test_links_are_replaced_and_not_followed(tmp_path: Path) -> None:
+    """A symbolic link at the place of a file gives way to the file; what it points to stays."""
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.write_bytes(b"urdf")
+    (tmp_path / "out").mkdir()
+    try:
+        (tmp_path / "out" / "arm.urdf").symlink_to(elsewhere)
+    except OSError:
+        pytest.skip("no symbolic links here")
+    write_atomically({"arm.urdf": b"new"}, tmp_path / "out")
+    assert elsewhere.read_bytes() == b"urdf"
+    assert (tmp_path / "out" / "arm.urdf").read_bytes() == b"new"
+
+
+def test_folders_of_killed_runs_go_in_time(tmp_path: Path) -> None:
+    """A staging folder that has been left for a day is removed, a young one may belong to a run of this moment."""
+    old, young = tmp_path / ".stepbot-old", tmp_path / ".stepbot-young"
+    for folder in (old, young):
+        folder.mkdir()
+        (folder / "0.new").write_bytes(b"x")
+    past = time.time() - 2 * 24 * 3600
+    os.utime(old, (past, past))
+    write_atomically(ARM, tmp_path)
+    assert (old.exists(), young.exists()) == (False, True)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+import stepbot.output as output
+steps = int(sys.argv[2])
+real = Path.replace
+def replace(self, target):
+    global steps
+    if steps == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    steps -= 1
+    return real(self, target)
+Path.replace = replace
+new = {"arm.urdf": b"new", "arm.xml": b"new", "meshes/a.obj": b"new", "meshes/c.obj": b"new"}
+output.write_atomically(new, Path(sys.argv[1]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no SIGKILL on Windows")
+@pytest.mark.parametrize("steps", range(6))
+def test_killed_run_leaves_whole_files_and_the_next_one_tidies_up(tmp_path: Path, steps: int) -> None:
+    """Killed between any two moves, every file is old or new, and the next run ends where an undisturbed one would."""
+    write_atomically(ARM, tmp_path)
+    source = Path(__file__).resolve().parents[2] / "src"
+    environment = {**os.environ, "PYTHONPATH": str(source)}
+    run = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path), str(steps)], env=environment, check=False)
+    assert run.returncode == (-9 if steps < 6 else 0)
+    new = {"arm.urdf": b"new", "arm.xml": b"new", "meshes/a.obj": b"new", "meshes/c.obj": b"new"}
+    for path, content in contents(tmp_path).items():
+        if not path.startswith(".stepbot-"):
+            assert content in (ARM.get(path), new.get(path))
+    write_atomically(new, tmp_path)
+    assert {path: content for path, content in contents(tmp_path).items() if not path.startswith(".stepbot-")} == new
