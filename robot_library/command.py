@@ -1,0 +1,80 @@
+"""What the build.py of every robot does: draw, hold the drawing against closed forms, write STEP and expected.json."""
+
+import argparse
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .expected import write_expected
+from .moments import Array, Moments
+from .step_file import UNITS, Assembly, Part, write_step
+
+_TOLERANCE = 1e-9
+
+
+def run(
+    step: Path,
+    draw: Callable[[], Assembly],
+    closed_forms: Mapping[str, Moments],
+    expected: Callable[[], dict[str, Any]],
+) -> None:
+    """Draw a robot as the command line says.
+
+    Args:
+        step: STEP file to write by default; expected.json lies beside it.
+        draw: Draws the robot.
+        closed_forms: For each part by name its integrals at density 1 [mm], in the part's frame.
+        expected: Computes the content of expected.json.
+
+    Raises:
+        SystemExit: The drawing does not have the mass properties that the closed forms say.
+    """
+    parser = argparse.ArgumentParser(description=f"Draw {step.name}, and compute its expected.json.")
+    parser.add_argument("--unit", choices=UNITS, default="mm", help="length unit of the STEP file (default: mm)")
+    parser.add_argument(
+        "-o", "--output", type=Path, default=step, help="STEP file to write (default: beside the script)"
+    )
+    options = parser.parse_args()
+
+    root = draw()
+    _compare(root, closed_forms)
+    write_step(options.output, root, unit=options.unit, name=step.name)
+    if options.output == step:
+        write_expected(step.parent / "expected.json", expected())
+
+
+def _compare(root: Assembly, closed_forms: Mapping[str, Moments]) -> None:
+    """End the program where the drawing and the closed forms are not the same thing."""
+    parts = _parts(root)
+    if parts.keys() != closed_forms.keys():
+        raise SystemExit(f"drawn: {sorted(parts)}; known in closed form: {sorted(closed_forms)}")
+    for name, part in parts.items():
+        exact, (volume, com, inertia) = closed_forms[name], kernel_properties(part.shape)
+        size = exact.mass ** (1 / 3)
+        deviation = max(
+            abs(volume / exact.mass - 1),
+            float(np.max(np.abs(com - exact.com))) / size,
+            float(np.max(np.abs(inertia - exact.inertia))) / float(np.max(np.abs(exact.inertia))),
+        )
+        if not deviation < _TOLERANCE:
+            raise SystemExit(f"{name}: the drawing deviates from the closed form by {deviation:.1e}")
+
+
+def _parts(product: Assembly | Part) -> dict[str, Part]:
+    if isinstance(product, Part):
+        return {product.name: product}
+    return {name: part for child in product.children for name, part in _parts(child.product).items()}
+
+
+def kernel_properties(shape: Any) -> tuple[float, Array, Array]:
+    """Volume, com (3,) and inertia (3, 3) about the com, as the kernel integrates a shape at density 1 [mm]."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    com, matrix = properties.CentreOfMass(), properties.MatrixOfInertia()
+    inertia = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
+    return properties.Mass(), np.array([com.X(), com.Y(), com.Z()]), inertia

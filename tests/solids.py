@@ -1,0 +1,117 @@
+"""Solids with their volume, centre and inertia in closed form: the material of :mod:`tests.parts`.
+
+A :class:`Solid` is a shape of the kernel next to its integrals, so that a cut is a cut in both; the integrals come from
+:mod:`robot_library.moments`, never from the kernel. Lengths are in millimetres.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from robot_library import moments
+from robot_library.moments import Array, Moments, pose
+from robot_library.step_file import moved
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A shape of the kernel and its integrals at density 1, both in millimetres and in one frame."""
+
+    shape: Any
+    moments: Moments
+
+    def __add__(self, other: "Solid") -> "Solid":
+        """Both as one solid; they touch, and do not overlap."""
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Fuse
+
+        return Solid(_one_solid(BRepAlgoAPI_Fuse(self.shape, other.shape).Shape()), self.moments + other.moments)
+
+    def __sub__(self, other: "Solid") -> "Solid":
+        """What is left when ``other``, which lies inside, is cut away."""
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+
+        return Solid(_one_solid(BRepAlgoAPI_Cut(self.shape, other.shape).Shape()), self.moments - other.moments)
+
+    def moved(self, X_AB: Array) -> "Solid":
+        """This solid, given in B, expressed in A."""
+        return Solid(moved(self.shape, X_AB), self.moments.moved(X_AB))
+
+    def at(self, x: float, y: float, z: float) -> "Solid":
+        """This solid, shifted."""
+        return self.moved(pose((x, y, z)))
+
+
+def box(x: float, y: float, z: float) -> Solid:
+    """A box around the origin."""
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+    from OCP.gp import gp_Pnt
+
+    corner = gp_Pnt(-x / 2, -y / 2, -z / 2)
+    return Solid(BRepPrimAPI_MakeBox(corner, x, y, z).Solid(), moments.box(x, y, z))
+
+
+def cylinder(radius: float, height: float) -> Solid:
+    """A cylinder along +z that stands on the origin."""
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder
+
+    return Solid(BRepPrimAPI_MakeCylinder(radius, height).Solid(), moments.cylinder(radius, height))
+
+
+def cone(lower: float, upper: float, height: float) -> Solid:
+    """A truncated cone along +z that stands on the origin."""
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone
+
+    return Solid(BRepPrimAPI_MakeCone(lower, upper, height).Solid(), moments.frustum(lower, upper, height))
+
+
+def sphere(radius: float) -> Solid:
+    """A ball around the origin."""
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeSphere
+
+    return Solid(BRepPrimAPI_MakeSphere(radius).Solid(), moments.sphere(radius))
+
+
+def joined(first: Solid, *others: Solid) -> Solid:
+    """Several solids, each touching what is before it, as one."""
+    for other in others:
+        first += other
+    return first
+
+
+def compound(*shapes: Any) -> Any:
+    """Several shapes as one, without joining them."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Compound
+
+    builder, compound = BRep_Builder(), TopoDS_Compound()
+    builder.MakeCompound(compound)
+    for shape in shapes:
+        builder.Add(compound, shape)
+    return compound
+
+
+def faces(shape: Any) -> list[Any]:
+    """The faces of a shape."""
+    from OCP.TopAbs import TopAbs_ShapeEnum
+
+    return list(_explored(shape, TopAbs_ShapeEnum.TopAbs_FACE))
+
+
+def _one_solid(shape: Any) -> Any:
+    """The only solid of what a Boolean operation returns, with faces merged that lie in one surface."""
+    from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
+    from OCP.TopAbs import TopAbs_ShapeEnum
+
+    unify = ShapeUpgrade_UnifySameDomain(shape)
+    unify.Build()
+    (solid,) = _explored(unify.Shape(), TopAbs_ShapeEnum.TopAbs_SOLID)
+    return solid
+
+
+def _explored(shape: Any, kind: Any) -> Iterator[Any]:
+    from OCP.TopExp import TopExp_Explorer
+
+    explorer = TopExp_Explorer(shape, kind)
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
