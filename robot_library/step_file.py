@@ -72,22 +72,37 @@ def write_step(path: Path, *roots: Part | Assembly, unit: LengthUnit = "mm", nam
         ValueError: The kernel refuses a shape.
         OSError: The file cannot be written.
     """
-    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
-    from OCP.IFSelect import IFSelect_ReturnStatus
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-
     document = _Document()
     for root in roots:
         document.add(root)
     document.finish()
+    write_document(path, document.document, unit=unit, name=name)
+
+
+def write_document(path: Path, document: Any, unit: LengthUnit = "mm", name: str = "") -> None:
+    """Write a document of the kernel, drawn or read from another file, as a STEP file.
+
+    Args:
+        path: File to write.
+        document: A ``TDocStd_Document`` of products.
+        unit: Length unit that the file declares and its coordinates are in.
+        name: Name of the file as its header gives it; that of ``path`` where it is left out.
+
+    Raises:
+        ValueError: The kernel refuses a shape.
+        OSError: The file cannot be written.
+    """
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.STEPControl import STEPControl_StepModelType
 
     content = BytesIO()
     with _quiet(), _file_unit(unit):
         writer = STEPCAFControl_Writer()
         for switch in (writer.SetColorMode, writer.SetNameMode, writer.SetMaterialMode):
             switch(True)
-        if not writer.Transfer(document.document, STEPControl_StepModelType.STEPControl_AsIs):
+        if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
             raise ValueError(f"{path}: the kernel cannot turn these shapes into STEP")
         model = writer.Writer().Model()
         _correct_density_units(model)

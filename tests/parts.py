@@ -29,7 +29,7 @@ class Drawn(Part):
 
 def drawn(name: str, solid: Solid, color: str = "", density: float = 0.0) -> Drawn:
     """A product of one solid; a density also gives a material's name."""
-    return Drawn(name, solid.shape, color, (), "stuff" if density else "", density, (solid.moments,))
+    return Drawn(name, solid.shape, color, (), f"stuff of {density:g}" if density else "", density, (solid.moments,))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,19 @@ from math import inf
 import numpy as np
 
 from .mesh import TriMesh
-from .spatial import IDENTITY, ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, matrix3, shift_inertia, turn_inertia, vector3
+from .spatial import (
+    IDENTITY,
+    ZERO3,
+    ZERO33,
+    Array,
+    Matrix3,
+    Pose,
+    Vector3,
+    matrix3,
+    shift_inertia,
+    turn_inertia,
+    vector3,
+)
 
 
 class JointKind(StrEnum):
@@ -57,9 +69,7 @@ class MassProperties:
 
     def moved(self, X_AB: Pose) -> "MassProperties":
         """The same body, given in B, expressed in A."""
-        return MassProperties.of(
-            self.mass, X_AB.apply(self.com).tolist(), turn_inertia(X_AB.R, np.array(self.inertia))
-        )
+        return MassProperties.of(self.mass, X_AB.apply(self.com).tolist(), turn_inertia(X_AB.R, np.array(self.inertia)))
 
     def scaled(self, factor: float) -> "MassProperties":
         """The same shape with ``factor`` times the density."""

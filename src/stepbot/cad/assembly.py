@@ -7,6 +7,7 @@ definition that a component is an occurrence of; C and D coincide, so a body's c
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,19 @@ class VolumeProperties:
     def of(volume: float, com: NDArray[np.float64], inertia: NDArray[np.float64]) -> "VolumeProperties":
         """From volume [m^3], com (3,) [m] and inertia (3, 3) [kg m^2] about the com at 1 kg/m^3."""
         return VolumeProperties(float(volume), MassProperties.of(volume, com.tolist(), inertia))
+
+    def deviation_from(self, exact: "VolumeProperties") -> tuple[float, str]:
+        """Largest relative deviation, and of what: volume, com (in radii of gyration) or inertia (about its worst axis)."""
+        volume = abs(self.volume - exact.volume) / exact.volume
+        moments, axes = np.linalg.eigh(np.array(exact.unit_density.inertia))
+        if moments[0] <= 0.0:
+            return inf, "inertia"
+        shift = np.array(self.unit_density.com) - np.array(exact.unit_density.com)
+        gyration = sqrt(float(moments.sum()) / (2.0 * exact.volume))
+        scaled = axes / np.sqrt(moments)  # in these axes the exact inertia is 1 about every axis
+        difference = np.array(self.unit_density.inertia) - np.array(exact.unit_density.inertia)
+        inertia = float(np.abs(np.linalg.eigvalsh(scaled.T @ difference @ scaled)).max())
+        return max((volume, "volume"), (float(np.linalg.norm(shift)) / gyration, "com"), (inertia, "inertia"))
 
 
 class BodyKind(StrEnum):

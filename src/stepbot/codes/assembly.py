@@ -156,4 +156,12 @@ CODES = (
         "What was read may not be what was drawn.",
         "Look at the body in CAD, repair it there and export again, or give its mass in the sidecar.",
     ),
+    Code(
+        "SB220",
+        "warning",
+        "solids not read",
+        "The file describes more solids than its products hold after reading.",
+        "Solids that belong to no product are left out on purpose by every program; one that the kernel could not build is lost.",
+        "Compare the number of solids in `stepbot inspect` with the CAD; export again what is missing.",
+    ),
 )

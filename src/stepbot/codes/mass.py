@@ -99,4 +99,34 @@ CODES = (
         "The mesh's value is written, as asked for, and is that far off.",
         "Use `mass: auto` or `mass: exact`.",
     ),
+    Code(
+        "SB512",
+        "warning",
+        "solids that overlap",
+        "Solids of one link fill the same space, and together that is a thousandth of the link's mass or more.",
+        "What fills it is counted once for each of them. Where two materials meet, the lighter one is taken to give way. "
+        "Overlaps below a thousandth of the smaller solid do not count, nor what their meshes have in common "
+        "because curved faces that touch are meshed differently; nor does what a `mass` was given for.",
+        "Cut one solid out of the other in the CAD, `ignore` a part that is there twice, or say what was weighed: a `mass` "
+        "in `parts` or an `inertial` in the link.",
+    ),
+    Code(
+        "SB513",
+        "note",
+        "solids that overlap a little",
+        "Solids of one link fill the same space, but all of that is less than a thousandth of the link's mass.",
+        "It is counted twice and changes the mass less than a mesh does. Threads that are drawn as cylinders, and labels, "
+        "are often such.",
+        "Nothing needs to be done.",
+    ),
+    Code(
+        "SB514",
+        "note",
+        "overlaps not checked",
+        "Whether some solids of a link overlap was not looked at: a mesh is not closed, or there are more pairs with more "
+        "faces than can be checked in a few seconds.",
+        "Mass that is counted twice would not be noticed there.",
+        "Repair solids that do not close. Coarser meshes, by a larger `tolerance` and `angle` under `mesh`, let more "
+        "pairs be checked.",
+    ),
 )

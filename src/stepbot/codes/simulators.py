@@ -147,4 +147,22 @@ CODES: tuple[Code, ...] = (
         "A check that did not run is not a check that passed.",
         "Look at the notes for the reason.",
     ),
+    Code(
+        "SB818",
+        "warning",
+        "loop cannot stay closed",
+        "A loop closes as drawn, but opens by more than a micrometre when the mechanism moves.",
+        "Pins that should be parallel, or in one plane, are not quite. Simulators hold such a loop by force: it runs stiffly, "
+        "trembles, or locks.",
+        "Correct the CAD, or choose a closure that holds less: `ball` leaves the pins free to tilt.",
+    ),
+    Code(
+        "SB819",
+        "warning",
+        "mechanism cannot move",
+        "The closures take all freedom from the joints: by the rank of the constraints nothing can move in the drawn pose.",
+        "A gripper or linkage that should move is a rigid frame for every simulator.",
+        "Axes that should be parallel are more than 0.1 mrad apart, or the mechanism was drawn at a dead centre: correct the "
+        "CAD, or choose a closure that holds less (`ball` in place of `revolute`).",
+    ),
 )

@@ -1,0 +1,148 @@
+"""The document's definitions: what each product holds, without a word of where it occurs.
+
+A definition is an assembly of other definitions, or a part with bodies. A part is taken apart into its solids, its
+shells and what is left of loose faces; curves and points count only where there is nothing else.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from OCP.BRep import BRep_Builder
+from OCP.collections import Sequence_TDF_Label
+from OCP.TCollection import TCollection_AsciiString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDF import TDF_Label, TDF_Tool
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopoDS import TopoDS_Compound, TopoDS_Iterator
+from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
+
+from ..spatial import Array
+from .colors import Colors
+from .length_unit import DEFAULT_PRECISION
+from .products import Products
+from .source import NONE, BodySource, Child, Definition
+from .step import MILLIMETRES_PER_METRE
+
+_GROUPS = (TopAbs_ShapeEnum.TopAbs_COMPOUND, TopAbs_ShapeEnum.TopAbs_COMPSOLID)
+_ENCLOSED = (TopAbs_ShapeEnum.TopAbs_SOLID, TopAbs_ShapeEnum.TopAbs_SHELL)
+
+
+class Definitions:
+    """All definitions of a document, each once, and the roots among them."""
+
+    def __init__(self, document: Any, products: Products) -> None:
+        self._products = products
+        self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+        self._colors = Colors(document)
+        self._index: dict[str, int] = {}
+        self.all: list[Definition] = []
+        self.roots = [self._read(label, DEFAULT_PRECISION) for label in _listed(self._shapes.GetFreeShapes)]
+
+    def _read(self, label: Any, precision: float) -> int:
+        """Index of a label's definition, read with all below it where it is new.
+
+        Args:
+            label: A label of the document.
+            precision: Uncertainty [mm] of the product above, for what is none itself.
+        """
+        entry = TCollection_AsciiString()
+        TDF_Tool.Entry_s(label, entry)
+        key = entry.ToCString()
+        if key in self._index:
+            return self._index[key]
+        product = self._products.product_of(_name(label))
+        name = ""
+        if product != NONE:
+            name, precision = self._products.products[product].name, self._products.products[product].precision
+        definition = Definition(product, name, self._colors.of_label(label))
+        index = self._index[key] = len(self.all)
+        self.all.append(definition)
+        if XCAFDoc_ShapeTool.IsAssembly_s(label):
+            self._read_children(label, definition, precision)
+        else:
+            self._read_bodies(label, definition, precision)
+        return index
+
+    def _read_children(self, label: Any, definition: Definition, precision: float) -> None:
+        components = _listed(lambda found: XCAFDoc_ShapeTool.GetComponents_s(label, found, False))
+        below = []
+        for component in components:
+            referred = TDF_Label()
+            XCAFDoc_ShapeTool.GetReferredShape_s(component, referred)
+            below.append(self._read(referred, precision))
+        names = self._products.occurrence_names(
+            definition.product, [self.all[index].product for index in below], [_name(label) for label in components]
+        )
+        for index, name, component in zip(below, names, components, strict=True):
+            matrix = _matrix(XCAFDoc_ShapeTool.GetLocation_s(component).Transformation())
+            definition.children.append(Child(index, name, matrix, self._colors.of_label(component)))
+
+    def _read_bodies(self, label: Any, definition: Definition, precision: float) -> None:
+        shapes, wires = _taken_apart(XCAFDoc_ShapeTool.GetShape_s(label))
+        is_wire = not shapes
+        shapes = shapes or wires
+        styles = self._colors.of_parts(label, shapes)
+        definition.bodies = [
+            BodySource(shape, precision, color, faces, is_wire)
+            for shape, (color, faces) in zip(shapes, styles, strict=True)
+        ]
+        definition.has_spare_curves = bool(wires) and not is_wire
+
+
+def _taken_apart(shape: Any) -> tuple[list[Any], list[Any]]:
+    """The bodies of a shape in file order, and its loose curves and points, as at most one shape."""
+    bodies: list[Any] = []
+    faces: list[Any] = []
+    curves: list[Any] = []
+    for piece in _pieces(shape):
+        if piece.ShapeType() in _ENCLOSED:
+            bodies.append(piece)
+        elif piece.ShapeType() == TopAbs_ShapeEnum.TopAbs_FACE:
+            faces.append(piece)
+        else:
+            curves.append(piece)
+    return bodies + ([_joined(faces)] if faces else []), [_joined(curves)] if curves else []
+
+
+def _pieces(shape: Any) -> Iterator[Any]:
+    if shape is None or shape.IsNull():
+        return
+    if shape.ShapeType() not in _GROUPS:
+        yield shape
+        return
+    inside = TopoDS_Iterator(shape)
+    while inside.More():
+        yield from _pieces(inside.Value())
+        inside.Next()
+
+
+def _joined(shapes: list[Any]) -> Any:
+    if len(shapes) == 1:
+        return shapes[0]
+    builder, compound = BRep_Builder(), TopoDS_Compound()
+    builder.MakeCompound(compound)
+    for shape in shapes:
+        builder.Add(compound, shape)
+    return compound
+
+
+def _matrix(transformation: Any) -> Array:
+    """A transformation of the kernel as a homogeneous matrix [m]."""
+    X = np.eye(4)
+    for row in range(3):
+        for column in range(3):
+            X[row, column] = transformation.Value(row + 1, column + 1)
+        X[row, 3] = transformation.Value(row + 1, 4) / MILLIMETRES_PER_METRE
+    return X
+
+
+def _listed(fill: Any) -> list[Any]:
+    labels = Sequence_TDF_Label()
+    fill(labels)
+    return [labels.Value(index) for index in range(1, labels.Length() + 1)]
+
+
+def _name(label: Any) -> str:
+    name = TDataStd_Name()
+    return str(name.Get().ToExtString()) if label.FindAttribute(TDataStd_Name.GetID_s(), name) else ""

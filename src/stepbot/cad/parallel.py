@@ -1,0 +1,181 @@
+"""Runs one function over many inputs in forked processes, so that a crash costs one input and every core works.
+
+A forked process shares what its parent has read; nothing is sent to it but numbers of inputs. Each takes the next
+number from a pipe, says so, and writes its results to a file of its own; when it dies, the parent knows over which
+input. Where there is no fork, or only one core, the function runs in this process.
+"""
+
+import ctypes
+import os
+import pickle
+import signal
+import struct
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import BinaryIO, Generic, TypeVar
+
+T = TypeVar("T")
+
+_NUMBER = struct.Struct("<i")
+_LENGTH = struct.Struct("<q")
+_PIPE_NUMBERS = 1024
+"""Numbers that fit into a pipe at once, on the smallest of them."""
+_PR_SET_PDEATHSIG = 1
+
+
+@dataclass(frozen=True)
+class Died:
+    """A process ended in the middle of an input."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Raised:
+    """The function raised one of the errors that it is expected to."""
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class _Bug:
+    """The function raised something that nobody expected."""
+
+    trace: str
+
+
+class _Child(Generic[T]):
+    """A forked process that works through the shared pipe of numbers."""
+
+    def __init__(self, function: Callable[[int], T], numbers: int, failures: tuple[type[Exception], ...]) -> None:
+        self._results: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - read after the process has ended
+        sys.stdout.flush()
+        sys.stderr.flush()
+        with warnings.catch_warnings():
+            # Forking beside threads is risky where they hold locks; the kernel's process has none of its own.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self.pid = os.fork()
+        if self.pid == 0:
+            status = 1
+            try:
+                _end_with_parent()
+                _work(function, numbers, self._results, failures)
+                status = 0
+            finally:  # a forked process must never return into its parent's code
+                os._exit(status)
+
+    def collect(self, results: dict[int, T | Died | Raised | _Bug]) -> None:
+        """Wait for the process and take over what it did."""
+        _, status = os.waitpid(self.pid, 0)
+        code = os.waitstatus_to_exitcode(status)
+        self._results.seek(0)
+        with self._results as file:
+            while head := file.read(_NUMBER.size):
+                number = _NUMBER.unpack(head)[0]
+                length = file.read(_LENGTH.size)
+                payload = file.read(_LENGTH.unpack(length)[0]) if len(length) == _LENGTH.size else b""
+                if len(length) < _LENGTH.size or len(payload) < _LENGTH.unpack(length)[0]:
+                    results[number] = Died(_reason(code))
+                    return
+                results[number] = pickle.loads(payload)
+
+
+def run(
+    function: Callable[[int], T],
+    order: Sequence[int],
+    *,
+    processes: int | None = None,
+    failures: tuple[type[Exception], ...] = (),
+) -> dict[int, T | Died | Raised]:
+    """Call ``function`` for every number of ``order``, the first ones first.
+
+    Args:
+        function: Its results must be picklable, and depend on nothing but the number.
+        order: The numbers, each once, the ones that take longest first.
+        processes: How many to use; None for one per core.
+        failures: Errors that are a result: given back as :class:`Raised`, where others end the program.
+    """
+    count = min(processes if processes is not None else core_count(), len(order))
+    if count < 2 or not can_fork():
+        return {number: _call(function, number, failures) for number in order}
+    results: dict[int, T | Died | Raised | _Bug] = {}
+    left = list(order)
+    while left:
+        done = len(results)
+        batch, left = left[:_PIPE_NUMBERS], left[_PIPE_NUMBERS:]
+        reading, writing = os.pipe()
+        os.write(writing, b"".join(map(_NUMBER.pack, batch)))
+        os.close(writing)
+        children = [_Child(function, reading, failures) for _ in range(min(count, len(batch)))]
+        for child in children:
+            child.collect(results)
+        os.close(reading)
+        # Processes that died leave numbers that nobody took: they are done in a new round, without the fatal one.
+        left = [number for number in batch if number not in results] + left
+        if len(results) == done:
+            raise OSError("forked processes end before they begin")
+    return {number: _expected(results[number]) for number in order}
+
+
+def _expected(result: T | Died | Raised | _Bug) -> T | Died | Raised:
+    if isinstance(result, _Bug):
+        raise RuntimeError(f"in a forked process:\n{result.trace}")
+    return result
+
+
+def can_fork() -> bool:
+    """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it."""
+    return hasattr(os, "fork") and sys.platform != "darwin"
+
+
+def core_count() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _call(function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...]) -> T | Raised:
+    try:
+        return function(number)
+    except failures as error:
+        return Raised(type(error).__name__, str(error))
+
+
+def _work(function: Callable[[int], T], numbers: int, results: BinaryIO, failures: tuple[type[Exception], ...]) -> None:
+    while head := os.read(numbers, _NUMBER.size):
+        number = _NUMBER.unpack(head)[0]
+        results.write(head)
+        results.flush()
+        payload = _payload(function, number, failures)
+        results.write(_LENGTH.pack(len(payload)))
+        results.write(payload)
+        results.flush()
+
+
+def _payload(function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...]) -> bytes:
+    try:
+        return pickle.dumps(_call(function, number, failures), protocol=5)
+    except Exception:  # noqa: BLE001 - raised again by the parent, with this traceback
+        import traceback
+
+        return pickle.dumps(_Bug(traceback.format_exc()), protocol=5)
+
+
+def _end_with_parent() -> None:
+    """Have the system end this process when its parent is ended, so that a stopped kernel leaves nothing running."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _reason(code: int) -> str:
+    if code >= 0:
+        return f"exit code {code}"
+    try:
+        return signal.Signals(-code).name
+    except ValueError:
+        return f"signal {-code}"

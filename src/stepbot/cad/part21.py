@@ -1,0 +1,257 @@
+"""What can be told of a STEP file without the geometry kernel: whether it is one, and what its header says.
+
+The kernel takes a second to load and answers most faults with "no shapes". This looks at the text itself (ISO 10303-21,
+the exchange structure), so that a file that cannot be read is named for what it is, with the line, at once.
+"""
+
+import mmap
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..diagnostics import Diagnostics, Span
+from .strings import decode_string
+
+Text = bytes | mmap.mmap
+
+_START = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:/\*.*?\*/\s*)*ISO-10303-21\s*;", re.DOTALL)
+_DATA = re.compile(rb"\bDATA\s*[;(]")
+_FIRST_ENTITY = re.compile(rb"#\s*\d+\s*=")
+_HEADER_TOKEN = re.compile(rb"/\*.*?\*/|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
+_DOCUMENT_FILE = re.compile(rb"DOCUMENT_FILE\s*\(\s*'((?:[^']|'')*)'\s*,\s*'((?:[^']|'')*)'", re.DOTALL)
+_NOT_ASCII = re.compile(rb"[\x80-\xff]+")
+_CHUNK = 1 << 20
+_HEADER_LIMIT = 1 << 20
+
+_GEOMETRY = (
+    b"ADVANCED_FACE", b"MANIFOLD_SOLID_BREP", b"FACE_SURFACE", b"FACETED_BREP", b"BREP_WITH_VOIDS", b"TESSELLATED_",
+    b"TRIANGULATED_", b"SURFACE_MODEL", b"GEOMETRIC_CURVE_SET", b"GEOMETRIC_SET", b"WIREFRAME_MODEL", b"CSG_SOLID",
+    b"AREA_SOLID",
+)  # fmt: skip
+"""Words that geometry cannot do without; the first is in nearly every file, and early."""
+
+_CAD_FILE = re.compile(
+    r"\.(stp|step|p21|stpz?|stpx|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)"
+    r"(\.\d+)?$",
+    re.IGNORECASE,
+)
+_SCHEMAS = (
+    ("CONFIG_CONTROL", "AP203"), ("AP203", "AP203"), ("AUTOMOTIVE_DESIGN", "AP214"), ("AP214", "AP214"),
+    ("AP242", "AP242"), ("AP209", "AP209"), ("AP238", "AP238"), ("INTEGRATED_CNC", "AP238"),
+)  # fmt: skip
+_OTHER_FILES = (
+    (b"\x1f\x8b", "a gzip archive", "unpack it first: a .stpz is a zipped STEP file"),
+    (b"PK\x03\x04", "a zip archive", "unpack it first: a .stpz is a zipped STEP file"),
+    (b"<?xml", "XML", "stepbot reads the text form of STEP (Part 21), not STEP-XML (Part 28)"),
+    (b"\xd0\xcf\x11\xe0", "a native CAD file", "export the assembly as STEP (AP214 or AP242)"),
+    (b"version https://git-lfs", "a Git LFS pointer", "fetch the file itself: `git lfs pull`"),
+    (b"solid ", "an STL mesh", "a mesh has no parts and no exact shape: export the assembly as STEP"),
+    (b"%PDF", "a PDF", "export the assembly as STEP (AP214 or AP242)"),
+)
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a STEP file says of itself."""
+
+    name: str = ""
+    time_stamp: str = ""
+    preprocessor: str = ""
+    originating_system: str = ""
+    """CAD program that wrote the file; where it is silent, the library that wrote it."""
+    schemas: tuple[str, ...] = ()
+
+    @property
+    def schema(self) -> str:
+        """``AP203``, ``AP214``, ``AP242``, or the schema's own name."""
+        first = self.schemas[0].upper() if self.schemas else ""
+        return next((label for word, label in _SCHEMAS if word in first), first.split(" ")[0])
+
+
+@dataclass(frozen=True)
+class Part21:
+    """A STEP file as far as its text tells."""
+
+    header: Header
+    encoding: str
+    """``ascii`` or ``utf-8``; empty where names are neither."""
+
+
+def check_step(path: Path, place: str, found: Diagnostics) -> Part21 | None:
+    """Look at a STEP file; None, with the reason in ``found``, where the kernel need not even try.
+
+    Args:
+        path: The file.
+        place: What diagnostics call it.
+    """
+    span = Span(place)
+    try:
+        with _opened(path) as data:
+            return _check(data, place, found)
+    except IsADirectoryError:
+        found.add("SB001", "is a folder, not a STEP file", span)
+    except FileNotFoundError:
+        found.add("SB001", "no such file", span)
+    except OSError as error:
+        found.add("SB001", f"cannot be read: {error.strerror or error}", span)
+    return None
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Text]:
+    """The file's bytes, mapped: a large assembly has hundreds of megabytes."""
+    if path.is_dir():
+        raise IsADirectoryError(path)
+    with path.open("rb") as file:
+        if file.seek(0, 2) == 0:
+            yield b""
+            return
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            yield data
+
+
+def _check(data: Text, place: str, found: Diagnostics) -> Part21 | None:
+    start = _START.match(data[:_HEADER_LIMIT])
+    if start is None:
+        _report_not_step(bytes(data[:1024]), place, found)
+        return None
+    section = _DATA.search(data, start.end())
+    complete = data.rfind(b"ENDSEC", section.end() if section else start.end()) >= 0
+    if section is None or not complete:
+        end = Span(place, line_of(data, len(data)), 1)
+        found.add("SB204", "the file ends in the middle", end, help=["export or copy it again"])
+        return None
+    header = _read_header(bytes(data[start.end() : min(section.start(), start.end() + _HEADER_LIMIT)]))
+    if header.schema.startswith("IFC"):
+        message = f"is a building model ({header.schema}), not a product"
+        found.add("SB208", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
+        return None
+    if _FIRST_ENTITY.search(data, section.end()) is None:
+        span = Span(place, line_of(data, section.start()), 1)
+        found.add("SB202", "the DATA section is empty", span, help=["export the assembly again"])
+        return None
+    if not _has_geometry(data, section.end(), place, found):
+        return None
+    return Part21(header, _check_encoding(data, place, found))
+
+
+def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
+    if not beginning.strip(b"\0 \t\r\n"):
+        found.add("SB202", "the file is empty", Span(place), help=["export the assembly again"])
+        return
+    kind, remedy = next(
+        ((kind, remedy) for magic, kind, remedy in _OTHER_FILES if beginning.startswith(magic)),
+        ("", "a STEP file begins with the line `ISO-10303-21;`"),
+    )
+    if len(beginning) > 80 and beginning[72:73] == b"S" and b"\n" in beginning[79:83]:
+        kind, remedy = "IGES", "IGES has no assembly tree: export the assembly as STEP (AP214 or AP242)"
+    what = f"is {kind}, not a STEP file" if kind else "is not a STEP file"
+    found.add("SB201", what, Span(place, 1, 1), help=[remedy])
+
+
+def _has_geometry(data: Text, start: int, place: str, found: Diagnostics) -> bool:
+    """Whether shapes are in the file itself, and all of them."""
+    names = (decode_string(match[1] or match[2], "utf-8") for match in _DOCUMENT_FILE.finditer(data, start))
+    documents = list(dict.fromkeys(names))
+    geometry = any(data.find(word, start) >= 0 for word in _GEOMETRY)
+    elsewhere = [name for name in documents if _CAD_FILE.search(name)] if geometry else documents
+    if not elsewhere:
+        if not geometry:
+            remedy = "export it with its geometry, as a B-rep (AP203, AP214 or AP242)"
+            found.add("SB206", "there is no geometry in the file", Span(place), help=[remedy])
+        return geometry
+    reference = data.find(b"DOCUMENT_FILE", start)
+    message = f"{'parts of the' if geometry else 'all'} geometry is in other files: {_listed(elsewhere)}"
+    found.add(
+        "SB203",
+        message,
+        Span(place, line_of(data, reference), 1),
+        help=["export the assembly as one STEP file, with external references switched off"],
+    )
+    return False
+
+
+def _check_encoding(data: Text, place: str, found: Diagnostics) -> str:
+    encoding = "ascii"
+    for offset, run in _non_ascii_runs(data):
+        try:
+            run.decode("utf-8")
+            encoding = "utf-8"
+        except UnicodeDecodeError:
+            line = line_of(data, offset)
+            found.add(
+                "SB210",
+                "names are neither ASCII nor UTF-8; they are shown as if they were Western European",
+                Span(place, line, 1),
+                help=["export with UTF-8 or with \\X2\\ escapes, or name components by their ASCII names or by globs"],
+            )
+            return ""
+    return encoding
+
+
+def _non_ascii_runs(data: Text) -> Iterator[tuple[int, bytes]]:
+    """Every run of bytes above 127 with its offset, whole also where it crosses a chunk."""
+    start = 0
+    while start < len(data):
+        end = min(start + _CHUNK, len(data))
+        while end < len(data) and data[end] > 127:
+            end += 1
+        chunk = bytes(data[start:end])
+        if not chunk.isascii():
+            for match in _NOT_ASCII.finditer(chunk):
+                yield start + match.start(), match[0]
+        start = end
+
+
+def _read_header(text: bytes) -> Header:
+    """The header's three entities; what is missing or malformed stays empty."""
+    values: dict[str, list[bytes | list[bytes]]] = {}
+    arguments: list[bytes | list[bytes]] | None = None
+    inner: list[bytes] | None = None
+    keyword, depth = "", 0
+    for match in _HEADER_TOKEN.finditer(text):
+        token = match[0]
+        if token.startswith(b"/*"):
+            continue
+        if token == b"(":
+            depth += 1
+            if depth == 1:
+                arguments = values.setdefault(keyword, [])
+            elif arguments is not None and depth == 2:
+                inner = []
+                arguments.append(inner)
+        elif token == b")":
+            depth -= 1
+            inner = None
+        elif depth == 0:
+            keyword = token.decode("ascii")
+        elif token[:1] in (b"'", b"$") and arguments is not None:
+            (arguments if inner is None else inner).append(token)
+    name, schema = values.get("FILE_NAME", []), values.get("FILE_SCHEMA", [])
+    texts = [_text(argument) for argument in name] + [""] * 7
+    listed = schema[0] if schema and isinstance(schema[0], list) else []
+    return Header(texts[0], texts[1], texts[4], texts[5].strip() or texts[4].strip(), tuple(map(_text, listed)))
+
+
+def _text(argument: bytes | list[bytes]) -> str:
+    if isinstance(argument, list) or argument == b"$":
+        return ""
+    try:
+        return decode_string(argument[1:-1], "utf-8")
+    except UnicodeDecodeError:
+        return decode_string(argument[1:-1], "latin-1")
+
+
+def line_of(data: Text, offset: int) -> int:
+    """Line, from 1, of a byte of the file."""
+    lines = 1
+    for start in range(0, offset, _CHUNK):
+        lines += bytes(data[start : min(start + _CHUNK, offset)]).count(b"\n")
+    return lines
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:5])
+    return f"{shown} and {len(names) - 5} more" if len(names) > 5 else shown

@@ -1,0 +1,155 @@
+"""Names of products and occurrences, each found again in the document by a mark that it carries through the transfer.
+
+The kernel's reader attaches names to shapes by where they lie, so that two occurrences in one place swap or lose
+theirs. Here every product definition and every occurrence is renamed to a number before the transfer; the numbers
+come back as names of labels, and lead to the entities and to their true names.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from OCP.StepBasic import StepBasic_Product, StepBasic_ProductDefinition, StepBasic_ProductDefinitionFormation
+from OCP.StepRepr import StepRepr_NextAssemblyUsageOccurrence, StepRepr_ProductDefinitionShape
+from OCP.StepShape import StepShape_ShapeDefinitionRepresentation
+from OCP.TCollection import TCollection_HAsciiString
+
+from .length_unit import DEFAULT_PRECISION, precision
+from .selection import entities, text
+from .source import NONE
+
+_PRODUCT = "product-"
+_OCCURRENCE = "occurrence-"
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """A product definition."""
+
+    entity: Any
+    name: str
+    precision: float
+    """Uncertainty [mm] of its shape."""
+
+
+@dataclass(frozen=True)
+class Occurrence:
+    """A product in an assembly."""
+
+    name: str
+    assembly: int
+    """Index of the product that it is a part of."""
+    product: int
+    """Index of the product that occurs."""
+
+
+class Products:
+    """The product definitions of a file and their occurrences in each other, in file order."""
+
+    def __init__(self, session: Any, decode: Callable[[str], str]) -> None:
+        """Collect them, and mark each in the model.
+
+        Args:
+            session: The reader's work session.
+            decode: Turns a string of the model into its text.
+        """
+        definitions = entities(session, StepBasic_ProductDefinition)
+        precisions = _precisions(session)
+        self.products = [
+            Product(entity, decode(_product_name(entity)), precisions.get(id(entity), DEFAULT_PRECISION))
+            for entity in definitions
+        ]
+        index_of = {id(entity): index for index, entity in enumerate(definitions)}
+        usages = entities(session, StepRepr_NextAssemblyUsageOccurrence)
+        self.occurrences = [
+            Occurrence(
+                decode(_occurrence_name(usage)),
+                index_of.get(id(usage.RelatingProductDefinition()), NONE),
+                index_of.get(id(usage.RelatedProductDefinition()), NONE),
+            )
+            for usage in usages
+        ]
+        self._below: dict[int, list[int]] = defaultdict(list)
+        for index, occurrence in enumerate(self.occurrences):
+            self._below[occurrence.assembly].append(index)
+        self._mark(definitions, usages)
+
+    def product_of(self, mark: str) -> int:
+        """Index of the product whose mark a label carries; -1 for a label that the kernel made up."""
+        return _number(mark, _PRODUCT)
+
+    def occurrence_names(self, assembly: int, products: Sequence[int], marks: Sequence[str]) -> list[str]:
+        """Names of the components of an assembly.
+
+        Args:
+            assembly: Index of its product.
+            products: For each component the index of its product, -1 where it has none.
+            marks: For each component the name of its label.
+        """
+        expected: dict[int, list[int]] = defaultdict(list)
+        for index in self._below.get(assembly, []):
+            expected[self.occurrences[index].product].append(index)
+        counts = {product: products.count(product) for product in expected}
+        names = []
+        for product, mark in zip(products, marks, strict=True):
+            candidates = expected.get(product, [])
+            # In file order, as the kernel builds them; where it built fewer, the mark tells which.
+            if product != NONE and len(candidates) == counts.get(product, 0):
+                index = candidates.pop(0)
+                counts[product] -= 1
+            else:
+                index = _number(mark, _OCCURRENCE)
+            names.append(self.occurrences[index].name if index != NONE else "")
+        return names
+
+    @staticmethod
+    def _mark(definitions: list[Any], usages: list[Any]) -> None:
+        marked: set[int] = set()
+        for index, definition in enumerate(definitions):
+            formation = definition.Formation()
+            product = formation.OfProduct() if formation is not None else None
+            if product is None or id(product) in marked:  # one product, two definitions: each needs a mark of its own
+                product = StepBasic_Product()
+                formation = StepBasic_ProductDefinitionFormation()
+                formation.SetOfProduct(product)
+                definition.SetFormation(formation)
+            marked.add(id(product))
+            product.SetName(TCollection_HAsciiString(f"{_PRODUCT}{index}"))
+        for index, usage in enumerate(usages):
+            mark = TCollection_HAsciiString(f"{_OCCURRENCE}{index}")
+            usage.SetName(mark)
+            usage.SetDescription(mark)
+
+
+def _number(mark: str, prefix: str) -> int:
+    return int(mark.removeprefix(prefix)) if mark.startswith(prefix) else NONE
+
+
+def _product_name(definition: Any) -> str:
+    """The name of the product, else its id: what CAD programs show."""
+    formation = definition.Formation()
+    product = formation.OfProduct() if formation is not None else None
+    return _first(product.Name(), product.Id()) if product is not None else ""
+
+
+def _occurrence_name(usage: Any) -> str:
+    """The description, else the name, else the id: the order in which other programs on this kernel look."""
+    return _first(usage.Description() if usage.HasDescription() else None, usage.Name(), usage.Id())
+
+
+def _first(*strings: Any) -> str:
+    return next((text(string) for string in strings if text(string).strip()), "")
+
+
+def _precisions(session: Any) -> dict[int, float]:
+    """For each product definition, by identity, the uncertainty [mm] of its shape."""
+    found: dict[int, float] = {}
+    for relation in entities(session, StepShape_ShapeDefinitionRepresentation):
+        shape = relation.Definition().Value()
+        if not isinstance(shape, StepRepr_ProductDefinitionShape) or relation.UsedRepresentation() is None:
+            continue
+        definition = shape.Definition().Value()
+        if isinstance(definition, StepBasic_ProductDefinition):
+            found.setdefault(id(definition), precision(relation.UsedRepresentation().ContextOfItems()))
+    return found

@@ -1,0 +1,129 @@
+"""Reads STEP files: the kernel runs in a process of its own, so that whatever it does ends in a diagnostic.
+
+reading = start_reading(path, options)      the kernel loads and reads while the caller does something else
+assembly = reading.finish(found)            waits; None where errors are in ``found``
+"""
+
+import ctypes.util
+import re
+from pathlib import Path
+
+from ..diagnostics import Diagnostics, Span
+from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from .assembly import Assembly, ReadOptions
+from .part21 import check_step
+
+__all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
+
+_FUNCTION = "stepbot.cad.worker:read"
+_SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpat.so.1": "libexpat1"}
+"""Shared libraries that the kernel's wheel takes from the system, and their Debian packages."""
+_MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
+
+
+class Reading:
+    """A STEP file that is being read."""
+
+    def __init__(self, worker: Worker | None, place: str, found: Diagnostics) -> None:
+        self._worker, self._place, self._found = worker, place, found
+
+    def finish(self, found: Diagnostics, timeout: float = DEFAULT_TIMEOUT) -> Assembly | None:
+        """Wait for the assembly.
+
+        Args:
+            found: Receives what there is to say about the file.
+            timeout: Seconds after which the kernel is stopped.
+
+        Returns:
+            None where errors in ``found`` say why; bodies that failed are errors too, beside an assembly without them.
+        """
+        found.extend(self._found)
+        if self._worker is None:
+            return None
+        try:
+            assembly, diagnostics = self._worker.result(timeout)
+        except WorkerDied as death:
+            _report_death(death, self._place, found)
+            return None
+        except RemoteError as error:
+            if not _report_import(error, found, self._place):
+                raise
+            return None
+        finally:
+            self._worker = None
+        found.extend(diagnostics)
+        return _read_only(assembly) if assembly is not None else None
+
+    def close(self) -> None:
+        """Stop reading; safe to call at any time."""
+        if self._worker is not None:
+            self._worker.close()
+            self._worker = None
+
+
+def start_reading(path: Path, options: ReadOptions, *, memory_limit: int | None = None) -> Reading:
+    """Begin to read a STEP file; returns at once.
+
+    Args:
+        path: The file; diagnostics name it as it is given.
+        options: What to compute.
+        memory_limit: Address space [bytes] that the kernel's process may take; None for no limit.
+    """
+    found = Diagnostics()
+    place = str(path)
+    worker = Worker(_FUNCTION, memory_limit=memory_limit)
+    part21 = check_step(path, place, found)
+    if part21 is None:
+        worker.close()
+        return Reading(None, place, found)
+    worker.submit(str(path), place, part21, options)
+    return Reading(worker, place, found)
+
+
+def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:
+    """Read a STEP file; None where errors in ``found`` say why."""
+    return start_reading(path, options).finish(found)
+
+
+def _report_death(death: WorkerDied, place: str, found: Diagnostics) -> None:
+    found.add(
+        "SB902",
+        f"the geometry kernel ended while it read the file: {death.reason}",
+        Span(place),
+        help=["open the file in another CAD program and export it again", "raise `--timeout` or `--memory-limit`"],
+        notes=death.last_lines,
+    )
+
+
+def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
+    """Whether the kernel could not even be loaded, and what is missing."""
+    if error.kind == "ModuleNotFoundError" and "OCP" in error.text:
+        found.add("SB003", "the geometry kernel is not installed", Span(place), help=["pip install cadquery-ocp-novtk"])
+        return True
+    if error.kind != "ImportError":
+        return False
+    named = _MISSING_LIBRARY.findall(error.text)
+    missing = [library for library in _SYSTEM_LIBRARIES if library in named or not _loads(library)] if named else []
+    others = [library for library in named if library not in missing]
+    packages = " ".join(_SYSTEM_LIBRARIES[library] for library in missing)
+    what = ", ".join([*missing, *others]) or error.text
+    remedies = [f"on Debian or Ubuntu: apt-get install {packages}"] if missing else []
+    remedies += [f"install the system package that has {library}" for library in others]
+    found.add("SB002", f"the geometry kernel does not load: {what} is missing", Span(place), help=remedies)
+    return True
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
+
+
+def _read_only(assembly: Assembly) -> Assembly:
+    """Arrays come writable out of the process; they are shared, so nobody may change them."""
+    for body in assembly.bodies:
+        for array in (body.mesh.vertices, body.mesh.faces, body.face_colors):
+            array.setflags(write=False)
+    return assembly

@@ -1,0 +1,35 @@
+"""Entities of a STEP file by type: the kernel searches its own model, which costs no Python loop over every entity."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from OCP.IFSelect import IFSelect_SelectModelEntities, IFSelect_SelectType
+
+
+def entities(session: Any, kind: Any) -> list[Any]:
+    """All entities of a class or of one derived from it, in file order.
+
+    Args:
+        session: The reader's ``XSControl_WorkSession``.
+        kind: Class of the kernel's STEP schema, such as ``StepBasic_ProductDefinition``.
+    """
+    selection = IFSelect_SelectType(kind.get_type_descriptor_s())
+    selection.SetInput(IFSelect_SelectModelEntities())
+    found = session.EvalSelection(selection)
+    found.Start()
+    listed = []
+    while found.More():
+        listed.append(found.Value())
+        found.Next()
+    return listed
+
+
+def items(representation: Any) -> Iterator[Any]:
+    """The items of a STEP representation."""
+    for index in range(1, representation.NbItems() + 1):
+        yield representation.ItemsValue(index)
+
+
+def text(string: Any) -> str:
+    """A string of the model; empty where there is none."""
+    return string.ToCString() if string is not None else ""

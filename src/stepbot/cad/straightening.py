@@ -1,0 +1,57 @@
+"""Straightens curves in the parameter space of faces where the mesher stumbles over rounding.
+
+On a cylinder or a cone the seam is a vertical line in parameter space. Some programs write it slanted by the last bit
+(3e-16 to 1), and the mesher then takes the corners of the face for crossings: it leaves the face out, or half of it. An
+exactly vertical line is the same curve within 1e-9 of a radian.
+"""
+
+from typing import Any
+
+from OCP.BRep import BRep_Builder, BRep_Tool
+from OCP.Geom2d import Geom2d_Line
+from OCP.gp import gp_Dir2d
+from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS
+
+_SLANT = 1e-9
+"""Component of a unit direction below which a line counts as meant to be parallel to an axis."""
+
+
+def straighten(faces: list[Any]) -> int:
+    """Make lines that are all but parallel to an axis of parameter space parallel, in place; how many there were."""
+    return sum(_straighten_face(TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))) for face in faces)
+
+
+def _straighten_face(face: Any) -> int:
+    builder, changed = BRep_Builder(), 0
+    edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
+    while edges.More():
+        edge = TopoDS.Edge(edges.Current().Oriented(TopAbs_Orientation.TopAbs_FORWARD))
+        edges.Next()
+        tolerance = BRep_Tool.Tolerance_s(edge)
+        curve = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)
+        straight = _straight(curve)
+        if BRep_Tool.IsClosed_s(edge, face):
+            opposite = BRep_Tool.CurveOnSurface_s(TopoDS.Edge(edge.Reversed()), face, 0.0, 0.0)
+            straight_opposite = _straight(opposite)
+            if straight is not None or straight_opposite is not None:
+                builder.UpdateEdge(edge, straight or curve, straight_opposite or opposite, face, tolerance)
+                changed += 1
+        elif straight is not None:
+            builder.UpdateEdge(edge, straight, face, tolerance)
+            changed += 1
+    return changed
+
+
+def _straight(curve: Any) -> Geom2d_Line | None:
+    """The line that a slightly slanted one is meant to be; None where there is nothing to change."""
+    if not isinstance(curve, Geom2d_Line):
+        return None
+    line = curve.Lin2d()
+    x, y = line.Direction().X(), line.Direction().Y()
+    if 0.0 < abs(x) < _SLANT:
+        return Geom2d_Line(line.Location(), gp_Dir2d(0.0, 1.0 if y > 0.0 else -1.0))
+    if 0.0 < abs(y) < _SLANT:
+        return Geom2d_Line(line.Location(), gp_Dir2d(1.0 if x > 0.0 else -1.0, 0.0))
+    return None

@@ -1,0 +1,47 @@
+r"""Text in STEP files: ISO 10303-21 writes what is not ASCII as ``\X2\0421\X0\``, and many programs write raw bytes."""
+
+import re
+
+_DIRECTIVE = re.compile(
+    r"\\X2\\((?:[0-9A-Fa-f]{4})*)\\X0\\|\\X4\\((?:[0-9A-Fa-f]{8})*)\\X0\\|\\X\\([0-9A-Fa-f]{2})|\\S\\(.)|\\P([A-I])\\|(\\\\)|('')",
+    re.DOTALL,
+)
+_LINE_BREAK = re.compile(r"\s*[\r\n]+\s*")
+
+
+def decode_string(raw: bytes, encoding: str) -> str:
+    """The text of a string between its quotes.
+
+    Args:
+        raw: Bytes as they stand in the file.
+        encoding: What bytes above 127 mean.
+
+    Raises:
+        UnicodeDecodeError: The bytes are not of this encoding.
+    """
+    page = 1
+
+    def replacement(match: re.Match[str]) -> str:
+        nonlocal page
+        two, four, one, shifted, alphabet, backslash, _ = match.groups()
+        if two is not None:
+            return bytes.fromhex(two).decode("utf-16-be", "replace")
+        if four is not None:
+            return bytes.fromhex(four).decode("utf-32-be", "replace")
+        if one is not None:
+            return chr(int(one, 16))
+        if shifted is not None:
+            return bytes([(ord(shifted) & 0x7F) | 0x80]).decode(f"iso8859-{page}", "replace")
+        if alphabet is not None:
+            page = ord(alphabet) - ord("A") + 1
+            return ""
+        return "\\" if backslash else "'"
+
+    return _DIRECTIVE.sub(replacement, _LINE_BREAK.sub("", raw.decode(encoding)))
+
+
+def reinterpret(text: str, encoding: str) -> str:
+    """Text whose raw bytes were read as ISO 8859-1, read as ``encoding``; characters from escapes stay."""
+    if not any("\x80" <= c <= "\xff" for c in text):
+        return text
+    return re.sub(r"[\x00-\xff]+", lambda run: run[0].encode("latin-1").decode(encoding, "replace"), text)

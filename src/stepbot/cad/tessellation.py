@@ -1,0 +1,115 @@
+"""Meshes bodies with the kernel's mesher, to a tolerance relative to each.
+
+Where the mesher leaves holes it is asked again: after its stumbling blocks are cleared (:mod:`.straightening`), then
+finer.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from OCP.Bnd import Bnd_Box
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.BRepTools import BRepTools
+from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
+
+from .assembly import MeshTolerance
+from .step import MILLIMETRES_PER_METRE
+from .stitching import Stitched, is_watertight, stitched
+from .straightening import straighten
+from .triangles import edge_uses, faces_of, faceted_faces
+
+MAX_FACES = 200_000
+"""Most faces of a body's written mesh."""
+
+_DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
+"""Divide and conquer: as good as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
+_WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
+_OTHER_WAYS = ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+"""Algorithms and factors on the tolerance to try on a body that comes out incomplete."""
+_COARSEST_ANGLE = math.pi / 2
+_COARSEST_DEFLECTION = 0.1
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """How finely one body is meshed."""
+
+    deflection: float
+    """Chordal deviation [mm]."""
+    angle: float
+    """[rad]."""
+
+    def scaled(self, factor: float) -> "Fineness":
+        """Both tolerances times a factor."""
+        return Fineness(self.deflection * factor, self.angle * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class Tessellation:
+    """The mesh of a body."""
+
+    mesh: Stitched
+    """[mm]."""
+    fineness: Fineness
+    """What it was made with in the end."""
+    missing: list[int] = field(default_factory=list)
+    """Places of faces that have no triangles."""
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the mesh has every face, and closes unless the shape itself is open."""
+        return not self.missing and (self.mesh.open_edges > 0 or is_watertight(self.mesh.faces))
+
+
+def diagonal(shape: Any) -> float:
+    """Diagonal [mm] of a box around a shape."""
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box, False)
+    return 0.0 if box.IsVoid() else math.sqrt(box.SquareExtent())
+
+
+def fineness(tolerances: tuple[MeshTolerance, ...], size: float) -> Fineness:
+    """The finest of several tolerances for a body of diagonal ``size`` [mm]."""
+    deflections = (t.absolute * MILLIMETRES_PER_METRE or t.relative * size for t in tolerances)
+    return Fineness(min(deflections), min(t.angle for t in tolerances))
+
+
+def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
+    """Mesh a shape, in several ways if need be until no face is missing and the mesh is as closed as the shape."""
+    faces = faces_of(shape)
+    best = _meshed(shape, faces, wanted, _DELABELLA)
+    if best.is_complete:
+        return best
+    ways = ((_DELABELLA, 1.0), *_OTHER_WAYS) if straighten(faces) else _OTHER_WAYS
+    for algorithm, factor in ways:
+        other = _meshed(shape, faces, wanted.scaled(factor), algorithm)
+        if other.is_complete:
+            return other
+        if len(other.missing) < len(best.missing):
+            best = other
+    return best
+
+
+def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:
+    """Mesh a shape of diagonal ``size`` [mm], more coarsely than asked where it takes more than :data:`MAX_FACES`."""
+    result = tessellated(shape, wanted)
+    while len(result.mesh.faces) > MAX_FACES:
+        current = result.fineness
+        if current.angle >= _COARSEST_ANGLE and current.deflection >= _COARSEST_DEFLECTION * size:
+            break
+        # Faces of a doubly curved surface grow with the square of the fineness, of a cylinder with its first power.
+        factor = max(1.25, math.sqrt(len(result.mesh.faces) / MAX_FACES))
+        result = tessellated(shape, current.scaled(factor))
+    return result
+
+
+def _meshed(shape: Any, faces: list[Any], wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> Tessellation:
+    parameters = IMeshTools_Parameters()
+    parameters.MeshAlgo = algorithm
+    parameters.Deflection, parameters.Angle = wanted.deflection, min(wanted.angle, _COARSEST_ANGLE)
+    BRepTools.Clean_s(shape)
+    BRepMesh_IncrementalMesh(shape, parameters)
+    found, missing = faceted_faces(faces)
+    return Tessellation(stitched(found, edge_uses(faces)), wanted, missing)

@@ -1,0 +1,236 @@
+"""What runs in the kernel's own process: a STEP file becomes an Assembly.
+
+    read       entities, unit, materials, names
+    transfer   shapes, not healed; definitions; the tree of components
+    bodies     each healed, measured, meshed, in parallel
+
+The modules that this one imports are the only ones that see the geometry kernel.
+"""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
+from OCP.StepShape import StepShape_SolidModel
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp
+
+from ..diagnostics import Diagnostic, Diagnostics, Span
+from ..mesh import TriMesh
+from .assembly import Assembly, Body, BodyKind, Component, ReadOptions
+from .bodies import BodyRequest, Finding, ReadBody, read_body
+from .claims import definition_tolerances
+from .definitions import Definitions
+from .kernel_errors import KERNEL_ERRORS
+from .length_unit import LengthUnit, read_length_unit
+from .materials import Materials
+from .mirroring import variant
+from .operators import correct_operators
+from .parallel import Died, Raised, run
+from .part21 import Part21
+from .products import Products
+from .selection import entities
+from .source import NONE, BodySource, Definition, StepMaterial
+from .step import StepUnreadable, read_model, transfer
+from .strings import reinterpret
+from .tree import Tree, grow
+
+_FALLBACK_ENCODING = "cp1252"
+"""What bytes above 127 are shown as where nothing tells."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Content:
+    """A STEP file before its bodies are made."""
+
+    unit: LengthUnit
+    definitions: list[Definition]
+    tree: Tree
+
+
+def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
+    """Read a STEP file.
+
+    Args:
+        path: The file.
+        place: What diagnostics call it.
+        part21: What its text told already.
+        options: What to compute.
+
+    Returns:
+        The assembly, None where there is none, and what there is to say about the file.
+    """
+    found = Diagnostics()
+    content = _read_content(path, place, part21, found)
+    if content is None:
+        return None, tuple(found)
+    bodies = _Bodies(content, place, found).read(options)
+    assembly = Assembly(
+        source=Path(path).name,
+        schema=part21.header.schema,
+        originating_system=part21.header.originating_system,
+        unit=content.unit.name,
+        unit_scale=content.unit.scale,
+        components=content.tree.components,
+        bodies=bodies,
+        definitions=content.tree.definition_count,
+        diagnostics=tuple(found),
+        facts=_facts(part21, content),
+    )
+    return assembly, tuple(found)
+
+
+def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> _Content | None:
+    decode: Any = str if part21.encoding else partial(reinterpret, encoding=_FALLBACK_ENCODING)
+    try:
+        model = read_model(Path(path), "UTF8" if part21.encoding else "iso8859-1")
+        unit = read_length_unit(model.session, place, found)
+        if unit is None:
+            return None
+        materials = Materials(model.session, place, found, decode)
+        products = Products(model.session, decode)
+        correct_operators(model.session)
+        document = transfer(model)
+        definitions = Definitions(document, products)
+        _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
+        made_of = [_material(definition, materials, products) for definition in definitions.all]
+    except StepUnreadable as error:
+        found.add("SB205", str(error), Span(place), help=["open it in another CAD program and export it again"])
+        return None
+    except KERNEL_ERRORS as error:
+        message = f"the kernel gave up on it: {type(error).__name__} {error}".rstrip()
+        found.add("SB205", message, Span(place), help=["open it in another CAD program and export it again"])
+        return None
+    tree = grow(definitions.all, definitions.roots, made_of, place, found)
+    if tree is None:
+        return None
+    if not tree.variants:
+        found.add("SB206", "there is no geometry that the kernel can build", Span(place), help=["export it as a B-rep"])
+        return None
+    return _Content(unit, definitions.all, tree)
+
+
+def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
+    """Say so where the kernel built fewer solids than the file describes."""
+    sources = [source for definition in definitions for source in definition.bodies]
+    read = sum(source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID for source in sources)
+    if read < written:
+        found.add(
+            "SB220",
+            f"{written - read} of the {written} solids in the file are not in its products, or cannot be built",
+            Span(place),
+            help=["compare the solids of `stepbot inspect` with those in CAD"],
+        )
+
+
+def _material(definition: Definition, materials: Materials, products: Products) -> StepMaterial:
+    if definition.product == NONE:
+        return StepMaterial()
+    return materials.of(products.products[definition.product].entity, definition.name)
+
+
+def _facts(part21: Part21, content: _Content) -> dict[str, str]:
+    header = part21.header
+    facts = {
+        "encoding": part21.encoding.upper() or f"unknown, shown as {_FALLBACK_ENCODING}",
+        "written": header.time_stamp,
+        "preprocessor": header.preprocessor,
+        "further units": ", ".join(content.unit.others),
+    }
+    return {name: value for name, value in facts.items() if value}
+
+
+class _Bodies:
+    """Makes the bodies of a file: every one once, then the mirrored and scaled ones from them."""
+
+    def __init__(self, content: _Content, place: str, found: Diagnostics) -> None:
+        self._place, self._found = place, found
+        self._components = content.tree.components
+        self._variants = content.tree.variants
+        keys = dict.fromkeys((v.definition, v.body) for v in self._variants)
+        self._number = {key: number for number, key in enumerate(keys)}
+        self._sources = [content.definitions[definition].bodies[body] for definition, body in keys]
+        self._first = self._first_components()
+        for definition, _ in keys:
+            if content.definitions[definition].has_spare_curves:
+                self._report_curves(content.definitions[definition])
+
+    def read(self, options: ReadOptions) -> tuple[Body, ...]:
+        """The bodies that components refer to."""
+        if not options.geometry:
+            made: list[Body] = [_outline(source) for source in self._sources]
+        else:
+            made = self._make(options)
+        numbers = (self._number[v.definition, v.body] for v in self._variants)
+        return tuple(
+            variant(made[number], is_mirrored=v.is_mirrored, scale=v.scale)
+            for v, number in zip(self._variants, numbers, strict=True)
+        )
+
+    def _make(self, options: ReadOptions) -> list[Body]:
+        tolerances = definition_tolerances(
+            self._components, [self._number[v.definition, v.body] for v in self._variants], options
+        )
+
+        def make(number: int) -> ReadBody:
+            return read_body(self._sources[number], BodyRequest(tolerances[number], options.refine_mass_to))
+
+        weights = [_edge_count(source) for source in self._sources]
+        order = sorted(range(len(weights)), key=lambda number: -weights[number])
+        results = run(make, order, failures=KERNEL_ERRORS)
+        bodies = []
+        for number in range(len(self._sources)):
+            result = results[number]
+            if isinstance(result, Died | Raised):
+                bodies.append(self._failed(number, result))
+                continue
+            for finding in result.findings:
+                self._report(number, finding)
+            bodies.append(result.body)
+        return bodies
+
+    def _failed(self, number: int, result: Died | Raised) -> Body:
+        reason = result.reason if isinstance(result, Died) else f"{result.kind} {result.text}".rstrip()
+        message = f"the geometry kernel failed on it ({reason})"
+        self._report(number, Finding("SB213", message, ("repair the body in CAD and export again",)))
+        return replace(_outline(self._sources[number]), defect=message)
+
+    def _report(self, number: int, finding: Finding) -> None:
+        """Say something about a body, by the first component that shows it."""
+        component, others = self._first[number]
+        more = f" ({others} more like it)" if others else ""
+        message = f"'{component.path}'{more}: {finding.message}"
+        self._found.add(finding.code, message, Span(self._place), help=finding.help)
+
+    def _report_curves(self, definition: Definition) -> None:
+        self._found.add(
+            "SB218", f"'{definition.name}': curves or points beside its bodies are left out", Span(self._place)
+        )
+
+    def _first_components(self) -> dict[int, tuple[Component, int]]:
+        """For each body the first component that shows it, and how many more do."""
+        first: dict[int, tuple[Component, int]] = {}
+        for component in self._components:
+            if component.body != NONE:
+                v = self._variants[component.body]
+                number = self._number[v.definition, v.body]
+                shown, others = first.get(number, (component, -1))
+                first[number] = (shown, others + 1)
+        return first
+
+
+def _outline(source: BodySource) -> Body:
+    """A body by its kind alone."""
+    holds_solid = not source.is_wire and source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID
+    kind = BodyKind.WIRE if source.is_wire else BodyKind.SOLID if holds_solid else BodyKind.SURFACE
+    return Body(kind, TriMesh.of(np.empty((0, 3)), np.empty((0, 3))), np.empty(0, np.int32), (None,), False)
+
+
+def _edge_count(source: BodySource) -> int:
+    """How much work a body is."""
+    edges = ShapeMap()
+    TopExp.MapShapes_s(source.shape, TopAbs_ShapeEnum.TopAbs_EDGE, edges)
+    return int(edges.Extent())

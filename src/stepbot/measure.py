@@ -1,0 +1,35 @@
+"""Mass properties of a mesh, by trimesh: the only module that measures with it."""
+
+import numpy as np
+
+from .cad.assembly import VolumeProperties
+from .mesh import TriMesh
+
+
+def prepare() -> None:
+    """Import trimesh, which takes seconds: while another process works, that costs nothing."""
+    import trimesh.triangles  # noqa: F401
+
+
+def measured(mesh: TriMesh) -> VolumeProperties | None:
+    """Volume, com and inertia at 1 kg/m^3; None where the mesh is not watertight or encloses nothing.
+
+    The integrals are taken about the middle of the mesh: about a far origin they lose the digits of the distance.
+    """
+    from trimesh.geometry import faces_to_edges
+    from trimesh.graph import is_watertight
+    from trimesh.triangles import mass_properties
+
+    if not len(mesh.faces):
+        return None
+    watertight, wound = is_watertight(faces_to_edges(mesh.faces))
+    if not (watertight and wound):
+        return None
+    low, high = (np.array(corner) for corner in mesh.bounds)
+    middle = 0.5 * (low + high)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a flat mesh has no com; that is told below
+        properties = mass_properties((mesh.vertices - middle)[mesh.faces], density=1.0)
+    volume, com, inertia = properties.volume, np.asarray(properties.center_mass), np.asarray(properties.inertia)
+    if not (volume > 0.0 and np.isfinite(com).all() and np.isfinite(inertia).all()):
+        return None
+    return VolumeProperties.of(volume, com + middle, inertia)
