@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.build.assets import convex_hull
+from stepbot.build.manifolds import convex_hull
 from stepbot.cad.assembly import BodyKind
 from stepbot.mesh import TriMesh
 from stepbot.model import Box, Capsule, Collision, Cylinder, MeshRef, Rgba, Robot, Sphere

@@ -1,0 +1,110 @@
+"""MuJoCo in motion: a second of falling, and loops closed by Newton's method on the equality rows."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..loops import RANK_TOLERANCE, closure_gap
+from ..spatial import Array
+from .observation import ObservedClosure, Request
+
+if TYPE_CHECKING:
+    from .mujoco import Compiled
+
+NUDGE = 0.02
+"""How far [rad], [m] following joints are put off the reference's solution before MuJoCo's rows lead them back."""
+
+
+def simulate(compiled: "Compiled", request: Request) -> bool:
+    """Let the model move from its initial pose, without actuators; whether everything stayed finite."""
+    engine, model = compiled.engine, compiled.model
+    flags = int(model.opt.disableflags)
+    model.opt.disableflags = flags | int(engine.mjtDisableBit.mjDSBL_ACTUATION)
+    try:
+        data = compiled.data(request.initial)
+        for _ in range(round(request.simulate / float(model.opt.timestep))):
+            engine.mj_step(model, data)
+    finally:
+        model.opt.disableflags = flags
+    bad = any(warning.number for warning in data.warning)
+    return bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and not bad)
+
+
+def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClosure, ...]:
+    """The closures in the file, each with how well it agrees with the reference's closure of the same name.
+
+    MuJoCo starts beside each closed configuration of the reference, with the driven joints in place, and Newton's
+    method on its own equality rows leads it back. The residual is how far the reference's frames are apart then.
+    """
+    in_file = {closure.name: closure for closure in _closures_in_file(compiled)}
+    wanted = [closure for closure in request.closures if closure.name in in_file]
+    residual = {closure.name: 0.0 for closure in wanted}
+    deviation = 0.0
+    for q in (q for way in request.ways for q in way) if wanted else ():
+        solved, data = _newton(compiled, request, q)
+        deviation = max(deviation, *(abs(solved[name] - q[name]) for name in solved))
+        for closure in wanted:
+            X_WA, X_WB = (compiled.X_WB(data, _body(compiled, link)) for link in (closure.link_a, closure.link_b))
+            residual[closure.name] = max(residual[closure.name], closure_gap(closure, X_WA, X_WB)[0])
+    return tuple(
+        replace(closure, residual=residual[closure.name], angle_error=deviation)
+        if closure.name in residual
+        else closure
+        for closure in in_file.values()
+    )
+
+
+def _closures_in_file(compiled: "Compiled") -> Iterator[ObservedClosure]:
+    """Active equality constraints that hold two bodies or sites together, by name."""
+    engine, model = compiled.engine, compiled.model
+    words = {engine.mjtEq.mjEQ_CONNECT: "connect", engine.mjtEq.mjEQ_WELD: "weld"}
+    for e in range(model.neq):
+        word = words.get(engine.mjtEq(model.eq_type[e]))
+        if word is None or not model.eq_active0[e]:
+            continue
+        bodies = [int(model.eq_obj1id[e]), int(model.eq_obj2id[e])]
+        if engine.mjtObj(model.eq_objtype[e]) == engine.mjtObj.mjOBJ_SITE:
+            bodies = [int(model.site_bodyid[site]) for site in bodies]
+        link_a, link_b = (compiled.name("BODY", body) for body in bodies)
+        yield ObservedClosure(compiled.name("EQUALITY", e), word, link_a, link_b)
+
+
+def _newton(compiled: "Compiled", request: Request, q: Mapping[str, float]) -> tuple[dict[str, float], Any]:
+    """Joint positions that satisfy the equality rows, and the state there; the driven joints stay at ``q``."""
+    engine, model = compiled.engine, compiled.model
+    following = {name: joint for name, joint in compiled.coordinates.items() if name not in request.driven}
+    rows = [int(model.jnt_dofadr[joint]) for joint in following.values()]
+    places = [int(model.jnt_qposadr[joint]) for joint in following.values()]
+    data = compiled.data({name: value + (NUDGE if name in following else 0.0) for name, value in q.items()})
+    for _ in range(50):
+        residual, J = _equality_rows(compiled, data)
+        if not residual.size:
+            break
+        step = -np.linalg.lstsq(J[:, rows], residual, rcond=RANK_TOLERANCE)[0]
+        data.qpos[places] += step
+        if np.abs(step).max(initial=0.0) < 1e-14:
+            break
+    engine.mj_kinematics(model, data)
+    return {name: float(data.qpos[place]) for name, place in zip(following, places, strict=True)}, data
+
+
+def _equality_rows(compiled: "Compiled", data: Any) -> tuple[Array, Array]:
+    """Violation (m,) of the equality constraints and its Jacobian (m, nv), without limits, friction and contact."""
+    engine, model = compiled.engine, compiled.model
+    flags, jacobian = int(model.opt.disableflags), int(model.opt.jacobian)
+    off = engine.mjtDisableBit
+    model.opt.disableflags = int(off.mjDSBL_CONTACT) | int(off.mjDSBL_LIMIT) | int(off.mjDSBL_FRICTIONLOSS)
+    model.opt.jacobian = int(engine.mjtJacobian.mjJAC_DENSE)
+    try:
+        engine.mj_fwdPosition(model, data)
+        mine = data.efc_type[: data.nefc] == int(engine.mjtConstraint.mjCNSTR_EQUALITY)
+        J = np.array(data.efc_J).reshape(-1, model.nv)[: data.nefc][mine]
+        return np.array(data.efc_pos[: data.nefc])[mine], J
+    finally:
+        model.opt.disableflags, model.opt.jacobian = flags, jacobian
+
+
+def _body(compiled: "Compiled", name: str) -> int:
+    return int(compiled.engine.mj_name2id(compiled.model, compiled.engine.mjtObj.mjOBJ_BODY, name))

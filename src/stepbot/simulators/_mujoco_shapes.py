@@ -1,0 +1,54 @@
+"""The boxes around what MuJoCo made of a link's shapes."""
+
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model import Box, Capsule, Cylinder, Sphere
+from ..spatial import Pose, vector3
+from ._bounds import Bounds, mesh_bounds, primitive_bounds
+
+if TYPE_CHECKING:
+    from .mujoco import Compiled
+
+
+def shape_bounds(compiled: "Compiled", body: int, *, touched: bool) -> list[Bounds]:
+    """Boxes [m] in the link's frame of the shapes that are touched, or else of those that are only seen."""
+    model = compiled.model
+    geoms = range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
+    boxes = []
+    for g in geoms:
+        if bool(model.geom_contype[g] or model.geom_conaffinity[g]) is touched:
+            X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
+            boxes.append(_bounds(compiled, g, X_LG))
+    return boxes
+
+
+def _bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
+    engine, model = compiled.engine, compiled.model
+    kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
+    if kind == engine.mjtGeom.mjGEOM_MESH:
+        # MuJoCo keeps vertices about the mesh's own centre and carries the shift in the pose of the geom.
+        mesh = model.geom_dataid[g]
+        start = model.mesh_vertadr[mesh]
+        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+        return mesh_bounds(np.asarray(vertices, dtype=np.float64), X_LG)
+    return _primitive_bounds(engine, kind, size, X_LG)
+
+
+def _primitive_bounds(engine: Any, kind: Any, size: list[float], X_LG: Pose) -> Bounds:
+    """Box of a primitive; MuJoCo has half lengths. Planes and height fields have no end."""
+    types = engine.mjtGeom
+    if kind == types.mjGEOM_BOX:
+        return primitive_bounds(Box((2 * size[0], 2 * size[1], 2 * size[2])), X_LG)
+    if kind == types.mjGEOM_SPHERE:
+        return primitive_bounds(Sphere(size[0]), X_LG)
+    if kind == types.mjGEOM_CYLINDER:
+        return primitive_bounds(Cylinder(size[0], 2 * size[1]), X_LG)
+    if kind == types.mjGEOM_CAPSULE:
+        return primitive_bounds(Capsule(size[0], 2 * size[1]), X_LG)
+    if kind == types.mjGEOM_ELLIPSOID:
+        half = np.sqrt(((X_LG.R * np.array(size)) ** 2).sum(axis=1))
+        return vector3(X_LG.p - half), vector3(X_LG.p + half)
+    return (-inf, -inf, -inf), (inf, inf, inf)

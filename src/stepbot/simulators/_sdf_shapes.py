@@ -1,0 +1,68 @@
+"""The boxes around the shapes of an SDFormat link."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..model import Box, Capsule, Cylinder, Sphere
+from ..spatial import Array, Pose, join_bounds
+from ._bounds import Bounds, mesh_bounds, primitive_bounds
+from ._resources import resolve
+from ._sdf_frames import numbers, read_pose
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+
+def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[Bounds | None, list[str]]:
+    """Box [m] around all shapes in the link's frame, and the mesh files that are not there.
+
+    The box is None where there is no shape, or one whose extent this reader does not know.
+    """
+    boxes: list[Bounds | None] = []
+    missing: list[str] = []
+    for shape in shapes:
+        geometry, X_LG = shape.find("geometry"), read_pose(shape)
+        mesh = None if geometry is None else geometry.find("mesh")
+        if geometry is None:
+            boxes.append(None)
+        elif mesh is None:
+            boxes.append(_primitive_bounds(geometry, X_LG))
+        else:
+            uri = (mesh.findtext("uri") or "").strip()
+            path = resolve(uri, file)
+            if path is None:
+                missing.append(uri)
+            vertices = None if path is None else _vertices(path)
+            scale = np.array(numbers(mesh.findtext("scale") or "1 1 1"))
+            boxes.append(None if vertices is None else mesh_bounds(vertices * scale, X_LG))
+    known = [box for box in boxes if box is not None]
+    return (join_bounds(known) if known and len(known) == len(boxes) else None), missing
+
+
+def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
+    def number(path: str) -> float:
+        return numbers(geometry.findtext(path))[0]
+
+    if geometry.find("box") is not None:
+        x, y, z = numbers(geometry.findtext("box/size"))
+        return primitive_bounds(Box((x, y, z)), X_LG)
+    if geometry.find("sphere") is not None:
+        return primitive_bounds(Sphere(number("sphere/radius")), X_LG)
+    if geometry.find("cylinder") is not None:
+        return primitive_bounds(Cylinder(number("cylinder/radius"), number("cylinder/length")), X_LG)
+    if geometry.find("capsule") is not None:
+        return primitive_bounds(Capsule(number("capsule/radius"), number("capsule/length")), X_LG)
+    return None
+
+
+def _vertices(path: Path) -> Array | None:
+    """Vertices (n, 3) of a Wavefront OBJ; None for any other file."""
+    if path.suffix.lower() != ".obj":
+        return None
+    lines = (line for line in path.read_bytes().splitlines() if line.startswith(b"v "))
+    return np.array([[float(word) for word in line.split()[1:4]] for line in lines]).reshape(-1, 3)

@@ -1,0 +1,99 @@
+"""What stepbot's own model says of a robot, in the form in which engines say what they see: the reference."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import stepbot
+
+from ..dynamics import equations_of_motion
+from ..kinematics import Tree, complete, initial_configuration, link_poses
+from ..loops import closure_gap
+from ..model import Collision, Joint, JointKind, Link, LoopClosure, MeshRef, Robot, Visual
+from ..spatial import Pose, join_bounds
+from ._bounds import Bounds, mesh_bounds, primitive_bounds
+from .observation import Dynamics, Observation, ObservedClosure, ObservedJoint, ObservedLink, Request
+
+NAME = "model"
+
+
+def observe_robot(robot: Robot, request: Request) -> Observation:
+    """Everything that a file of this robot should make an engine say.
+
+    Raises:
+        ValueError: A joint has more than one degree of freedom.
+        KeyError: A configuration names a joint that is not there.
+    """
+    tree = Tree(robot)
+    closed = [q for way in request.ways for q in way]
+    poses = tuple(link_poses(robot, complete(robot, q)) for q in [*request.configurations, *closed])
+    equations = [equations_of_motion(robot, q, tree=tree) for q in request.configurations]
+    return Observation(
+        engine=NAME,
+        version=stepbot.__version__,
+        format=request.format,
+        base=robot.base.value,
+        links=tuple(_link(robot, link) for link in robot.links),
+        joints=tuple(_joint(joint) for joint in robot.joints),
+        coordinates=tree.joints,
+        poses=poses,
+        dynamics=tuple(Dynamics(M, g) for M, g in equations),
+        closures=tuple(_closure(closure, poses[len(request.configurations) :]) for closure in robot.closures),
+        frames={frame.name: (frame.link, frame.X_LF) for frame in robot.frames},
+        actuators=robot.actuators,
+        initial=initial_configuration(robot),
+    )
+
+
+def _link(robot: Robot, link: Link) -> ObservedLink:
+    body = link.mass_properties
+    return ObservedLink(
+        link.name,
+        body.mass,
+        body.com,
+        body.inertia,
+        _bounds(robot, link.visuals),
+        _bounds(robot, link.collisions),
+        has_visuals=bool(link.visuals),
+        has_collisions=bool(link.collisions),
+    )
+
+
+def _bounds(robot: Robot, shapes: Iterable[Visual | Collision]) -> Bounds | None:
+    boxes = []
+    for shape in shapes:
+        if isinstance(shape.geometry, MeshRef):
+            boxes.append(mesh_bounds(robot.mesh_by_name[shape.geometry.name].mesh.vertices, shape.X_LG))
+        else:
+            boxes.append(primitive_bounds(shape.geometry, shape.X_LG))
+    return join_bounds(boxes) if boxes else None
+
+
+def _joint(joint: Joint) -> ObservedJoint:
+    fixed = joint.kind is JointKind.FIXED
+    return ObservedJoint(
+        joint.name,
+        joint.kind.value,
+        joint.parent,
+        joint.child,
+        axis=None if fixed else joint.axis,
+        limit=None if fixed else joint.limit,
+        dynamics=None if fixed else joint.dynamics,
+        dynamics_fields=("damping", "friction", "stiffness", "spring_reference", "armature"),
+        mimic=joint.mimic,
+        mimic_read=True,
+    )
+
+
+def _closure(closure: LoopClosure, poses: Sequence[Mapping[str, Pose]]) -> ObservedClosure:
+    """The closure, and how far it opens in the poses that should close it: what the CAD's own inaccuracy makes."""
+    gaps = [closure_gap(closure, X_W[closure.link_a], X_W[closure.link_b])[0] for X_W in poses]
+    return ObservedClosure(
+        closure.name,
+        closure.kind.value,
+        closure.link_a,
+        closure.link_b,
+        closure.X_AF,
+        closure.X_BF,
+        closure.axis,
+        residual=max(gaps, default=0.0),
+        angle_error=0.0,
+    )

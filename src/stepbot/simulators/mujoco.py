@@ -1,0 +1,348 @@
+"""MuJoCo as an observer of MJCF and URDF: everything that it compiles, its mass matrix, and loops closed by Newton.
+
+URDF is read from a copy with compiler options that keep what MuJoCo would throw away or lose: the base
+(``fusestatic``), visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality constraints are soft,
+so closures are solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
+"""
+
+import importlib.util
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from math import inf, nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..dynamics import GRAVITY
+from ..model import Actuator, ActuatorKind, JointDynamics, Limit, Mimic
+from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia, vector3
+from ._mujoco_shapes import shape_bounds
+from ._resources import resolve
+from .observation import Dynamics, EngineRefused, Observation, ObservedJoint, ObservedLink, Quantity, Request
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+NAME = "mujoco"
+FORMATS = ("urdf", "mjcf")
+
+_URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
+_NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
+    "urdf": {Quantity.CLOSURES: "URDF holds no loops"},
+    "mjcf": {},
+}
+HOME = "home"
+"""Name of the keyframe that holds the initial pose."""
+VELOCITY = "/velocity"
+"""End of the name of the custom number that holds a joint's velocity limit, which MJCF has no attribute for."""
+
+
+def available() -> str | None:
+    """Why the engine cannot run here; None where it can."""
+    if importlib.util.find_spec("mujoco") is None:
+        return "mujoco is not installed"
+    return None
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import mujoco  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Compile the file and say what is in it.
+
+    Raises:
+        EngineRefused: MuJoCo does not compile the file.
+    """
+    import mujoco as engine
+
+    from ._mujoco_motion import close_by_newton, simulate
+
+    with _warnings(engine) as warnings:
+        compiled = Compiled(engine, _compile(engine, request))
+        observation = _static(compiled, request)
+        if request.format == "mjcf":
+            observation = replace(observation, closures=close_by_newton(compiled, request))
+        if request.simulate:
+            observation = replace(observation, simulation_finite=simulate(compiled, request))
+    return replace(observation, warnings=tuple(dict.fromkeys(warnings)))
+
+
+@contextmanager
+def _warnings(engine: Any) -> Iterator[list[str]]:
+    """Collect what MuJoCo warns about; on its own it would write a log file into the working directory."""
+    collected: list[str] = []
+    former = engine.get_mju_user_warning()
+    engine.set_mju_user_warning(collected.append)
+    try:
+        yield collected
+    finally:
+        engine.set_mju_user_warning(former)
+
+
+def _compile(engine: Any, request: Request) -> Any:
+    path = Path(request.file)
+    try:
+        if request.format == "urdf":
+            spec = engine.MjSpec.from_string(_urdf_copy(path))
+            for mesh in spec.meshes:  # URDF gives every mass itself, so a flat mesh is no fault
+                mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
+            return spec.compile()
+        return engine.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        # Folders of this machine have no place in a message that may end in a report.
+        raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+
+
+def _urdf_copy(path: Path) -> str:
+    """The URDF with MuJoCo's compiler options, and with meshes where they are found."""
+    from lxml import etree
+
+    try:
+        top = etree.parse(str(path), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
+    except etree.XMLSyntaxError as error:
+        raise EngineRefused(f"not XML: {error.msg}") from error
+    for mesh in top.iter("mesh"):
+        found = resolve(mesh.get("filename", ""), path)
+        if found is not None:
+            mesh.set("filename", found.resolve().as_posix())
+    extension = top.find("mujoco")
+    if extension is None:
+        extension = etree.SubElement(top, "mujoco")
+    compiler = extension.find("compiler")
+    if compiler is None:
+        compiler = etree.SubElement(extension, "compiler")
+    for name, value in _URDF_COMPILER.items():
+        compiler.set(name, value)
+    return str(etree.tostring(top, encoding="unicode"))
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A compiled model, with the names that its numbers belong to."""
+
+    engine: Any
+    model: Any
+
+    def name(self, kind: str, index: int) -> str:
+        """Name of an element; empty where it has none. ``kind`` as in ``mjOBJ_<kind>``."""
+        return self.engine.mj_id2name(self.model, getattr(self.engine.mjtObj, f"mjOBJ_{kind}"), index) or ""
+
+    @property
+    def bodies(self) -> range:
+        """Indices of the links: every body but the world."""
+        return range(1, self.model.nbody)
+
+    @property
+    def coordinates(self) -> dict[str, int]:
+        """Index of each joint of one degree of freedom, by name, in MuJoCo's order."""
+        kinds = (self.engine.mjtJoint.mjJNT_HINGE, self.engine.mjtJoint.mjJNT_SLIDE)
+        return {self.name("JOINT", j): j for j in range(self.model.njnt) if self.joint_type(j) in kinds}
+
+    def joint_type(self, joint: int) -> Any:
+        """MuJoCo's word for the kind of a joint."""
+        return self.engine.mjtJoint(self.model.jnt_type[joint])
+
+    def data(self, q: Mapping[str, float]) -> Any:
+        """State at a configuration, at rest, with the kinematics computed."""
+        data = self.engine.MjData(self.model)
+        for name, joint in self.coordinates.items():
+            data.qpos[self.model.jnt_qposadr[joint]] = q.get(name, 0.0)
+        self.engine.mj_kinematics(self.model, data)
+        self.engine.mj_comPos(self.model, data)
+        return data
+
+    def X_WB(self, data: Any, body: int) -> Pose:
+        """Pose of a body in the world."""
+        return Pose.of(data.xmat[body].reshape(3, 3), data.xpos[body])
+
+    def poses(self, data: Any) -> dict[str, Pose]:
+        """Pose of every link with respect to the first."""
+        X_RW = self.X_WB(data, 1).inverse()
+        return {self.name("BODY", body): X_RW @ self.X_WB(data, body) for body in self.bodies}
+
+
+def _static(compiled: Compiled, request: Request) -> Observation:
+    model = compiled.model
+    closed = [q for way in request.ways for q in way]
+    mjcf = request.format == "mjcf"
+    return Observation(
+        engine=NAME,
+        version=compiled.engine.__version__,
+        format=request.format,
+        base=_base(compiled) if mjcf else None,
+        links=tuple(_link(compiled, body) for body in compiled.bodies),
+        joints=tuple(joint for body in compiled.bodies for joint in _joints(compiled, body, mjcf)),
+        coordinates=tuple(compiled.coordinates),
+        poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
+        dynamics=tuple(_dynamics(compiled, q) for q in request.configurations),
+        frames=_frames(compiled) if mjcf else None,
+        actuators=tuple(_actuator(compiled, a) for a in range(model.nu)) if mjcf else None,
+        initial=_initial(compiled) if mjcf else None,
+        not_run=_NOT_RUN[request.format],
+    )
+
+
+def _base(compiled: Compiled) -> str:
+    free = compiled.engine.mjtJoint.mjJNT_FREE
+    joints = range(compiled.model.njnt)
+    return "floating" if any(compiled.joint_type(j) == free for j in joints) else "fixed"
+
+
+def _link(compiled: Compiled, body: int) -> ObservedLink:
+    model = compiled.model
+    X_LI = Pose.from_quaternion(model.body_iquat[body].tolist(), model.body_ipos[body])
+    seen, touched = (shape_bounds(compiled, body, touched=side) for side in (False, True))
+    return ObservedLink(
+        compiled.name("BODY", body),
+        float(model.body_mass[body]),
+        X_LI.position,
+        matrix3(turn_inertia(X_LI.R, np.diag(model.body_inertia[body]))),
+        visual_bounds=join_bounds(seen) if seen else None,
+        collision_bounds=join_bounds(touched) if touched else None,
+        has_visuals=bool(seen),
+        has_collisions=bool(touched),
+    )
+
+
+def _joints(compiled: Compiled, body: int, mjcf: bool) -> Iterator[ObservedJoint]:
+    """The joints above a body; a body without one is fixed to its parent, under no name."""
+    engine, model = compiled.engine, compiled.model
+    parent, child = (compiled.name("BODY", index) for index in (model.body_parentid[body], body))
+    above = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
+    if not above and model.body_parentid[body] > 0:
+        yield ObservedJoint("", "fixed", parent, child)
+    for joint in above:
+        kind = compiled.joint_type(joint)
+        if kind in (engine.mjtJoint.mjJNT_HINGE, engine.mjtJoint.mjJNT_SLIDE):
+            yield _moving_joint(compiled, joint, parent, child, mjcf)
+        elif kind == engine.mjtJoint.mjJNT_BALL:
+            yield ObservedJoint(compiled.name("JOINT", joint), "ball", parent, child)
+        elif model.body_parentid[body] > 0:
+            yield ObservedJoint(compiled.name("JOINT", joint), "floating", parent, child)
+
+
+def _moving_joint(compiled: Compiled, joint: int, parent: str, child: str, mjcf: bool) -> ObservedJoint:
+    model, name = compiled.model, compiled.name("JOINT", joint)
+    dof, position = model.jnt_dofadr[joint], model.jnt_qposadr[joint]
+    limited, forced = bool(model.jnt_limited[joint]), bool(model.jnt_actfrclimited[joint])
+    kind = "prismatic"
+    if compiled.joint_type(joint) == compiled.engine.mjtJoint.mjJNT_HINGE:
+        kind = "revolute" if limited else "continuous"
+    velocities = _velocity_limits(compiled)
+    lower, upper = model.jnt_range[joint].tolist() if limited else (-inf, inf)
+    limit = Limit(lower, upper, velocities.get(name, inf), _effort(*model.jnt_actfrcrange[joint]) if forced else inf)
+    return ObservedJoint(
+        name,
+        kind,
+        parent,
+        child,
+        axis=vector3(model.jnt_axis[joint]),
+        limit=limit,
+        limit_fields=("lower", "upper", *(("velocity",) if velocities else ()), "effort"),
+        dynamics=JointDynamics(
+            damping=float(model.dof_damping[dof]),
+            friction=float(model.dof_frictionloss[dof]),
+            stiffness=float(model.jnt_stiffness[joint]),
+            spring_reference=float(model.qpos_spring[position]),
+            armature=float(model.dof_armature[dof]),
+        ),
+        dynamics_fields=("damping", "friction", *(("stiffness", "spring_reference", "armature") if mjcf else ())),
+        mimic=_mimic(compiled, joint),
+        mimic_read=True,
+    )
+
+
+def _effort(lower: float, upper: float) -> float:
+    """The effort limit that a range of forces means; not a number where it is not the same in both directions."""
+    return float(upper) if lower == -upper else nan
+
+
+def _velocity_limits(compiled: Compiled) -> dict[str, float]:
+    """Velocity limits [rad/s] or [m/s] that are kept as custom numbers, by joint."""
+    model = compiled.model
+    names = {compiled.name("NUMERIC", i): int(model.numeric_adr[i]) for i in range(model.nnumeric)}
+    return {
+        name.removesuffix(VELOCITY): float(model.numeric_data[address])
+        for name, address in names.items()
+        if name.endswith(VELOCITY)
+    }
+
+
+def _mimic(compiled: Compiled, joint: int) -> Mimic | None:
+    """The relation of an equality of two joints, carried over from MuJoCo's reference positions to q = 0."""
+    engine, model = compiled.engine, compiled.model
+    for e in range(model.neq):
+        if (
+            engine.mjtEq(model.eq_type[e]) != engine.mjtEq.mjEQ_JOINT
+            or model.eq_obj1id[e] != joint
+            or not model.eq_active0[e]
+        ):
+            continue
+        leader = int(model.eq_obj2id[e])
+        offset, multiplier = model.eq_data[e][:2].tolist()
+        if leader < 0:
+            return None
+        reference = [float(model.qpos0[model.jnt_qposadr[j]]) for j in (joint, leader)]
+        return Mimic(compiled.name("JOINT", leader), multiplier, offset + reference[0] - multiplier * reference[1])
+    return None
+
+
+def _dynamics(compiled: Compiled, q: Mapping[str, float]) -> Dynamics:
+    """Mass matrix without armature, and gravity forces, over the joints of one degree of freedom."""
+    engine, model = compiled.engine, compiled.model
+    columns = [int(model.jnt_dofadr[joint]) for joint in compiled.coordinates.values()]
+    kept = model.dof_armature.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
+    model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = 0.0, GRAVITY, 0
+    try:
+        data = compiled.data(q)
+        engine.mj_forward(model, data)
+        M = np.zeros((model.nv, model.nv))
+        for column, unit in enumerate(np.eye(model.nv)):
+            product = np.zeros(model.nv)
+            engine.mj_mulM(model, data, product, unit)
+            M[:, column] = product
+        gravity: Array = np.array(data.qfrc_bias)
+    finally:
+        model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = kept
+    return Dynamics(M[np.ix_(columns, columns)], gravity[columns])
+
+
+def _frames(compiled: Compiled) -> dict[str, tuple[str, Pose]]:
+    model = compiled.model
+    return {
+        compiled.name("SITE", s): (
+            compiled.name("BODY", int(model.site_bodyid[s])),
+            Pose.from_quaternion(model.site_quat[s].tolist(), model.site_pos[s]),
+        )
+        for s in range(model.nsite)
+    }
+
+
+def _actuator(compiled: Compiled, a: int) -> Actuator:
+    """What drives a joint; told apart by its bias, as MuJoCo's shortcuts set it."""
+    model = compiled.model
+    gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
+    joint = compiled.name("JOINT", int(model.actuator_trnid[a][0]))
+    gear = float(model.actuator_gear[a][0])
+    name = compiled.name("ACTUATOR", a)
+    if bias[1]:
+        return Actuator(name, joint, ActuatorKind.POSITION, kp=gain, kv=-bias[2], gear=gear)
+    if bias[2]:
+        return Actuator(name, joint, ActuatorKind.VELOCITY, kv=gain, gear=gear)
+    return Actuator(name, joint, ActuatorKind.MOTOR, gear=gear * gain)
+
+
+def _initial(compiled: Compiled) -> dict[str, float] | None:
+    """The pose in the keyframe :data:`HOME`; None where there is no such keyframe."""
+    model = compiled.model
+    keys = [k for k in range(model.nkey) if compiled.name("KEY", k) == HOME]
+    if not keys:
+        return None
+    qpos = model.key_qpos[keys[0]]
+    return {name: float(qpos[model.jnt_qposadr[joint]]) for name, joint in compiled.coordinates.items()}

@@ -1,0 +1,186 @@
+"""What an engine sees in a file, in one form for all engines, so that one comparison serves them all.
+
+Quantities are SI. Com and inertia are in the link's frame, as the file gives it, joint axes in the child's frame, poses
+of links with respect to the root link. Whatever an engine cannot tell is ``None``, with the reason in ``not_run``.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Actuator, JointDynamics, Limit, LoopClosure, Mimic
+from ..spatial import Matrix3, Pose, Vector3
+
+
+class Quantity(StrEnum):
+    """What is compared; the order is that of the report."""
+
+    LOAD = "load"
+    LINKS = "links"
+    JOINTS = "joints"
+    AXES = "axes"
+    LIMITS = "limits"
+    DYNAMICS = "dynamics"
+    MIMIC = "mimic"
+    MASS = "mass"
+    COM = "com"
+    INERTIA = "inertia"
+    POSES = "poses"
+    MASS_MATRIX = "mass matrix"
+    GRAVITY = "gravity forces"
+    CLOSURES = "closures"
+    MESHES = "meshes"
+    FRAMES = "frames"
+    ACTUATORS = "actuators"
+    INITIAL = "initial pose"
+    SELF_COLLISION = "self-collision"
+    SIMULATION = "simulation"
+    WARNINGS = "warnings"
+
+
+@dataclass(frozen=True)
+class ObservedLink:
+    """A link as an engine sees it; None where the engine does not tell."""
+
+    name: str
+    mass: float | None = None
+    """[kg]."""
+    com: Vector3 | None = None
+    """[m] in the link's frame."""
+    inertia: Matrix3 | None = None
+    """[kg m^2] about the com, along the axes of the link's frame."""
+    visual_bounds: tuple[Vector3, Vector3] | None = None
+    """Lowest and highest corner [m] of all visual geometry, in the link's frame."""
+    collision_bounds: tuple[Vector3, Vector3] | None = None
+    """Lowest and highest corner [m] of all collision geometry, in the link's frame."""
+    has_visuals: bool | None = None
+    """Whether there is anything to see of the link."""
+    has_collisions: bool | None = None
+    """Whether there is anything to touch of the link."""
+
+
+@dataclass(frozen=True)
+class ObservedJoint:
+    """A joint as an engine sees it; None where the engine does not tell."""
+
+    name: str
+    """Empty where the engine knows no name: MuJoCo's fixed joints."""
+    kind: str
+    """A :class:`stepbot.model.JointKind` value, or the engine's own word for anything else. An engine that cannot tell
+    continuous from revolute reports a revolute joint without limits as ``continuous``."""
+    parent: str
+    child: str
+    axis: Vector3 | None = None
+    """Unit axis in the child's frame; None for fixed joints."""
+    limit: Limit | None = None
+    """Infinite entries where the file sets no limit."""
+    limit_fields: tuple[str, ...] = ("lower", "upper", "velocity", "effort")
+    """Which entries of ``limit`` the engine reads."""
+    dynamics: JointDynamics | None = None
+    dynamics_fields: tuple[str, ...] = ("damping", "friction")
+    """Which entries of ``dynamics`` the engine reads."""
+    mimic: Mimic | None = None
+    mimic_read: bool = False
+    """Whether the engine tells about mimics at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dynamics:
+    """The equations of motion at one configuration, for the joints named in :attr:`Observation.coordinates`."""
+
+    mass_matrix: NDArray[np.float64] | None = None
+    """Shape (n, n) [kg, kg m, kg m^2]; joints only, without the base's six, and without armature."""
+    gravity: NDArray[np.float64] | None = None
+    """Shape (n,) [N or N m]: the effort that holds the mechanism still against :data:`stepbot.dynamics.GRAVITY`."""
+
+
+@dataclass(frozen=True, eq=False)
+class ObservedClosure:
+    """A closure as an engine or parser sees it."""
+
+    name: str
+    kind: str
+    link_a: str
+    link_b: str
+    X_AF: Pose | None = None
+    X_BF: Pose | None = None
+    axis: Vector3 | None = None
+    residual: float | None = None
+    """Worst distance [m] over the mechanism's range between what the closure holds together."""
+    angle_error: float | None = None
+    """Worst deviation [rad or m] over the range of the engine's closed configuration from the reference's."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """All that one engine sees in one file."""
+
+    engine: str
+    version: str
+    format: str
+    """``urdf``, ``sdf`` or ``mjcf``."""
+    base: str | None = None
+    """``fixed`` or ``floating``; None where neither the file nor the engine says."""
+    links: tuple[ObservedLink, ...] = ()
+    joints: tuple[ObservedJoint, ...] = ()
+    coordinates: tuple[str, ...] = ()
+    """Names of the joints with one degree of freedom, in the order of the rows of every mass matrix."""
+    poses: tuple[Mapping[str, Pose], ...] = ()
+    """For each configuration the pose of every link with respect to the root link."""
+    dynamics: tuple[Dynamics, ...] = ()
+    """For each configuration the equations of motion."""
+    closures: tuple[ObservedClosure, ...] | None = None
+    frames: Mapping[str, tuple[str, Pose]] | None = None
+    """Frame name to link and pose in the link."""
+    actuators: tuple[Actuator, ...] | None = None
+    initial: Mapping[str, float] | None = None
+    """The pose [rad], [m] in which the file says that the robot starts."""
+    missing_meshes: tuple[str, ...] = ()
+    simulation_finite: bool | None = None
+    """Whether one second of passive simulation from the initial pose stayed finite."""
+    warnings: tuple[str, ...] = ()
+    """What the engine complained about, word for word."""
+    not_run: Mapping[Quantity, str] = field(default_factory=dict)
+    """Quantities that this engine does not tell of in this format, and why."""
+    notes: tuple[str, ...] = ()
+    """What was changed for the engine to read the file: joints left out, flags."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to observe."""
+
+    file: str
+    """Absolute path."""
+    format: str
+    configurations: tuple[Mapping[str, float], ...] = ()
+    """Joint positions [rad] or [m]; joints that are not named are at 0. Mimicking joints are named too."""
+    initial: Mapping[str, float] = field(default_factory=dict)
+    """Where the passive simulation starts; joints that are not named are at 0."""
+    simulate: float = 1.0
+    """Seconds of passive simulation; 0 for none."""
+    floating: bool = False
+    """Whether the passive simulation lets the base go, where the file does not say."""
+    closures: tuple[LoopClosure, ...] = ()
+    """The loops, with their frames: what a file must hold, or what an engine needs to stand in for it."""
+    ways: tuple[tuple[Mapping[str, float], ...], ...] = ()
+    """Closed configurations, solved by the reference, in ways that each start at the initial pose and lead through the
+    range that the loops leave. The engine closes the loops itself from the driven joints and says how far it is off."""
+    held_by_a_point: tuple[str, ...] = ()
+    """Revolute closures of which an engine that stands in need hold no more than a point: more would jam a mechanism
+    whose pins are not exactly parallel."""
+    driven: tuple[str, ...] = ()
+    """Joints that are held where a way has them while an engine closes the loops; the others follow."""
+    mimics: Mapping[str, Mimic] = field(default_factory=dict)
+    """Mimicking joints, for an engine that does not read them and has to stand in for them."""
+
+
+class EngineRefused(Exception):
+    """An engine says that it cannot use the file; the message is the engine's own."""
+
+
+class EngineCannotRead(Exception):
+    """The file is none of the kind that this engine is known to read; nothing is said against the file."""

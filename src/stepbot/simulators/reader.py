@@ -1,0 +1,265 @@
+"""SDFormat read back by a parser of stepbot's own, because no engine of the core install reads all of it.
+
+It is written from the specification (http://sdformat.org/spec) and knows nothing of the writer. It tells of inertias,
+limits, closing joints, frames and mimics, which PyBullet ignores; poses and dynamics are those of stepbot's kinematics
+over what was read, so they prove the text and not an engine.
+"""
+
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import stepbot
+
+from ..dynamics import GRAVITY, equations_of_motion
+from ..kinematics import MOVING, Tree, link_poses
+from ..model import Joint, JointDynamics, JointKind, Limit, Link, MassProperties, Mimic, Robot
+from ..spatial import Pose, matrix3, turn_inertia, unit, vector3
+from ._sdf_frames import Frames, numbers, read_pose
+from ._sdf_shapes import shapes_of
+from ._sdf_tree import closing_joints, ends, joints_to_world, read_model
+from .observation import (
+    Dynamics,
+    EngineCannotRead,
+    EngineRefused,
+    Observation,
+    ObservedClosure,
+    ObservedJoint,
+    ObservedLink,
+    Quantity,
+    Request,
+)
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+NAME = "reader"
+FORMATS = ("sdf",)
+
+NO_LIMIT = 1e15
+"""Limits beyond this are the format's word for none, 1e16."""
+_NOTE = "read back by stepbot's own parser, with stepbot's own kinematics"
+
+
+def available() -> str | None:
+    """Why the reader cannot run here; it always can."""
+    return None
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import lxml.etree  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Parse the file and say what is in it.
+
+    Raises:
+        EngineRefused: The file contradicts the specification.
+        EngineCannotRead: It uses what this reader does not know: models within models, several trees.
+    """
+    model = read_model(Path(request.file))
+    frames = Frames(model)
+    to_world = joints_to_world(model)
+    joints = [joint for joint in model.findall("joint") if joint not in to_world]
+    closing = closing_joints(joints)
+    tree = [joint for joint in joints if joint not in closing]
+    links, missing = [], []
+    for link in model.findall("link"):
+        observed, lost = _link(link, Path(request.file))
+        links.append(observed)
+        missing += lost
+    observation = Observation(
+        engine=NAME,
+        version=stepbot.__version__,
+        format=request.format,
+        base="fixed" if to_world else "floating",
+        links=tuple(links),
+        joints=tuple(_joint(joint, frames) for joint in tree),
+        closures=tuple(_closure(joint, frames) for joint in closing),
+        frames={frame.get("name", ""): _frame(frame, frames) for frame in model.findall("frame")},
+        missing_meshes=tuple(missing),
+        not_run={
+            Quantity.SIMULATION: "a parser does not simulate",
+            Quantity.ACTUATORS: "SDFormat has no actuators",
+        },
+        notes=(_NOTE,),
+    )
+    return _with_motion(observation, tree, frames, request)
+
+
+def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
+    inertial = link.find("inertial")
+    X_LI = read_pose(inertial)
+    mass = _number(inertial, "mass", 1.0)  # the specification's default
+    inertia = np.array([[_inertia(inertial, i, j) for j in "xyz"] for i in "xyz"])
+    visuals, collisions = link.findall("visual"), link.findall("collision")
+    seen, lost = shapes_of(visuals, file)
+    touched, lost_too = shapes_of(collisions, file)
+    observed = ObservedLink(
+        link.get("name", ""),
+        mass,
+        X_LI.position,
+        matrix3(turn_inertia(X_LI.R, inertia)),
+        seen,
+        touched,
+        has_visuals=bool(visuals),
+        has_collisions=bool(collisions),
+    )
+    return observed, lost + lost_too
+
+
+def _inertia(inertial: Element | None, i: str, j: str) -> float:
+    tag = f"inertia/i{min(i, j)}{max(i, j)}"
+    return _number(inertial, tag, 1.0 if i == j else 0.0)
+
+
+def _number(element: Element | None, path: str, default: float) -> float:
+    text = None if element is None else element.findtext(path)
+    values = numbers(text) if text is not None else [default]
+    if len(values) != 1:
+        raise EngineRefused(f"<{path}> holds {len(values)} numbers, 1 expected")
+    return values[0]
+
+
+def _kind(joint: Element) -> str:
+    return joint.get("type", "")
+
+
+def _joint(joint: Element, frames: Frames) -> ObservedJoint:
+    parent, child = (frames.link_of(name) for name in ends(joint))
+    name, axis = joint.get("name", ""), joint.find("axis")
+    if axis is None:
+        return ObservedJoint(name, _kind(joint), parent, child, mimic_read=True)
+    a_C = frames.X_M(child).inverse().turn(unit(frames.axis(joint, axis)))
+    return ObservedJoint(
+        name,
+        _kind(joint),
+        parent,
+        child,
+        axis=vector3(a_C),
+        limit=_limit(axis),
+        dynamics=JointDynamics(
+            damping=_number(axis, "dynamics/damping", 0.0),
+            friction=_number(axis, "dynamics/friction", 0.0),
+            stiffness=_number(axis, "dynamics/spring_stiffness", 0.0),
+            spring_reference=_number(axis, "dynamics/spring_reference", 0.0),
+        ),
+        dynamics_fields=("damping", "friction", "stiffness", "spring_reference"),
+        mimic=_mimic(axis),
+        mimic_read=True,
+    )
+
+
+def _limit(axis: Element) -> Limit:
+    lower, upper = _number(axis, "limit/lower", -inf), _number(axis, "limit/upper", inf)
+    velocity, effort = _number(axis, "limit/velocity", inf), _number(axis, "limit/effort", inf)
+    return Limit(
+        lower=-inf if lower <= -NO_LIMIT else lower,
+        upper=inf if upper >= NO_LIMIT else upper,
+        velocity=inf if velocity < 0.0 else velocity,
+        effort=inf if effort < 0.0 else effort,
+    )
+
+
+def _mimic(axis: Element) -> Mimic | None:
+    """The format relates follower = multiplier * (leader - reference) + offset."""
+    mimic = axis.find("mimic")
+    if mimic is None:
+        return None
+    multiplier = _number(mimic, "multiplier", 1.0)
+    offset = _number(mimic, "offset", 0.0) - multiplier * _number(mimic, "reference", 0.0)
+    return Mimic(mimic.get("joint", ""), multiplier, offset)
+
+
+def _closure(joint: Element, frames: Frames) -> ObservedClosure:
+    """A closing joint; its frame is given in the child, and lies in the parent where it is at q = 0."""
+    parent, child = (frames.link_of(name) for name in ends(joint))
+    X_MF, axis = frames.X_M(joint.get("name", "")), joint.find("axis")
+    return ObservedClosure(
+        joint.get("name", ""),
+        _kind(joint),
+        parent,
+        child,
+        X_AF=frames.X_M(parent).inverse() @ X_MF,
+        X_BF=frames.X_M(child).inverse() @ X_MF,
+        axis=None if axis is None else vector3(X_MF.inverse().turn(unit(frames.axis(joint, axis)))),
+    )
+
+
+def _frame(frame: Element, frames: Frames) -> tuple[str, Pose]:
+    link = frames.link_of(frame.get("name", ""))
+    return link, frames.X_M(link).inverse() @ frames.X_M(frame.get("name", ""))
+
+
+def _with_motion(observation: Observation, tree: list[Element], frames: Frames, request: Request) -> Observation:
+    """The observation with poses and equations of motion, by stepbot's kinematics over what was read."""
+    strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in MOVING | {JointKind.FIXED}})
+    if strange:
+        reason = f"stepbot has no kinematics for {', '.join(strange)} joints"
+        not_run = dict.fromkeys((Quantity.POSES, Quantity.MASS_MATRIX, Quantity.GRAVITY), reason)
+        return replace(observation, not_run={**observation.not_run, **not_run})
+    X_LJ = {
+        observed.child: frames.X_M(observed.child).inverse() @ frames.X_M(joint.get("name", ""))
+        for observed, joint in zip(observation.joints, tree, strict=True)
+    }
+    robot = _robot(observation, X_LJ, frames)
+    layout = Tree(robot)
+    # The root link stands in the world as the file has it in the model.
+    gravity = vector3(frames.X_M(robot.root.name).inverse().turn(GRAVITY))
+    poses, dynamics = [], []
+    for q in [*request.configurations, *(q for way in request.ways for q in way)]:
+        X_WJ = link_poses(robot, {name: q.get(name, 0.0) for name in layout.joints})
+        poses.append({name: X @ X_LJ.get(name, Pose()).inverse() for name, X in X_WJ.items()})
+    for q in request.configurations:
+        M, g = equations_of_motion(robot, {name: q.get(name, 0.0) for name in layout.joints}, gravity, layout)
+        dynamics.append(Dynamics(M, g))
+    return replace(observation, coordinates=layout.joints, poses=tuple(poses), dynamics=tuple(dynamics))
+
+
+def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> Robot:
+    """What was read as a robot whose link frames are those of the joints above; without mimics, as engines move joints.
+
+    Raises:
+        EngineRefused: A joint names a link that is not there.
+        EngineCannotRead: The links make no single tree.
+    """
+    links = {link.name: link for link in observation.links}
+    joint_of = {joint.child: joint for joint in observation.joints}
+    for joint in observation.joints:
+        for name in (joint.parent, joint.child):
+            if name not in links:
+                raise EngineRefused(f"joint '{joint.name}': there is no link '{name}'")
+    roots = [name for name in links if name not in joint_of]
+    if len(roots) != 1:
+        raise EngineCannotRead(f"{len(roots)} root links, one expected: {', '.join(roots)}")
+    order = list(roots)
+    for name in order:  # grows while it is walked
+        order += [joint.child for joint in observation.joints if joint.parent == name]
+
+    def X_MJ(name: str) -> Pose:
+        return frames.X_M(name) @ X_LJ.get(name, Pose())
+
+    def joint_above(name: str) -> Joint:
+        seen = joint_of[name]
+        return Joint(
+            seen.name,
+            JointKind(seen.kind),
+            seen.parent,
+            name,
+            X_MJ(seen.parent).inverse() @ X_MJ(name),
+            vector3(X_LJ[name].inverse().turn(seen.axis or (0.0, 0.0, 1.0))),
+            limit=seen.limit or Limit(),
+        )
+
+    bodies = []
+    for name in order:
+        link = links[name]
+        body = MassProperties(link.mass or 0.0, link.com or (0.0, 0.0, 0.0), link.inertia or matrix3(np.zeros((3, 3))))
+        bodies.append(Link(name, body.moved(X_LJ.get(name, Pose()).inverse())))
+    return Robot("model", tuple(bodies), tuple(joint_above(name) for name in order[1:]))

@@ -1,0 +1,149 @@
+"""Runs the engines: one process for each engine and file, started before there is anything to observe.
+
+An engine that is missing, refuses a file or dies over it is an outcome like any other: the others go on.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from types import TracebackType
+
+from ..diagnostics import Diagnostics, Span, did_you_mean
+from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from . import Engine, engines, engines_for
+from .observation import Observation, Request
+
+
+class Fate(StrEnum):
+    """What became of an engine and a file."""
+
+    OBSERVED = "observed"
+    ABSENT = "absent"
+    """The engine is not installed, or does not start."""
+    UNREADABLE = "unreadable"
+    """The engine is known not to read such a file; nothing is said against the file."""
+    REFUSED = "refused"
+    """The engine says that the file is wrong."""
+    DIED = "died"
+    """The engine crashed, was killed, or took too long."""
+    BROKEN = "broken"
+    """Our own code failed around the engine."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What one engine said of one file."""
+
+    key: str
+    """What the caller calls the file."""
+    format: str
+    engine: str
+    fate: Fate
+    observation: Observation | None = None
+    reason: str = ""
+    """Why there is no observation."""
+    last_lines: tuple[str, ...] = ()
+    """The end of what a dead engine printed, or of the traceback."""
+
+
+class Engines:
+    """Started workers, waiting for their requests."""
+
+    def __init__(self, files: Mapping[str, str], memory_limit: int | None = None) -> None:
+        """Start a worker for every file and every engine that is there and reads its format.
+
+        Args:
+            files: What the caller calls each file, and its format.
+            memory_limit: Address space [bytes] of each worker; None for no limit.
+        """
+        self._files = dict(files)
+        self._asked: tuple[str, ...] = ()
+        self._absent: dict[str, str] = {}
+        self._workers: dict[tuple[str, str], Worker] = {}
+        for key, written_in in files.items():
+            for engine in engines_for(written_in):
+                reason = engine.available()
+                if reason is None:
+                    self._workers[key, engine.NAME] = _started(engine, memory_limit)
+                else:
+                    self._absent[engine.NAME] = reason
+
+    def submit(self, requests: Mapping[str, Request]) -> None:
+        """Hand every worker the request for its file; returns at once.
+
+        Args:
+            requests: For each file that is to be observed, by the caller's name for it.
+        """
+        self._asked = tuple(key for key in self._files if key in requests)
+        for (key, _), worker in self._workers.items():
+            if key in requests:
+                worker.submit(requests[key])
+
+    def results(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[Outcome, ...]:
+        """Wait for all workers, each of which may take ``timeout`` [s]; by file, then by engine."""
+        return tuple(
+            self._outcome(key, engine, timeout) for key in self._asked for engine in engines_for(self._files[key])
+        )
+
+    def close(self) -> None:
+        """End all workers that still run."""
+        for worker in self._workers.values():
+            worker.close()
+
+    def __enter__(self) -> "Engines":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _outcome(self, key: str, engine: Engine, timeout: float) -> Outcome:
+        written_in, name = self._files[key], engine.NAME
+        if name in self._absent:
+            return Outcome(key, written_in, name, Fate.ABSENT, reason=self._absent[name])
+        try:
+            observation = self._workers[key, name].result(timeout)
+        except WorkerDied as death:
+            return Outcome(key, written_in, name, Fate.DIED, reason=death.reason, last_lines=death.last_lines)
+        except RemoteError as error:
+            fate = _FATES.get(error.kind, Fate.BROKEN)
+            lines = tuple(error.trace.splitlines()[-6:]) if fate is Fate.BROKEN else ()
+            return Outcome(key, written_in, name, fate, reason=error.text or error.kind, last_lines=lines)
+        return Outcome(key, written_in, name, Fate.OBSERVED, observation)
+
+
+_FATES = {
+    "EngineRefused": Fate.REFUSED,
+    "EngineCannotRead": Fate.UNREADABLE,
+    "ImportError": Fate.ABSENT,
+    "ModuleNotFoundError": Fate.ABSENT,
+}
+
+
+def _started(engine: Engine, memory_limit: int | None) -> Worker:
+    return Worker(f"{engine.__name__}:observe", memory_limit=memory_limit)
+
+
+def check_required(names: Iterable[str], found: Diagnostics) -> None:
+    """Report required engines that are unknown or not installed (SB005)."""
+    known = {engine.NAME: engine for engine in engines()}
+    for name in names:
+        engine = known.get(name.lower())
+        if engine is None:
+            help = did_you_mean(name.lower(), known) or (f"engines: {', '.join(known)}",)
+            found.add("SB005", f"--require {name}: there is no such engine", Span("stepbot"), help=help)
+            continue
+        reason = engine.available()
+        if reason is not None:
+            install = f"pip install {engine.NAME}"
+            found.add("SB005", f"--require {name}: {reason}", Span("stepbot"), help=(install,))
+
+
+def check_started(required: Iterable[str], outcomes: Iterable[Outcome], found: Diagnostics) -> None:
+    """Report required engines that are installed but did not start (SB005)."""
+    installed = {engine.NAME for engine in engines() if engine.available() is None}
+    wanted = {name.lower() for name in required} & installed
+    for outcome in outcomes:
+        if outcome.engine in wanted and outcome.fate is Fate.ABSENT:
+            found.add("SB005", f"--require {outcome.engine}: {outcome.reason}", Span("stepbot"))

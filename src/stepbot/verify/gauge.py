@@ -1,0 +1,71 @@
+"""Collects deviations and keeps the worst."""
+
+from dataclasses import dataclass, field
+from math import inf, isnan
+
+from .tolerances import Tolerance
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far one number is from another."""
+
+    amount: float
+    """In ``unit``."""
+    allowed: float
+    """In ``unit``."""
+    unit: str
+    """Empty for a count of differences."""
+    where: str
+    """Link, joint, configuration."""
+
+    @property
+    def ratio(self) -> float:
+        """Deviation as a multiple of what is allowed."""
+        if self.amount == 0.0:
+            return 0.0
+        return self.amount / self.allowed if self.allowed > 0.0 else inf
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is allowed; what is not a number never is."""
+        return self.amount <= self.allowed
+
+    def __str__(self) -> str:
+        return (
+            f"{self.where}: {self.amount:.3g} {self.unit} off, {self.allowed:.3g} allowed" if self.unit else self.where
+        )
+
+
+@dataclass
+class Gauge:
+    """All deviations of one quantity."""
+
+    tolerance: Tolerance
+    deviations: list[Deviation] = field(default_factory=list)
+    untold: list[str] = field(default_factory=list)
+    """What belongs to the quantity but was not told by the engine."""
+
+    def near(self, a: float, b: float, where: str, unit: str, scale: float = 0.0) -> None:
+        """Compare two numbers; equal infinities are equal."""
+        self.off(0.0 if a == b else abs(a - b), where, unit, scale)
+
+    def off(self, amount: float, where: str, unit: str, scale: float = 0.0, tolerance: Tolerance | None = None) -> None:
+        """Take a deviation that was computed elsewhere."""
+        amount = inf if isnan(amount) else float(amount)
+        self.deviations.append(Deviation(amount, (tolerance or self.tolerance).allowed(scale), unit, where))
+
+    def equal(self, same: bool, where: str) -> None:
+        """Take the outcome of a comparison that has no number; ``where`` says what is wrong if it is."""
+        self.deviations.append(Deviation(0.0 if same else 1.0, 0.0, "", where))
+
+    @property
+    def worst(self) -> Deviation | None:
+        """The deviation nearest to, or farthest beyond, what is allowed; None where nothing was compared."""
+        return max(self.deviations, key=lambda deviation: deviation.ratio, default=None)
+
+    @property
+    def failures(self) -> list[Deviation]:
+        """What is not allowed, worst first."""
+        failed = [deviation for deviation in self.deviations if not deviation.passed]
+        return sorted(failed, key=lambda deviation: -deviation.ratio)

@@ -1,0 +1,75 @@
+"""Files of the named robots on disk, and what engines see in them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.expect import mechanism, requests
+from stepbot.lowering import lower
+from stepbot.model import Robot
+from stepbot.simulators import engines
+from stepbot.simulators.from_robot import observe_robot
+from stepbot.simulators.observation import Observation, Quantity, Request
+from stepbot.verify import Written
+from stepbot.verify.compare import compare
+from stepbot.writers import FORMATS, render, writer_of
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A robot, written in every format."""
+
+    robot: Robot
+    path: Path
+    written: Mapping[str, Written]
+
+    def request(self, written_in: str) -> Request:
+        """What is asked of engines that read the file of a format."""
+        one = self.written[written_in]
+        return requests(self.robot, {written_in: one.robot}, {written_in: one.path})[written_in]
+
+    def expected(self, written_in: str) -> Observation:
+        """What they should see."""
+        moved = mechanism(self.robot, self.written[written_in].robot)
+        moved = replace(moved, actuators=self.written[written_in].robot.actuators)
+        return observe_robot(moved, self.request(written_in))
+
+
+def write(robot: Robot, path: Path) -> Folder:
+    """Write a robot in every format."""
+    written = {}
+    for name in FORMATS:
+        files = render(robot, name, Diagnostics())
+        for relative, content in files.items():
+            target = path / relative
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+        written[name] = Written(path / next(iter(files)), lower(robot, writer_of(name), Diagnostics()))
+    return Folder(robot, path, written)
+
+
+def skip_without(engine: str) -> None:
+    """Skip the test where an engine is not installed."""
+    (module,) = (module for module in engines() if engine == module.NAME)
+    reason = module.available()
+    if reason is not None:
+        pytest.skip(reason)
+
+
+def look(engine: str, request: Request) -> Observation:
+    """What an engine sees; the test is skipped where the engine is not installed.
+
+    In this process, which saves a start for each of many files: none of the files that tests look at crashes an engine.
+    """
+    skip_without(engine)
+    observation: Observation = import_module(f"stepbot.simulators.{engine}").observe(request)
+    return observation
+
+
+def failures(expected: Observation, observed: Observation) -> set[Quantity]:
+    """The quantities in which an observation is not what is expected."""
+    return {one.quantity for one in compare(expected, observed) if one.gauge.failures and not one.not_run}

@@ -1,0 +1,164 @@
+"""``verify_files``: any files, as engines see them, and with each other."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.report import Report, Status
+from stepbot.simulators import engines
+from stepbot.verify import verify_files
+from tests.conftest import ReadDiagnostics
+from tests.robots import ROBOTS
+from tests.simulators.conftest import Folder, skip_without, write
+
+INSTALLED = {engine.NAME for engine in engines() if engine.available() is None}
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """The two-link arm on disk."""
+    return write(ROBOTS["two_link_arm"](), tmp_path_factory.mktemp("arm"))
+
+
+def _copy(folder: Folder, written_in: str, name: str, *changes: tuple[str, str]) -> Path:
+    """A copy of a file beside it, with some text replaced."""
+    right = folder.written[written_in].path
+    text = right.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    wrong = right.with_name(name)
+    wrong.write_text(text, encoding="utf-8")
+    return wrong
+
+
+def _failed(report: Report) -> set[tuple[str, str]]:
+    return {(check.engine, check.quantity) for check in report.checks if check.status is Status.FAILED}
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize("name", ["two_link_arm", "gripper_with_mimic", "tree"])
+def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
+    """Within each file, and each with the first."""
+    skip_without("mujoco")
+    folder = write(ROBOTS[name](), tmp_path)
+    found = Diagnostics()
+    report = verify_files([one.path for one in folder.written.values()], found, timeout=120.0)
+    assert not list(found)
+    assert not report.failed
+    first = folder.written["urdf"].path.as_posix()
+    across = {row.file: row for row in report.rows() if row.against == f"{first} (mujoco)"}
+    assert set(across) == {one.path.as_posix() for name, one in folder.written.items() if name != "urdf"}
+    for row in across.values():
+        assert {"links", "joints", "mass", "inertia", "poses", "mass matrix", "meshes"} <= set(row.compared)
+
+
+@pytest.mark.mujoco
+def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics) -> None:
+    """A mass in one of them: the message names both files, the quantity, the link and the number."""
+    skip_without("mujoco")
+    right = arm.written["urdf"].path
+    wrong = _copy(arm, "mjcf", "heavy.xml", ('mass="0.972', 'mass="0.973'))
+    report = verify_files([right, wrong], found, timeout=120.0)
+    assert ("mujoco", "mass") in _failed(report)
+    assert ("mujoco", "poses") not in _failed(report)
+    (masses,) = (diagnostic for diagnostic in found if diagnostic.code == "SB805")
+    assert masses.span.file == wrong.as_posix()
+    assert masses.message.startswith(
+        f"mujoco against {right.as_posix()} (mujoco): mass: mass of link 'upper_arm': 0.001 kg"
+    )
+    assert found.exit_code == 1
+
+
+def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostics) -> None:
+    """A link without ``<inertial>`` weighs nothing, but 1 kg in PyBullet."""
+    for engine in ("mujoco", "pybullet"):
+        skip_without(engine)
+    zero = '<mass value="0"/>'
+    text = arm.written["urdf"].path.read_text(encoding="utf-8")
+    start = text.index("<inertial>", text.index('<link name="tool0">'))
+    inertial = text[start : text.index("</inertial>", start) + len("</inertial>")]
+    assert zero in inertial
+    path = arm.written["urdf"].path.with_name("no_inertial.urdf")
+    path.write_text(text[:start] + text[start + len(inertial) :], encoding="utf-8")
+    report = verify_files([path], found, timeout=120.0)
+    assert ("pybullet", "mass") in _failed(report)
+    assert ("yourdfpy", "mass") not in _failed(report)
+    assert {"SB805", "SB807", "SB813"} <= set(found.codes())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics) -> None:
+    """Two roots crash PyBullet; everything else is still told."""
+    skip_without("pybullet")
+    path = _copy(arm, "urdf", "two_roots.urdf", ('<link name="base">', '<link name="other"/><link name="base">'))
+    report = verify_files([path], found, timeout=120.0)
+    assert ("pybullet", "load") in _failed(report)
+    (death,) = (diagnostic for diagnostic in found if diagnostic.code == "SB802")
+    assert death.message == "pybullet: killed by SIGSEGV"
+    assert any("multiple root links" in note for note in death.notes)
+
+
+def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Missing, not XML, another XML: each is told, and the rest is verified all the same."""
+    (tmp_path / "broken.urdf").write_text("<robot", encoding="utf-8")
+    (tmp_path / "page.xml").write_text("<html/>", encoding="utf-8")
+    (tmp_path / "empty.sdf").write_bytes(b"")
+    (tmp_path / "step.xml").write_text("ISO-10303-21;", encoding="utf-8")
+    names = ("missing.urdf", "broken.urdf", "page.xml", "empty.sdf", "step.xml")
+    report = verify_files([tmp_path / name for name in names], found)
+    codes = {diagnostic.span.file.rsplit("/", 1)[1]: diagnostic.code for diagnostic in found}
+    assert codes.pop("missing.urdf") == "SB001"
+    assert codes.pop("page.xml") == "SB814"
+    assert codes.pop("empty.sdf") == "SB814"
+    assert codes.pop("step.xml") == "SB814"
+    assert codes.pop("broken.urdf") in ("SB814", "SB801")
+    assert report.rows() == () or {row.file.rsplit("/", 1)[1] for row in report.rows()} == {"broken.urdf"}
+
+
+def test_a_required_engine_that_is_unknown_or_missing(
+    arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SB005, with the nearest name; exit code 2."""
+    from stepbot.simulators import mujoco
+
+    monkeypatch.setattr(mujoco, "available", lambda: "mujoco is not installed")
+    report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), timeout=120.0)
+    unknown, missing = (diagnostic for diagnostic in found if diagnostic.code == "SB005")
+    assert unknown.help == ("did you mean 'mujoco'?",)
+    assert missing.message == "--require mujoco: mujoco is not installed"
+    assert found.exit_code == 2
+    assert all(check.status is not Status.PASSED for check in report.checks if check.engine == "mujoco")
+
+
+def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then nothing passed, and a warning says so."""
+    from stepbot.simulators import mujoco, pybullet
+
+    for engine in (mujoco, pybullet):
+        monkeypatch.setattr(engine, "available", lambda: "not installed")
+    report = verify_files([arm.written["mjcf"].path], found)
+    assert found.codes() == ["SB815"]
+    assert {check.status for check in report.checks} == {Status.NOT_RUN}
+
+
+def test_the_same_file_twice_is_one(arm: Folder) -> None:
+    """A path that is named twice is not compared with itself."""
+    found = Diagnostics()
+    path = arm.written["sdf"].path
+    report = verify_files([path, path], found, timeout=120.0)
+    assert not list(found)
+    assert {check.against for check in report.checks} == {"itself", "reader"} & ({"itself"} | INSTALLED)
+
+
+def test_names_of_files_are_those_of_the_user(
+    arm: Folder, monkeypatch: pytest.MonkeyPatch, found: ReadDiagnostics
+) -> None:
+    """Relative paths stay relative, in checks and messages."""
+    monkeypatch.chdir(arm.path)
+    name = arm.written["sdf"].path.name
+    report = verify_files([Path(name)], found, timeout=120.0)
+    assert {check.file for check in report.checks} == {name}
+    assert not found.codes()

@@ -1,0 +1,98 @@
+"""Every named robot in every format, as every engine sees it: the proof that users get."""
+
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+from stepbot.report import Report, Status
+from stepbot.simulators import engines
+from stepbot.verify import Provers, verify
+from stepbot.writers import FORMATS
+from tests.conftest import ReadDiagnostics
+from tests.robots import ROBOTS
+from tests.simulators.conftest import write
+
+NAMES = {"load", "links", "joints"}
+JOINTS = {"axes", "limits", "dynamics"}
+BODIES = {"mass", "com", "inertia"}
+MOTION = {"poses", "mass matrix", "gravity forces"}
+REST = {"meshes", "simulation", "warnings"}
+
+COMPARED = {
+    ("urdf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST | {"mimic"},
+    ("urdf", "pybullet"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures"},
+    ("urdf", "yourdfpy"): NAMES | JOINTS | BODIES | {"poses", "warnings", "mimic"},
+    ("sdf", "pybullet"): NAMES | JOINTS | {"mass", "com", "poses", "meshes", "warnings"},
+    ("sdf", "reader"): NAMES | JOINTS | BODIES | MOTION | {"meshes", "warnings", "mimic", "closures", "frames"},
+    ("mjcf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST
+    | {"mimic", "closures", "frames", "actuators", "initial pose"},
+    ("mjcf", "pybullet"): {"load"},
+}  # fmt: skip
+"""What each engine is able to compare in each format, where the robot has it."""
+
+
+def _lacks(name: str) -> set[str]:
+    """The quantities that a robot does not have."""
+    robot = ROBOTS[name]()
+    lacks = set() if any(joint.axis for joint in robot.joints) else JOINTS | {"mass matrix", "gravity forces"}
+    lacks |= set() if any(joint.mimic for joint in robot.joints) else {"mimic"}
+    lacks |= set() if robot.closures else {"closures"}
+    lacks |= set() if robot.frames else {"frames"}
+    lacks |= set() if robot.actuators else {"actuators"}
+    lacks |= set() if any(joint.drawn_position for joint in robot.joints) else {"initial pose"}
+    return lacks
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def proof(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Report, list[str]]:
+    """Name of a robot, its report, and its diagnostics."""
+    name: str = request.param
+    folder = write(ROBOTS[name](), tmp_path_factory.mktemp("files"))
+    found = ReadDiagnostics()
+    with Provers(FORMATS) as provers:
+        report = verify(folder.robot, folder.written, provers, found, timeout=120.0)
+    return name, report, [str(diagnostic) for diagnostic in found]
+
+
+def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
+    """No check, and no diagnostic."""
+    _, report, diagnostics = proof
+    failed = [check for check in report.checks if check.status is Status.FAILED]
+    assert not failed
+    assert not diagnostics
+
+
+def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) -> None:
+    """Each engine passes exactly what it can tell of this robot: nothing is skipped in silence."""
+    name, report, _ = proof
+    installed = {engine.NAME for engine in engines() if engine.available() is None}
+    passed: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for check in report.checks:
+        if check.status is Status.PASSED:
+            passed[check.format, check.engine].add(check.quantity)
+    for (written_in, engine), quantities in COMPARED.items():
+        if engine in installed:
+            assert passed[written_in, engine] == quantities - _lacks(name)
+
+
+def test_self_collision_is_checked(proof: tuple[str, Report, list[str]]) -> None:
+    """Once for the robot, with python-fcl."""
+    _, report, _ = proof
+    assert [check.status for check in report.checks if check.quantity == "self-collision"] == [Status.PASSED]
+
+
+def test_deviations_are_far_below_the_tolerances(proof: tuple[str, Report, list[str]]) -> None:
+    """Engines in doubles agree to 1e-12; what comes near its tolerance is a box of floats or a loop of constraints."""
+    _, report, _ = proof
+    for check in report.checks:
+        if check.ratio > 1e-3:
+            assert check.quantity in ("meshes", "closures") or check.engine == "pybullet", check
+
+
+def test_no_folder_of_this_machine_is_in_the_report(proof: tuple[str, Report, list[str]], tmp_path: Path) -> None:
+    """File names only."""
+    _, report, _ = proof
+    text = repr([report.checks, report.notes])
+    assert str(tmp_path.parent) not in text
+    assert all("/" not in check.file for check in report.checks)

@@ -1,0 +1,65 @@
+"""Loops that the CAD did not draw well: what verify says of them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from stepbot.kinematics import initial_configuration, link_poses
+from stepbot.model import JointKind, Robot
+from stepbot.report import Status
+from stepbot.spatial import Pose, rotation_about
+from stepbot.verify import Provers, verify
+from tests.conftest import ReadDiagnostics
+from tests.robots import four_bar
+from tests.simulators.conftest import write
+
+
+def _crooked(tilt: float) -> Robot:
+    """The four-bar with one pin tilted, still closed as drawn."""
+    robot = four_bar()
+    (closure,) = robot.closures
+    tilted = Pose.of(rotation_about((1, 0, 0), tilt))
+    joints = tuple(
+        replace(joint, X_PC=joint.X_PC @ tilted) if joint.name == "coupler_pin" else joint for joint in robot.joints
+    )
+    bare = replace(robot, joints=joints)
+    X_W = link_poses(bare, initial_configuration(bare))
+    return replace(bare, closures=(replace(closure, X_BF=X_W["rocker"].inverse() @ X_W["coupler"] @ closure.X_AF),))
+
+
+def test_a_loop_that_cannot_stay_closed_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Told once, for the robot; the files are as good as the CAD, so their checks pass."""
+    folder = write(_crooked(5e-5), tmp_path)
+    with Provers(folder.written) as provers:
+        report = verify(folder.robot, folder.written, provers, found, timeout=120.0)
+    (warning,) = found
+    assert warning.code == "SB818"
+    assert warning.message.startswith("closure 'rocker_pin' opens by up to ")
+    assert report.degrees_of_freedom == 1
+    assert not report.failed
+
+
+def test_a_mechanism_that_cannot_move_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Welded where it should be pinned."""
+    robot = four_bar()
+    welded = replace(robot, closures=(replace(robot.closures[0], kind=JointKind.FIXED),))
+    folder = write(welded, tmp_path)
+    with Provers(folder.written) as provers:
+        report = verify(folder.robot, folder.written, provers, found, timeout=120.0)
+    assert found.codes() == ["SB819"]
+    assert report.degrees_of_freedom == 0
+    assert report.driven == ()
+    assert not report.failed
+
+
+def test_a_loop_that_is_open_as_drawn_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """There is no mechanism to ask engines about."""
+    robot = four_bar()
+    closure = robot.closures[0]
+    away = Pose.of(closure.X_BF.R, closure.X_BF.p + np.array([0.0, 0.0, 0.5]))
+    folder = write(replace(robot, closures=(replace(closure, X_BF=away),)), tmp_path)
+    with Provers(folder.written) as provers:
+        report = verify(folder.robot, folder.written, provers, found)
+    assert found.codes() == ["SB808"]
+    assert [check.status for check in report.checks] == [Status.FAILED]

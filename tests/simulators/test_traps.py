@@ -1,0 +1,234 @@
+"""What engines are known to do behind one's back, each with a test: if an engine changes its ways, we want to know."""
+
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.isolation import RemoteError, WorkerDied, call_isolated
+from stepbot.simulators.observation import Observation, Quantity, Request
+from stepbot.simulators.workers import Engines, Fate
+from tests.robots import ROBOTS
+from tests.simulators.conftest import Folder, failures, look, skip_without, write
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """The two-link arm on disk."""
+    return write(ROBOTS["two_link_arm"](), tmp_path_factory.mktemp("arm"))
+
+
+def _link(observation: Observation, name: str) -> object:
+    return next(link for link in observation.links if link.name == name)
+
+
+@pytest.mark.pybullet
+def test_pybullet_tells_the_mass_of_a_fixed_base(arm: Folder) -> None:
+    """A fixed base reports 0 kg: it is read from a second body that floats."""
+    base = arm.robot.root
+    seen = next(link for link in look("pybullet", arm.request("urdf")).links if link.name == base.name)
+    assert seen.mass == pytest.approx(base.mass_properties.mass, rel=1e-12)
+    np.testing.assert_allclose(seen.inertia, base.mass_properties.inertia, rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.pybullet
+def test_pybullet_poses_are_doubles(arm: Folder) -> None:
+    """Link frames come back as floats, 1e-8 off; inertial frames do not."""
+    request = replace(arm.request("urdf"), simulate=0.0)
+    seen, expected = look("pybullet", request), arm.expected("urdf")
+    for ours, theirs in zip(expected.poses, seen.poses, strict=True):
+        for link in ours:
+            assert max(ours[link].distance_to(theirs[link])) < 1e-12
+
+
+@pytest.mark.pybullet
+def test_pybullet_takes_a_link_without_inertial_for_a_kilogram(arm: Folder) -> None:
+    """Then it warns, and the mass check fails; an all-zero one is right."""
+    path = arm.path / "no_inertial.urdf"
+    text = arm.written["urdf"].path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r'(<link name="tool0">)\s*<inertial>.*?</inertial>', r"\1", text, flags=re.DOTALL))
+    seen = look("pybullet", replace(arm.request("urdf"), file=str(path), simulate=0.0))
+    assert next(link.mass for link in seen.links if link.name == "tool0") == 1.0
+    assert any("No inertial data" in warning for warning in seen.warnings)
+    assert {Quantity.MASS, Quantity.MASS_MATRIX, Quantity.WARNINGS} <= failures(arm.expected("urdf"), seen)
+
+
+@pytest.mark.pybullet
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+def test_pybullet_crashes_on_two_roots_and_takes_nobody_along(arm: Folder) -> None:
+    """Its last words are kept, and the other engines speak for themselves."""
+    skip_without("pybullet")
+    path = arm.path / "two_roots.urdf"
+    text = arm.written["urdf"].path.read_text(encoding="utf-8")
+    path.write_text(text.replace('<link name="base">', '<link name="other"/><link name="base">'), encoding="utf-8")
+    with Engines({"file": "urdf"}) as engines:
+        engines.submit({"file": replace(arm.request("urdf"), file=str(path))})
+        outcomes = {outcome.engine: outcome for outcome in engines.results(120.0)}
+    assert outcomes["pybullet"].fate is Fate.DIED
+    assert "SIGSEGV" in outcomes["pybullet"].reason
+    assert any("multiple root links" in line for line in outcomes["pybullet"].last_lines)
+    assert outcomes["yourdfpy"].fate is Fate.REFUSED
+    assert outcomes["mujoco"].fate is not Fate.DIED
+
+
+@pytest.mark.pybullet
+def test_pybullet_reads_sdformat_from_a_copy_without_world_and_loops(tmp_path: Path) -> None:
+    """It refuses the joint to the world and crashes on the loop; what was left out is named."""
+    folder = write(ROBOTS["four_bar"](), tmp_path)
+    request = folder.request("sdf")
+    seen = look("pybullet", request)
+    assert seen.notes == (
+        "read from a copy without joint 'world_to_ground' to the world",
+        "read from a copy without closing joint 'rocker_pin'",
+    )
+    with pytest.raises(RemoteError, match="Cannot load SDF file"):
+        call_isolated("tests.simulators.raw_engines:load_sdf", request.file, timeout=60.0)
+    loop = tmp_path / "loop.sdf"
+    text = Path(request.file).read_text(encoding="utf-8")
+    loop.write_text(re.sub(r'<joint name="world_to_ground".*?</joint>', "", text, flags=re.DOTALL), encoding="utf-8")
+    with pytest.raises(WorkerDied, match="SIGSEGV"):
+        call_isolated("tests.simulators.raw_engines:load_sdf", str(loop), timeout=60.0)
+
+
+@pytest.mark.pybullet
+def test_pybullet_ignores_inertia_in_sdformat(arm: Folder) -> None:
+    """So it is not asked: inertia and mass matrix are not run, never passed."""
+    seen = look("pybullet", arm.request("sdf"))
+    assert all(link.inertia is None for link in seen.links)
+    assert seen.dynamics == ()
+    assert {Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.GRAVITY} <= set(seen.not_run)
+
+
+@pytest.mark.pybullet
+def test_pybullet_refuses_what_is_not_there(tmp_path: Path) -> None:
+    """A missing file is a refusal in words, not a crash."""
+    skip_without("pybullet")
+    with pytest.raises(RemoteError, match="Cannot load URDF file") as caught:
+        call_isolated("stepbot.simulators.pybullet:observe", Request(str(tmp_path / "no.urdf"), "urdf"))
+    assert caught.value.kind == "EngineRefused"
+    assert str(tmp_path) not in caught.value.text
+
+
+@pytest.mark.pybullet
+def test_pybullet_says_which_mesh_is_missing(tmp_path: Path) -> None:
+    """It refuses the whole file, with the names that it was given and no folder of this machine."""
+    skip_without("pybullet")
+    folder = write(ROBOTS["two_link_arm"](), tmp_path)
+    (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
+    with pytest.raises(RemoteError, match=r"cannot find 'meshes/upper_arm_1\.obj'") as caught:
+        call_isolated("stepbot.simulators.pybullet:observe", folder.request("urdf"))
+    assert caught.value.kind == "EngineRefused"
+    assert str(tmp_path) not in caught.value.text
+
+
+@pytest.mark.pybullet
+def test_pybullet_does_not_remember_a_former_file(arm: Folder, tmp_path: Path) -> None:
+    """Two meshes of the same name in two folders stay two, in one process."""
+    skip_without("pybullet")
+    other = write(ROBOTS["two_link_arm"](), tmp_path)
+    swapped = tmp_path / "meshes" / "upper_arm_1.obj"
+    swapped.write_bytes((tmp_path / "meshes" / "base_1.obj").read_bytes())
+    seen = call_isolated(
+        "tests.simulators.raw_engines:observe_both",
+        "stepbot.simulators.pybullet",
+        replace(arm.request("urdf"), simulate=0.0),
+        replace(other.request("urdf"), simulate=0.0),
+    )
+    assert Quantity.MESHES not in failures(arm.expected("urdf"), seen[0])
+    assert Quantity.MESHES in failures(arm.expected("urdf"), seen[1])
+
+
+@pytest.mark.mujoco
+def test_mujoco_keeps_base_visuals_and_folders_of_a_urdf(arm: Folder) -> None:
+    """Without our compiler options the base would be merged into the world, and meshes be looked for elsewhere."""
+    seen = look("mujoco", arm.request("urdf"))
+    assert seen.links[0].name == "base"
+    assert seen.links[0].mass == pytest.approx(arm.robot.root.mass_properties.mass, rel=1e-12)
+    assert all(link.has_visuals for link in seen.links[:3])
+    assert failures(arm.expected("urdf"), seen) == set()
+
+
+@pytest.mark.mujoco
+def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
+    """Its own has it on the diagonal; ours compares like with like, and armature by itself."""
+    seen, expected = look("mujoco", arm.request("mjcf")), arm.expected("mjcf")
+    assert arm.robot.joint_by_name["shoulder"].dynamics.armature > 0.0
+    for ours, theirs in zip(expected.dynamics, seen.dynamics, strict=True):
+        np.testing.assert_allclose(theirs.mass_matrix, ours.mass_matrix, rtol=1e-12)
+
+
+@pytest.mark.mujoco
+def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
+    """It turns them into no limits, or refuses them."""
+    path = arm.path / "swapped.urdf"
+    text = arm.written["urdf"].path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"', text), encoding="utf-8")
+    with Engines({"file": "urdf"}) as engines:
+        engines.submit({"file": replace(arm.request("urdf"), file=str(path), simulate=0.0)})
+        for outcome in engines.results(120.0):
+            if outcome.fate is Fate.ABSENT:
+                continue
+            assert outcome.fate in (Fate.OBSERVED, Fate.REFUSED)
+            if outcome.observation is not None:
+                assert Quantity.LIMITS in failures(arm.expected("urdf"), outcome.observation)
+
+
+@pytest.mark.mujoco
+def test_mujoco_says_what_it_refuses(arm: Folder) -> None:
+    """In its own words, without folders of this machine."""
+    skip_without("mujoco")
+    path = arm.path / "broken.xml"
+    text = arm.written["mjcf"].path.read_text(encoding="utf-8")
+    path.write_text(text.replace("upper_arm_1.obj", "no.obj"), encoding="utf-8")
+    with pytest.raises(RemoteError, match=r"no\.obj") as caught:
+        call_isolated("stepbot.simulators.mujoco:observe", replace(arm.request("mjcf"), file=str(path)))
+    assert caught.value.kind == "EngineRefused"
+    assert str(arm.path) not in caught.value.text
+
+
+@pytest.mark.mujoco
+def test_mujoco_simulation_that_diverges_is_noticed(
+    arm: Folder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A step of 1 s on a stiff spring flies apart: not finite, or a warning; and no log file is left anywhere."""
+    monkeypatch.chdir(tmp_path)
+    path = arm.path / "stiff.xml"
+    text = arm.written["mjcf"].path.read_text(encoding="utf-8")
+    text = text.replace("<default>", '<option timestep="0.1" integrator="RK4"/><default>', 1)
+    path.write_text(text.replace('damping="0.02"', 'stiffness="-1e9"'), encoding="utf-8")
+    seen = look("mujoco", replace(arm.request("mjcf"), file=str(path)))
+    assert seen.simulation_finite is False
+    assert seen.warnings
+    assert Quantity.SIMULATION in failures(arm.expected("mjcf"), seen)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_yourdfpy_does_not_follow_a_chain_of_mimics(tmp_path: Path) -> None:
+    """It would put the last joint at its offset: poses are not run then, and the reason names the joint."""
+    path = tmp_path / "chain.urdf"
+    joints = "".join(
+        f'<joint name="{name}" type="prismatic"><parent link="base"/><child link="{name}_link"/>{mimic}'
+        '<limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+        for name, mimic in (("a", ""), ("b", '<mimic joint="a"/>'), ("c", '<mimic joint="b" offset="0.5"/>'))
+    )
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "a_link", "b_link", "c_link"))
+    path.write_text(f'<robot name="chain">{links}{joints}</robot>', encoding="utf-8")
+    seen = look("yourdfpy", Request(str(path), "urdf", configurations=({"a": 0.1, "b": 0.1, "c": 0.6},)))
+    assert seen.poses == ()
+    assert seen.not_run[Quantity.POSES] == "yourdfpy does not follow a mimic of a mimic: c"
+    assert seen.warnings == ()
+
+
+def test_an_engine_that_is_not_there_is_absent(arm: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not run, with the reason; nothing is started for it."""
+    from stepbot.simulators import yourdfpy
+
+    monkeypatch.setattr(yourdfpy, "available", lambda: "yourdfpy is not installed")
+    with Engines({"file": "urdf"}) as engines:
+        engines.submit({"file": replace(arm.request("urdf"), simulate=0.0)})
+        outcomes = {outcome.engine: outcome for outcome in engines.results(120.0)}
+    assert outcomes["yourdfpy"].fate is Fate.ABSENT
+    assert outcomes["yourdfpy"].reason == "yourdfpy is not installed"

@@ -1,0 +1,152 @@
+"""A file that is wrong is noticed, by every engine that can tell: one number changed at a time."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from stepbot.simulators.observation import Quantity
+from tests.robots import ROBOTS
+from tests.simulators.conftest import Folder, failures, look, write
+
+Q = Quantity
+
+URDF = {
+    "mass": ("two_link_arm", r'(<mass value=")([^"]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.MASS),
+    "com": ("two_link_arm", r'(<origin xyz=")(0\.1[^ ]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.COM),
+    "ixx": ("two_link_arm", r'(ixx=")([^"]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.INERTIA),
+    "iyz": ("two_link_arm", r'(iyz=")([1-9][^"]*)', -1.0, {"mujoco", "pybullet", "yourdfpy"}, Q.INERTIA),
+    "axis": ("two_link_arm", r'(<axis xyz="0 )(0.6)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.AXES),
+    "lower": ("two_link_arm", r'(lower=")([^"]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.LIMITS),
+    "effort": ("two_link_arm", r'(effort=")([^"]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.LIMITS),
+    "velocity": ("two_link_arm", r'(velocity=")([^"]*)', 1.001, {"pybullet", "yourdfpy"}, Q.LIMITS),
+    "damping": ("two_link_arm", r'(damping=")([^"]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.DYNAMICS),
+    "friction": ("two_link_arm", r'(friction=")(0[^"]+)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.DYNAMICS),
+    "place": ("two_link_arm", r'(<origin xyz=")(0.33333[^ ]*)', 1.001, {"mujoco", "pybullet", "yourdfpy"}, Q.POSES),
+    "turn": (
+        "two_link_arm",
+        r'(<joint name="shoulder"[^$]*?rpy=")([^ ]*)',
+        1.001,
+        {"mujoco", "pybullet", "yourdfpy"},
+        Q.POSES,
+    ),
+    "multiplier": ("gripper_with_mimic", r'(multiplier=")([^"]*)', 1.001, {"mujoco", "yourdfpy"}, Q.MIMIC),
+    "offset": ("gripper_with_mimic", r'(<mimic[^>]*offset=")(0.1[^"]*)', 1.001, {"mujoco", "yourdfpy"}, Q.MIMIC),
+    "box": ("primitives", r'(<collision name="box[^$]*?size=")([^ ]*)', 1.01, {"mujoco", "pybullet"}, Q.MESHES),
+    "visual": ("primitives", r'(<visual name="cylinder[^$]*?length=")([^"]*)', 1.01, {"mujoco"}, Q.MESHES),
+}
+SDF = {
+    "mass": ("two_link_arm", r"(<mass>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.MASS),
+    "com": ("two_link_arm", r"(<inertial>\s*<pose>)(0\.1[^ ]*)", 1.001, {"pybullet", "reader"}, Q.COM),
+    "ixx": ("two_link_arm", r"(<ixx>)([^<]*)", 1.001, {"reader"}, Q.INERTIA),
+    "axis": ("two_link_arm", r"(<xyz>0 )(0.6)", 1.001, {"pybullet", "reader"}, Q.AXES),
+    "lower": ("two_link_arm", r"(<lower>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.LIMITS),
+    "effort": ("two_link_arm", r"(<effort>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.LIMITS),
+    "velocity": ("two_link_arm", r"(<velocity>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.LIMITS),
+    "damping": ("two_link_arm", r"(<damping>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.DYNAMICS),
+    "stiffness": ("slider", r"(<spring_stiffness>)([^<]*)", 1.001, {"reader"}, Q.DYNAMICS),
+    "place": (
+        "two_link_arm",
+        r'(<link name="forearm">\s*<pose>)([^ ]*)',
+        1.001,
+        {"pybullet", "reader"},
+        Q.POSES,
+    ),
+    "multiplier": ("gripper_with_mimic", r"(<multiplier>)(-[^<]*)", 1.001, {"reader"}, Q.MIMIC),
+    "frame": ("two_link_arm", r"(<frame [^>]*>\s*<pose>)([^ ]*)", 1.001, {"reader"}, Q.FRAMES),
+    "closure": ("four_bar", r'(<joint name="rocker_pin"[^$]*?<pose>)([^ ]*)', 1.001, {"reader"}, Q.CLOSURES),
+    "box": ("primitives", r'(<collision name="box[^$]*?<size>)([^ ]*)', 1.01, {"reader"}, Q.MESHES),
+    "visual": ("primitives", r'(<visual name="cylinder[^$]*?<length>)([^<]*)', 1.01, {"reader"}, Q.MESHES),
+}
+MJCF = {
+    "mass": ("two_link_arm", r'(<inertial[^>]* mass=")([^"]*)', 1.001, {"mujoco"}, Q.MASS),
+    "com": ("two_link_arm", r'(<inertial pos=")(0\.1[^ ]*)', 1.001, {"mujoco"}, Q.COM),
+    "inertia": ("two_link_arm", r'(fullinertia=")([^ ]*)', 1.001, {"mujoco"}, Q.INERTIA),
+    "axis": ("two_link_arm", r'(axis="0 )(0.6)', 1.001, {"mujoco"}, Q.AXES),
+    "range": ("two_link_arm", r'(<joint[^>]* range=")([^ ]*)', 1.001, {"mujoco"}, Q.LIMITS),
+    "effort": ("two_link_arm", r'(actuatorfrcrange="-)([^ ]*)', 0.5, {"mujoco"}, Q.LIMITS),
+    "velocity": ("two_link_arm", r'(<numeric[^>]*data=")([^"]*)', 1.001, {"mujoco"}, Q.LIMITS),
+    "armature": ("two_link_arm", r'(armature=")([^"]*)', 1.001, {"mujoco"}, Q.DYNAMICS),
+    "stiffness": ("slider", r'(stiffness=")([^"]*)', 1.001, {"mujoco"}, Q.DYNAMICS),
+    "place": ("two_link_arm", r'(<body name="forearm" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.POSES),
+    "mimic": ("gripper_with_mimic", r'(polycoef="[^ ]* )(-[^ ]*)', 1.001, {"mujoco"}, Q.MIMIC),
+    "site": ("two_link_arm", r'(<site name="tool0" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.FRAMES),
+    "closure": ("four_bar", r'(<site name="rocker_pin/b" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.CLOSURES),
+    "axis of closure": ("four_bar", r'(<site name="rocker_pin/b/axis" pos=")([^ ]*)', 1.01, {"mujoco"}, Q.CLOSURES),
+    "gain": ("two_link_arm", r'(kp=")([^"]*)', 1.001, {"mujoco"}, Q.ACTUATORS),
+    "gear": ("two_link_arm", r'(gear=")([^"]*)', 1.001, {"mujoco"}, Q.ACTUATORS),
+    "home": ("two_link_arm", r'(qpos="0 )([^"]*)', 1.001, {"mujoco"}, Q.INITIAL),
+    "box": ("primitives", r'(<geom name="box touched"[^$]*?size=")([^ ]*)', 1.01, {"mujoco"}, Q.MESHES),
+}
+CASES = [
+    pytest.param(written_in, engine, robot, pattern, factor, quantity, id=f"{written_in}-{engine}-{name}")
+    for written_in, table in (("urdf", URDF), ("sdf", SDF), ("mjcf", MJCF))
+    for name, (robot, pattern, factor, tellers, quantity) in table.items()
+    for engine in sorted(tellers)
+]
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Folder]:
+    """The robots that are spoilt here, on disk."""
+    names = dict.fromkeys(robot for table in (URDF, SDF, MJCF) for robot, *_ in table.values())
+    return {name: write(ROBOTS[name](), tmp_path_factory.mktemp(name)) for name in names}
+
+
+def spoil(text: str, pattern: str, factor: float) -> str:
+    """The text with the number that the pattern's second group finds multiplied, for the first time that it occurs."""
+    match = re.search(pattern, text)
+    assert match is not None, f"nothing to spoil: {pattern}"
+    assert float(match[2]) != 0.0
+    return text[: match.start(2)] + repr(float(match[2]) * factor) + text[match.end(2) :]
+
+
+@pytest.mark.parametrize(("written_in", "engine", "robot", "pattern", "factor", "quantity"), CASES)
+def test_a_wrong_number_is_noticed(
+    written_in: str,
+    engine: str,
+    robot: str,
+    pattern: str,
+    factor: float,
+    quantity: Quantity,
+    folders: dict[str, Folder],
+) -> None:
+    """The quantity that the number belongs to fails; the file as it was written does not (see test_every_robot)."""
+    folder = folders[robot]
+    right = folder.written[written_in].path
+    wrong = right.with_name(f"wrong{right.suffix}")
+    wrong.write_text(spoil(right.read_text(encoding="utf-8"), pattern, factor), encoding="utf-8")
+    request = replace(folder.request(written_in), file=str(wrong), simulate=0.0)
+    assert quantity in failures(folder.expected(written_in), look(engine, request))
+
+
+@pytest.mark.parametrize(
+    ("written_in", "engine"), [("urdf", "mujoco"), ("urdf", "pybullet"), ("sdf", "reader"), ("mjcf", "mujoco")]
+)
+def test_a_mesh_that_is_another_is_noticed(
+    written_in: str, engine: str, folders: dict[str, Folder], tmp_path: Path
+) -> None:
+    """The same files, with the meshes of two links exchanged."""
+    folder = write(folders["two_link_arm"].robot, tmp_path)
+    one, other = (tmp_path / "meshes" / f"{name}_1.obj" for name in ("upper_arm", "forearm"))
+    first, second = one.read_bytes(), other.read_bytes()
+    one.write_bytes(second)
+    other.write_bytes(first)
+    request = replace(folder.request(written_in), simulate=0.0)
+    assert Quantity.MESHES in failures(folder.expected(written_in), look(engine, request))
+
+
+@pytest.mark.parametrize(("written_in", "engine"), [("urdf", "pybullet"), ("urdf", "yourdfpy"), ("sdf", "reader")])
+def test_joints_that_change_places_are_noticed(
+    written_in: str, engine: str, folders: dict[str, Folder], tmp_path: Path
+) -> None:
+    """Two joints exchange their names."""
+    folder = folders["floating_biped"] if "floating_biped" in folders else write(ROBOTS["floating_biped"](), tmp_path)
+    right = folder.written[written_in].path
+    text = right.read_text(encoding="utf-8")
+    swapped = text.replace("left_knee", "@").replace("right_knee", "left_knee").replace("@", "right_knee")
+    wrong = right.with_name(f"swapped{right.suffix}")
+    wrong.write_text(swapped, encoding="utf-8")
+    request = replace(folder.request(written_in), file=str(wrong), simulate=0.0)
+    assert Quantity.JOINTS in failures(folder.expected(written_in), look(engine, request))

@@ -1,0 +1,98 @@
+"""Worker processes: what they return, what they survive, how they end."""
+
+import os
+import sys
+import time
+
+import pytest
+
+from stepbot.isolation import RemoteError, Worker, WorkerDied, call_isolated
+
+HERE = "tests.unit.isolated_functions"
+
+
+def test_a_result_comes_back() -> None:
+    """Arguments go there, the result comes back."""
+    assert call_isolated(f"{HERE}:double", 21) == 42
+
+
+def test_the_worker_prepares_before_it_is_asked() -> None:
+    """``prepare`` of the module runs first, once."""
+    assert call_isolated(f"{HERE}:prepared") == 1
+
+
+def test_what_native_code_prints_does_not_disturb_the_result() -> None:
+    """Bytes on descriptor 1 land in the worker's standard error."""
+    assert call_isolated(f"{HERE}:print_natively", "noise") == "noise"
+
+
+def test_an_exception_comes_back_as_such() -> None:
+    """With its kind, its text and where it was raised."""
+    with pytest.raises(RemoteError, match="no good") as caught:
+        call_isolated(f"{HERE}:fail", "no good")
+    assert caught.value.kind == "ValueError"
+    assert caught.value.text == "no good"
+    assert "in fail" in caught.value.trace
+
+
+def test_a_module_that_is_not_there_is_an_error() -> None:
+    """An import that fails is told like any exception."""
+    with pytest.raises(RemoteError) as caught:
+        call_isolated("stepbot.no_such_module:observe")
+    assert caught.value.kind == "ModuleNotFoundError"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+def test_a_crash_is_an_exception_with_the_last_lines() -> None:
+    """A segmentation fault ends the worker, not the caller."""
+    with pytest.raises(WorkerDied, match="SIGSEGV") as caught:
+        call_isolated(f"{HERE}:crash", "last words")
+    assert "last words" in caught.value.last_lines
+
+
+def test_an_exit_without_a_result_is_a_death() -> None:
+    """With the exit code."""
+    with pytest.raises(WorkerDied, match="exit code 3"):
+        call_isolated(f"{HERE}:leave", 3)
+
+
+def test_too_long_is_a_death() -> None:
+    """The worker is ended after the timeout."""
+    start = time.monotonic()
+    with pytest.raises(WorkerDied, match=r"no result after 0.5 s"):
+        call_isolated(f"{HERE}:sleep", 60.0, timeout=0.5)
+    assert time.monotonic() - start < 20.0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
+def test_too_much_memory_is_a_death() -> None:
+    """Of the worker alone."""
+    with pytest.raises(WorkerDied, match="out of memory"):
+        call_isolated(f"{HERE}:allocate", 4 << 30, memory_limit=1 << 30)
+
+
+def test_a_worker_can_be_closed_before_it_is_asked() -> None:
+    """Twice, too; nothing is left running."""
+    worker = Worker(f"{HERE}:double")
+    worker.close()
+    worker.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(worker.pid, 0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+def test_a_worker_that_was_killed_before_it_was_asked() -> None:
+    """Submitting to a dead worker does not hang; its death is told by the result."""
+    worker = Worker(f"{HERE}:double")
+    os.kill(worker.pid, 9)
+    worker.submit(b"x" * (1 << 22))
+    with pytest.raises(WorkerDied, match="SIGKILL"):
+        worker.result(timeout=20.0)
+
+
+def test_workers_run_at_the_same_time() -> None:
+    """Two sleeps take as long as one, and a bit."""
+    start = time.monotonic()
+    workers = [Worker(f"{HERE}:sleep").submit(1.5) for _ in range(2)]
+    assert [worker.result() for worker in workers] == [1.5, 1.5]
+    assert time.monotonic() - start < 2.9
