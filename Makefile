@@ -1,0 +1,79 @@
+# `make demo` and `make test` need nothing but Python 3.11 or later, make and a package registry.
+SHELL := /bin/sh
+VENV := .venv
+BIN := $(VENV)/bin
+# Python 3.11 first: the newest that PyBullet has wheels for.
+PYTHON := $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
+	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
+# One process per core pays from a minute of tests on.
+JOBS := auto
+DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
+STAMP := $(VENV)/.stepbot-installed
+
+.PHONY: help install demo test test-long format lint types contracts generate fresh check library build all lock clean
+.DEFAULT_GOAL := help
+
+help:  ## print this
+	@sed -n 's/^\([a-z-]*\):.*  ## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
+
+install: $(STAMP)  ## make .venv with stepbot in it, editable, and the tools to develop it
+
+$(STAMP): pyproject.toml requirements-ci.txt
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or later not found; say where: make PYTHON=/path/to/python3.11"; exit 2; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { \
+		echo "$(PYTHON) cannot make virtual environments; on Debian and Ubuntu: apt-get install python3-venv"; \
+		rm -rf $(VENV); exit 2; }
+	@echo "installing into $(VENV), about a minute"
+	@if $(BIN)/python .ci/lock.py --fits; then \
+		$(BIN)/python -m pip install --quiet --require-hashes -r requirements-ci.txt && \
+		$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .; \
+	else $(BIN)/python -m pip install --quiet -e '.[dev]'; fi
+	@touch $@
+
+demo: install  ## convert the four-bar linkage to all formats and print what the engines say
+	$(BIN)/stepbot convert $(DEMO) -o build/demo/four_bar
+
+test: install  ## run the tests
+	$(BIN)/pytest -n $(JOBS) -m "not long"
+
+test-long: install  ## run the tests that `make test` leaves out; some draw the library anew, with build123d
+	$(BIN)/python -m pip install --quiet -e '.[draw]'
+	$(BIN)/pytest -n $(JOBS) -m long
+
+format: install  ## format the code
+	$(BIN)/ruff format
+	$(BIN)/ruff check --fix
+
+lint: install  ## judge format and style
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+
+types: install  ## check types
+	$(BIN)/mypy
+
+contracts: install  ## check who imports whom
+	$(BIN)/lint-imports
+
+generate: install  ## write what is generated from the code: schemas, tables in docs, help in the README
+	$(BIN)/python docs/generate.py
+
+fresh: install  ## check that what is generated is up to date
+	$(BIN)/python docs/generate.py --check
+
+check: lint types contracts fresh  ## all that needs no test run
+
+library: install  ## convert and verify every robot of the library
+	@for sidecar in robot_library/*/*.robot.yaml; do \
+		name=$$(basename $$sidecar .robot.yaml); echo "== $$name"; \
+		$(BIN)/stepbot convert $$sidecar -o build/library/$$name || exit $$?; done
+
+build: install  ## build wheel and sdist
+	rm -rf dist && $(BIN)/python -m hatchling build
+
+all: check test test-long library build  ## everything
+
+lock: install  ## pin again what is installed on Python 3.11, Linux x86-64
+	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt
+
+clean:  ## remove what was built
+	rm -rf build dist .mypy_cache .ruff_cache .pytest_cache .import_linter_cache

@@ -1,0 +1,5 @@
+"""The ``stepbot`` command."""
+
+from .application import main
+
+__all__ = ["main"]

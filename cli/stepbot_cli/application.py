@@ -1,0 +1,71 @@
+"""The command group and its exit codes.
+
+A command's module is imported when it is asked for, and imports no more than click before the command runs.
+"""
+
+import importlib
+import sys
+from collections.abc import Sequence
+from io import TextIOWrapper
+
+import click
+
+import stepbot
+
+from .failures import show_exception
+
+COMMANDS = ("convert", "inspect", "check", "verify", "explain", "schema", "formats")
+"""In the order of `--help`; the module of the same name holds it as ``command``."""
+
+INTERRUPTED = 130
+"""Exit code of a process that Ctrl-C ended."""
+
+
+class Commands(click.Group):
+    """Finds each command in the module of its name."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """In the order in which they are needed."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """The command of this name, or nothing."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"{__package__}.{cmd_name}").command
+        return command
+
+
+@click.command(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Exit codes: 0 clean, 1 findings, 2 could not run (bad option, missing file, missing package).",
+)
+@click.version_option(stepbot.__version__, prog_name="stepbot")
+def application() -> None:
+    """Turn one STEP assembly and one small sidecar into URDF, SDFormat and MJCF, and prove them.
+
+    Results go to standard output, diagnostics and progress to standard error.
+    """
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run ``stepbot`` and return its exit code.
+
+    Args:
+        argv: Arguments after the program's name; those of the process when left out.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not end in an error where the locale is ASCII
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        result = application.main(args=argv, prog_name="stepbot", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        return 2
+    except click.Abort:
+        click.echo("interrupted", err=True)
+        return INTERRUPTED
+    except Exception as error:  # noqa: BLE001 - the last place before the user would see a bare traceback
+        return show_exception(error, as_json=False)
+    return result if isinstance(result, int) else 0

@@ -1,0 +1,65 @@
+"""``stepbot check``: sidecars on their own, or against the STEP files that they name."""
+
+from pathlib import Path
+
+import click
+
+from stepbot.diagnostics import Diagnostics
+
+from .command import Command, concise_option, json_option
+from .progress import progress_bar
+from .terminal import show_diagnostics, write_json
+
+STEP_SUFFIXES = (".step", ".stp", ".p21", ".stpz")
+_NAMED = "the one that the sidecar names"
+
+
+class CheckCommand(Command):
+    """Lets ``--step`` stand alone or before a STEP file, so that a hook may append sidecars right after it."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Give ``--step`` its value before click looks for one."""
+        joined: list[str] = []
+        for argument in args:
+            if joined and joined[-1] == "--step":
+                is_step = argument.lower().endswith(STEP_SUFFIXES)
+                joined[-1:] = [f"--step={argument}"] if is_step else [f"--step={_NAMED}", argument]
+            else:
+                joined.append(argument)
+        if joined and joined[-1] == "--step":
+            joined[-1] = f"--step={_NAMED}"
+        return super().parse_args(ctx, joined)
+
+
+@click.command(cls=CheckCommand, short_help="Check sidecars without writing anything.")
+@click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."
+)
+@click.option("--strict", is_flag=True, help="Turn warnings into errors.")
+@json_option
+@concise_option
+def command(sidecars: tuple[Path, ...], step: str | None, strict: bool, as_json: bool, concise: bool) -> int:
+    """Check sidecars; all faults of a file at once.
+
+    Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
+    """
+    from stepbot.pipeline import check
+
+    found = Diagnostics()
+    with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
+        for sidecar in sidecars:
+            progress(str(sidecar))
+            if step is None:
+                check(sidecar, found)
+            else:
+                check(sidecar, found, open_step=True, step=None if step == _NAMED else Path(step))
+    if strict:
+        found.make_strict()
+    if as_json:
+        write_json(
+            {"files": [path.as_posix() for path in sidecars], "diagnostics": found, "exit_code": found.exit_code}
+        )
+    else:
+        show_diagnostics(found, concise=concise, as_result=True)
+    return found.exit_code

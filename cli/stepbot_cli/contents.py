@@ -1,0 +1,67 @@
+"""What is in each component of an assembly, itself and all below it, summed up once from the leaves."""
+
+from dataclasses import dataclass
+
+from stepbot.cad.assembly import Assembly, Body, BodyKind, VolumeProperties
+from stepbot.spatial import Vector3, bounds, join_bounds
+
+Box = tuple[Vector3, Vector3]
+
+
+@dataclass
+class Contents:
+    """Sums over a component and all below it."""
+
+    solids: int = 0
+    surfaces: int = 0
+    """Bodies that are seen but enclose no volume."""
+    volume: float = 0.0
+    """[m^3]."""
+    box: Box | None = None
+    """Lowest and highest corner [m], along the axes of the assembly; None where nothing can be seen."""
+
+    @property
+    def center(self) -> Vector3 | None:
+        """Middle of the box [m]: what an origin ``{center: PATH}`` means."""
+        if self.box is None:
+            return None
+        (a, b, c), (x, y, z) = self.box
+        return ((a + x) / 2, (b + y) / 2, (c + z) / 2)
+
+    def add(self, other: "Contents") -> None:
+        """Take in what is below."""
+        self.solids += other.solids
+        self.surfaces += other.surfaces
+        self.volume += other.volume
+        boxes = [box for box in (self.box, other.box) if box is not None]
+        self.box = join_bounds(boxes) if boxes else None
+
+
+def contents(assembly: Assembly, measures: tuple[VolumeProperties | None, ...]) -> list[Contents]:
+    """For each component what is in it.
+
+    Args:
+        assembly: What was read.
+        measures: For each body what was measured on its mesh.
+    """
+    found = []
+    for component in assembly.components:
+        own = Contents()
+        if component.body >= 0:
+            body = assembly.bodies[component.body]
+            own.volume = volume(body, measures[component.body])
+            own.solids = int(body.kind is BodyKind.SOLID or (body.kind is BodyKind.TESSELLATED and own.volume > 0.0))
+            own.surfaces = int(not own.solids and body.kind is not BodyKind.WIRE)
+            if len(body.mesh.vertices):
+                own.box = bounds(component.X_WC.apply(body.mesh.vertices))
+        found.append(own)
+    for component in reversed(assembly.components[1:]):
+        found[component.parent].add(found[component.index])
+    return found
+
+
+def volume(body: Body, measured: VolumeProperties | None) -> float:
+    """Volume [m^3] of a body: the exact one, else that of a closed mesh, else 0."""
+    if body.exact is not None:
+        return body.exact.volume
+    return measured.volume if measured is not None else 0.0

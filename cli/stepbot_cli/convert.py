@@ -1,0 +1,128 @@
+"""``stepbot convert``: sidecar and STEP in, files and a proof out."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stepbot.diagnostics import did_you_mean
+
+from .command import Command, concise_option, json_option
+from .engines import limit_options, require_option
+from .progress import progress_bar
+from .table import show_table
+from .terminal import show_diagnostics, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.pipeline import Conversion
+
+
+@click.command(cls=Command, short_help="Write and verify URDF, SDFormat and MJCF.")
+@click.argument("sidecar", type=click.Path(path_type=Path))
+@click.option(
+    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one that SIDECAR names."
+)
+@click.option(
+    "-f",
+    "--format",
+    "formats",
+    multiple=True,
+    metavar="FORMAT",
+    help="Write this format; may be repeated.  [default: all]",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the files.  [default: named like SIDECAR, in the current folder]",
+)
+@click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
+@click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
+@require_option
+@limit_options
+@json_option
+@concise_option
+def command(
+    sidecar: Path,
+    step: Path | None,
+    formats: tuple[str, ...],
+    output: Path | None,
+    no_verify: bool,
+    strict: bool,
+    require: tuple[str, ...],
+    timeout: float,
+    memory_limit: int | None,
+    as_json: bool,
+    concise: bool,
+) -> int:
+    """Write the robot that SIDECAR describes as URDF, SDFormat and MJCF, and verify the files.
+
+    Each file is loaded in every engine that reads its format, and what the engine sees is compared with the CAD; the
+    table shows the worst deviation. After an error the former files in DIR are still there, untouched.
+    """
+    from stepbot.pipeline import Options, convert
+
+    options = Options(
+        output=output or default_output(sidecar),
+        formats=_format_names(formats),
+        step=step,
+        verify=not no_verify,
+        strict=strict,
+        require=require,
+        timeout=timeout,
+        memory_limit=memory_limit,
+    )
+    with progress_bar() as progress:
+        conversion = convert(sidecar, options, progress)
+    if as_json:
+        write_json(_document(conversion, options.output))
+    else:
+        show_diagnostics(conversion.diagnostics, concise=concise)
+        if conversion.report is not None and conversion.report.checks:
+            show_table(conversion.report)
+        if conversion.files:
+            write_result(f"{len(conversion.files)} files in {written_to(conversion, options.output)}")
+    return conversion.diagnostics.exit_code
+
+
+def default_output(sidecar: Path) -> Path:
+    """Folder for the files of a sidecar: ``arm.robot.yaml`` goes to ``arm``."""
+    return Path(sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot"))
+
+
+def written_to(conversion: "Conversion", output: Path) -> Path:
+    """Where the files are: what failed is kept beside the folder that it was meant for."""
+    from stepbot.output import failed_output
+
+    return failed_output(output) if conversion.diagnostics.has_errors else output
+
+
+def _format_names(given: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the formats to write, each once, whatever alias they were given by."""
+    from stepbot.writers import FORMATS, writer_of
+
+    names = []
+    for name in given:
+        try:
+            names.append(writer_of(name).NAME)
+        except KeyError:
+            known = (*FORMATS, *(alias for writer in FORMATS.values() for alias in writer.ALIASES))
+            remedy = "".join(did_you_mean(name, known)) or f"there are {', '.join(FORMATS)}"
+            raise click.BadParameter(f"no format '{name}'; {remedy}", param_hint="--format") from None
+    return tuple(dict.fromkeys(names)) or tuple(FORMATS)
+
+
+def _document(conversion: "Conversion", output: Path) -> dict[str, object]:
+    """What ``--json`` prints."""
+    from stepbot.pipeline import REPORT
+
+    return {
+        "robot": conversion.robot.name if conversion.robot else None,
+        "output": written_to(conversion, output).as_posix() if conversion.files else None,
+        "files": sorted(conversion.files),
+        "report": json.loads(conversion.files[REPORT]) if REPORT in conversion.files else None,
+        "diagnostics": conversion.diagnostics,
+        "exit_code": conversion.diagnostics.exit_code,
+    }

@@ -1,0 +1,47 @@
+"""``stepbot explain``: what a diagnostic code means."""
+
+import textwrap
+
+import click
+
+from stepbot.codes import CODES, Code
+from stepbot.diagnostics import did_you_mean
+
+from .command import Command
+from .terminal import write_result
+
+WIDTH = 100
+
+
+@click.command(cls=Command, short_help="Say what a diagnostic code means.")
+@click.argument("code", required=False)
+def command(code: str | None) -> int:
+    """Say what a diagnostic CODE means, why it matters, and how to fix it.
+
+    Without CODE: list all codes.
+    """
+    if code is None:
+        write_result(
+            "\n".join(f"{c.id}  {c.severity:<7}  {c.title}" for c in sorted(CODES.values(), key=lambda c: c.id))
+        )
+        return 0
+    known = CODES.get(code.upper())
+    if known is None:
+        near = "; ".join(did_you_mean(code.upper(), CODES))
+        raise click.BadParameter(f"there is no code '{code}'" + (f"; {near}" if near else ""), param_hint="CODE")
+    write_result(_explanation(known))
+    return 0
+
+
+def _explanation(code: Code) -> str:
+    paragraphs = (("What", code.what), ("Why it matters", code.why), ("How to fix it", code.fix))
+    body = "\n\n".join(f"{title}:\n{textwrap.indent(_filled(text), '  ')}" for title, text in paragraphs)
+    return f"{code.id} ({code.severity}): {code.title}\n\n{body}"
+
+
+def _filled(text: str) -> str:
+    """``text`` in lines that fit a terminal; lines that are indented are snippets and stay as they are."""
+    return "\n".join(
+        line if line.startswith(" ") else textwrap.fill(line, WIDTH, break_long_words=False, break_on_hyphens=False)
+        for line in text.splitlines()
+    )

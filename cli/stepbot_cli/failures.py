@@ -1,0 +1,44 @@
+"""What the user sees where a command ends in an exception: a diagnostic, and the traceback that a report needs."""
+
+import traceback
+
+from stepbot.diagnostics import Diagnostics, ExitCode, Span, StepbotError
+
+from .terminal import show_diagnostics, write_error, write_json
+
+_OURS = ("stepbot", "stepbot_cli")
+
+
+def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
+    """Report an exception that ended a command; returns the exit code."""
+    found = error.diagnostics if isinstance(error, StepbotError) else Diagnostics()
+    if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] not in _OURS:
+        package = error.name.partition(".")[0]
+        found.add(
+            "SB003", f"package missing: no module named '{package}'", Span("stepbot"), help=[f"pip install {package}"]
+        )
+    elif not isinstance(error, StepbotError):
+        write_error("".join(traceback.format_exception(error)))
+        _add_internal_error(error, found)
+    if as_json:
+        write_json({"diagnostics": found, "exit_code": found.exit_code})
+    else:
+        show_diagnostics(found)
+    return found.exit_code
+
+
+def _add_internal_error(error: Exception, found: Diagnostics) -> None:
+    frames = traceback.extract_tb(error.__traceback__)
+    place = [f"in {frames[-1].name}, line {frames[-1].lineno} of {_file_name(frames[-1].filename)}"] if frames else []
+    first_line = (str(error).splitlines() or [""])[0]
+    found.add(
+        "SB901",
+        f"internal error: {type(error).__name__}: {first_line}".rstrip(": "),
+        Span("stepbot"),
+        help=["please report it with the traceback above, the sidecar and the STEP file"],
+        notes=place,
+    )
+
+
+def _file_name(path: str) -> str:
+    return path.replace("\\", "/").rpartition("/")[2]

@@ -1,0 +1,44 @@
+"""``stepbot formats``: what can be written."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from .command import Command, json_option
+from .terminal import write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.writers import Writer
+
+
+@click.command(cls=Command, short_help="List the formats that can be written.")
+@json_option
+def command(as_json: bool) -> int:
+    """List the formats that can be written, and what each of them cannot say."""
+    from stepbot.lowering import Level
+    from stepbot.writers import FORMATS
+
+    if as_json:
+        write_json({"formats": [_described(writer) for writer in FORMATS.values()]})
+        return 0
+
+    for name, writer in FORMATS.items():
+        aliases = f", also called {', '.join(writer.ALIASES)}" if writer.ALIASES else ""
+        write_result(f"{name:<6} {writer.TITLE}, <robot>{writer.SUFFIX}{aliases}")
+        for level, title in ((Level.LOWERED, "said by other means"), (Level.REPORTED, "left out, and reported")):
+            notions = [notion.value for notion, support in writer.EXPRESSES.items() if support.level is level]
+            if notions:
+                write_result(f"       {title}: {'; '.join(notions)}")
+    return 0
+
+
+def _described(writer: "Writer") -> dict[str, object]:
+    """A format as JSON."""
+    notions = {notion.value: {"level": s.level.value, "how": s.how} for notion, s in writer.EXPRESSES.items()}
+    return {
+        "name": writer.NAME,
+        "title": writer.TITLE,
+        "suffix": writer.SUFFIX,
+        "aliases": list(writer.ALIASES),
+        "notions": notions,
+    }

@@ -1,0 +1,129 @@
+"""An assembly as text: a line per component, below it the axes that a joint can bind to."""
+
+from collections.abc import Iterator
+
+from stepbot.cad.assembly import Assembly, BodyKind, Component
+from stepbot.cad.axes import AxisLine, axis_faces, lines, millimetres, selectors
+from stepbot.cad.paths import quoted
+from stepbot.pipeline import Inspection
+from stepbot.spatial import Vector3
+
+from .columns import aligned
+from .contents import Contents, contents
+from .render import printable
+from .shared_axes import SharedAxes
+
+_HEADINGS = ("component", "solids", "volume", "center [mm]", "density", "product, occurrence", "")
+
+
+def inspection_text(inspection: Inspection, *, features: bool) -> str:
+    """The head of the file, then each component.
+
+    Args:
+        inspection: What was read and measured.
+        features: Whether to list axis lines below each component.
+    """
+    assembly = inspection.assembly
+    assert assembly is not None  # errors end the command before
+    sums = contents(assembly, inspection.measures)
+    rows = [_row(assembly, component, sums[component.index]) for component in assembly.components]
+    table = aligned([_HEADINGS, *rows])
+    text = [*_head(assembly, sums[0]), "", table[0]]
+    for component, line in zip(assembly.components, table[1:], strict=True):
+        text.append(line)
+        if features:
+            text += (f"    {axis}" for axis in _component_axes(assembly, component))
+    return "\n".join(text)
+
+
+def shared_axes_text(shared: SharedAxes) -> str:
+    """The lines that two components or links share, or nearly share."""
+    text = [f"{shared.words[0]} and {shared.words[1]} share {_count(len(shared.lines), 'axis', 'axes')}"]
+    for line, snippet in zip(shared.lines, shared.snippets, strict=True):
+        chosen = ", taken by itself" if line is shared.chosen else ""
+        text.append(f"    {_described(line)}, weight {millimetres(line.weight)}{chosen}  origin: {snippet}")
+    for miss, (a, b) in zip(shared.misses, shared.miss_places, strict=True):
+        tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
+        text.append(f"    {millimetres(miss.distance)}{tilt} apart: {quoted(a)} is not where {quoted(b)} is")
+        text += [f"        {quoted(path)}: {_described(line)}" for path, line in ((a, miss.line_a), (b, miss.line_b))]
+    return "\n".join(text)
+
+
+def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
+    system = f", written by {printable(assembly.originating_system)}" if assembly.originating_system else ""
+    yield f"{printable(assembly.source)}: {assembly.schema or 'unknown schema'}, length unit {assembly.unit}{system}"
+    parts = [
+        _count(assembly.definitions, "definition"),
+        _count(len(assembly.components) - 1, "component"),
+        _count(total.solids, "solid"),
+        *([_count(total.surfaces, "surface body", "surface bodies")] if total.surfaces else []),
+        f"{_volume(total.volume)} in all",
+    ]
+    yield ", ".join(parts)
+    yield from (f"{printable(name)}: {printable(value)}" for name, value in assembly.facts.items())
+
+
+def _row(assembly: Assembly, component: Component, inside: Contents) -> tuple[str, ...]:
+    names = ", ".join(f"'{printable(name)}'" if name else "-" for name in (component.product, component.occurrence))
+    return (
+        printable(quoted(component.path)),
+        str(inside.solids) if inside.solids else "-",
+        _volume(inside.volume) if inside.volume else "-",
+        _numbers(inside.center) if inside.center else "-",
+        f"{component.density:.6g} kg/m^3" if component.density else "-",
+        names,
+        "; ".join(_remarks(assembly, component)),
+    )
+
+
+def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
+    if component.body >= 0:
+        body = assembly.bodies[component.body]
+        if body.kind is not BodyKind.SOLID:
+            yield {
+                BodyKind.SURFACE: "surface, weighs nothing",
+                BodyKind.TESSELLATED: "triangles only",
+                BodyKind.WIRE: "curves only",
+            }[body.kind]
+        if body.defect:
+            yield printable(body.defect)
+        elif body.kind is BodyKind.SOLID and not body.watertight:
+            yield "not watertight"
+    if component.material:
+        yield f"material '{printable(component.material)}'"
+    if component.by_ordinal_only:
+        yield "only #n tells it from its siblings"
+
+
+def _component_axes(assembly: Assembly, component: Component) -> Iterator[str]:
+    """The lines that carry cylinders and cones of a component, each with the origin that means it."""
+    found = lines(axis_faces(assembly, [component.index]))
+    for line, selector in zip(found, selectors(found), strict=True):
+        yield f"{_described(line)}  origin: {{axis_of: {quoted(component.path)}{selector}}}"
+
+
+def _described(line: AxisLine) -> str:
+    direction = ", ".join(f"{round(c, 4) + 0.0:.4g}" for c in line.direction)
+    radii = ", ".join(_number(radius) for radius in line.radii)
+    return (
+        f"axis [{direction}] at [{_numbers(line.point)}] mm, "
+        f"from {_number(line.low)} to {millimetres(line.high)}, radius {radii} mm"
+    )
+
+
+def _number(length: float) -> str:
+    """A length [m] as a number of millimetres."""
+    return millimetres(length).removesuffix(" mm")
+
+
+def _numbers(point: Vector3) -> str:
+    return ", ".join(map(_number, point))
+
+
+def _volume(value: float) -> str:
+    """A volume [m^3] as text."""
+    return f"{value * 1e6:.6g} cm^3"
+
+
+def _count(number: int, one: str, many: str = "") -> str:
+    return f"{number or 'no'} {one if number == 1 else many or one + 's'}"

@@ -1,0 +1,43 @@
+"""A progress bar on a terminal, nothing in a pipe."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+from .interrupts import interruptible
+from .terminal import wants_color
+
+STAGES = {
+    "read": "reading the STEP file",
+    "build": "building the robot",
+    "write": "writing the formats",
+    "verify": "verifying in the engines",
+}
+"""Stages of a conversion, in their order, and what the bar says meanwhile."""
+
+
+@contextmanager
+def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[str], None]]:
+    """Yield a function that is told each stage as it begins; Ctrl-C ends the block, whoever catches it within.
+
+    Args:
+        stages: Stages to expect, of :data:`STAGES`.
+    """
+    if not sys.stderr.isatty():
+        with interruptible():
+            yield lambda stage: None
+        return
+
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True, no_color=not wants_color(sys.stderr))
+    columns = (SpinnerColumn(), BarColumn(bar_width=20), TextColumn("{task.description}"), TimeElapsedColumn())
+    with interruptible(), Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("starting", total=len(stages))
+
+        def begin(stage: str) -> None:
+            done = stages.index(stage) if stage in stages else None
+            bar.update(task, description=STAGES.get(stage, stage), completed=done)
+
+        yield begin

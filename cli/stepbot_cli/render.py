@@ -1,0 +1,126 @@
+"""Diagnostics as text: with code frame and help, one line each, or as plain data for JSON."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from stepbot.diagnostics import Diagnostic, Span
+
+from .columns import cells
+
+FRAME_WIDTH = 120
+"""Characters of a source line that a code frame shows."""
+LARGEST_SOURCE = 16 * 2**20
+"""Bytes; a larger file gets no code frames, because reading it again would take longer than it helps."""
+
+_COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
+_FRAME_COLOR = "34"
+
+
+def full(diagnostics: Sequence[Diagnostic], *, color: bool = False) -> str:
+    """Each finding with the line that it is about, what is known, and what to do."""
+    lines = _source_lines(diagnostics)
+    return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color) for d in diagnostics)
+
+
+def concise(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
+    """One line per finding: ``file:line:column: severity[CODE]: message``."""
+    return "\n".join(_headline(diagnostic, color) for diagnostic in diagnostics)
+
+
+def plain(diagnostic: Diagnostic) -> dict[str, Any]:
+    """A finding as JSON; ``line`` 0 means the file as a whole."""
+    return {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity,
+        "message": diagnostic.message,
+        "file": diagnostic.span.file,
+        "line": diagnostic.span.line,
+        "column": diagnostic.span.column,
+        "end_column": diagnostic.span.end_column,
+        "help": list(diagnostic.help),
+        "notes": list(diagnostic.notes),
+    }
+
+
+def summary(diagnostics: Iterable[Diagnostic]) -> str:
+    """``2 errors, 1 warning``, and how to learn more."""
+    found = list(diagnostics)
+    counts = [(kind, sum(d.severity == kind for d in found)) for kind in ("error", "warning", "note")]
+    text = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in counts if n)
+    codes = list(dict.fromkeys(d.code for d in found if d.severity != "note"))
+    return f"{text} (more: stepbot explain {codes[0]})" if codes else text
+
+
+def printable(text: str) -> str:
+    """``text`` without control characters: names from a file must not steer the terminal."""
+    return "".join(c if c.isprintable() or c in "\n " else repr(c)[1:-1] for c in text.replace("\t", " "))
+
+
+def _full(diagnostic: Diagnostic, source_line: str | None, color: bool) -> str:
+    gutter = " " * len(str(diagnostic.span.line))
+    parts = [_headline(diagnostic, color)]
+    if source_line is not None:
+        parts += _frame(diagnostic.span, source_line, gutter, color, _COLORS[diagnostic.severity])
+    for word, texts in (("note", diagnostic.notes), ("help", diagnostic.help)):
+        for text in texts:
+            first, *rest = printable(text).split("\n")
+            parts.append(f"{gutter} {paint('=', _FRAME_COLOR, color)} {paint(word, '1', color)}: {first}")
+            parts += [f"{gutter}   {' ' * len(word)}  {line}" for line in rest]
+    return "\n".join(part.rstrip() for part in parts)
+
+
+def _headline(diagnostic: Diagnostic, color: bool) -> str:
+    place = paint(printable(str(diagnostic.span)), "1", color)
+    kind = paint(f"{diagnostic.severity}[{diagnostic.code}]", _COLORS[diagnostic.severity], color)
+    return f"{place}: {kind}: {printable(diagnostic.message)}"
+
+
+def _frame(span: Span, source_line: str, gutter: str, color: bool, mark_color: str) -> list[str]:
+    """The source line, with the place marked below it."""
+    start = max(span.column - 1, 0)
+    end = max(span.end_column - 1, start + 1)
+    cut = max(start - FRAME_WIDTH // 2, 0) if len(source_line) > FRAME_WIDTH else 0
+    shown = source_line[cut : cut + FRAME_WIDTH]
+    before = ("…" if cut else "") + _one_cell_controls(shown[: start - cut])
+    marked = _one_cell_controls(shown[start - cut : end - cut])
+    after = _one_cell_controls(shown[end - cut :]) + ("…" if len(source_line) > cut + FRAME_WIDTH else "")
+    bar = paint("|", _FRAME_COLOR, color)
+    mark = paint("^" * max(cells(marked), 1), mark_color, color)
+    return [
+        f"{gutter} {bar}",
+        f"{paint(str(span.line), _FRAME_COLOR, color)} {bar} {before}{marked}{after}",
+        f"{gutter} {bar} {' ' * cells(before)}{mark}",
+    ]
+
+
+def _source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str]:
+    """The lines that diagnostics are about, each file read once; a file that cannot be read gives none."""
+    wanted: dict[str, set[int]] = {}
+    for diagnostic in diagnostics:
+        if diagnostic.span.line:
+            wanted.setdefault(diagnostic.span.file, set()).add(diagnostic.span.line)
+    found: dict[tuple[str, int], str] = {}
+    for file, numbers in wanted.items():
+        try:
+            if Path(file).stat().st_size > LARGEST_SOURCE:
+                continue
+            with Path(file).open(encoding="utf-8", errors="replace") as source:
+                for number, line in enumerate(source, start=1):
+                    if number in numbers:
+                        found[file, number] = line.removeprefix("\ufeff").rstrip("\n")
+                    if number >= max(numbers):
+                        break
+        except OSError:  # gone or unreadable by now: the headline says it all
+            continue
+    return found
+
+
+def _one_cell_controls(text: str) -> str:
+    """Each control character as one blank or one replacement mark, so that the mark below stays in place."""
+    return "".join(c if c.isprintable() else " " if c.isspace() else "\ufffd" for c in text)
+
+
+def paint(text: str, codes: str, color: bool) -> str:
+    """``text`` in a colour of the terminal, if it is to have colours."""
+    return f"\x1b[{codes}m{text}\x1b[0m" if color else text

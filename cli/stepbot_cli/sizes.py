@@ -1,0 +1,20 @@
+"""``4G``, ``500 MB``: sizes as people write them."""
+
+import re
+
+import click
+
+_SIZE = re.compile(r"(?P<number>\d+(?:\.\d+)?)\s*(?P<prefix>[KMGT]?)i?B?", re.IGNORECASE)
+_FACTORS = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
+
+
+def size(text: str) -> int:
+    """Bytes, with a binary prefix if wanted.
+
+    Raises:
+        click.BadParameter: That is no size.
+    """
+    match = _SIZE.fullmatch(text.strip())
+    if match is None:
+        raise click.BadParameter(f"'{text}' is not a size such as 4G or 500M")
+    return int(float(match["number"]) * _FACTORS[match["prefix"].upper()])

@@ -1,0 +1,83 @@
+"""The proof as a table: one line per file and engine."""
+
+import sys
+import textwrap
+from collections.abc import Sequence
+from shutil import get_terminal_size
+from typing import TYPE_CHECKING
+
+from .columns import aligned
+from .render import paint, printable
+from .terminal import wants_color, write_result
+
+if TYPE_CHECKING:
+    from stepbot.report import Check, Report, Row
+
+_HEADINGS = ("format", "file", "engine", "compared with", "result", "quantities", "worst deviation")
+_MODEL = "model"
+_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
+
+
+def show_table(report: "Report") -> None:
+    """Print what was compared, the worst deviation and the outcome for each file and engine, then the reasons."""
+    color = wants_color(sys.stdout)
+    width = get_terminal_size((120, 24)).columns
+    write_result("\n".join([*_table(report.rows(), color), *_remarks(report, width)]))
+
+
+def _table(rows: Sequence["Row"], color: bool) -> list[str]:
+    lines = aligned([_HEADINGS, *map(_cells, rows)])
+    if all(row.against == _MODEL for row in rows):  # then it goes without saying
+        lines = aligned([_without_against(cells) for cells in [_HEADINGS, *map(_cells, rows)]])
+    head, *body = lines
+    if color:
+        body = [_with_color(line, row) for line, row in zip(body, rows, strict=True)]
+    return [paint(head, "1", color), *body]
+
+
+def _cells(row: "Row") -> tuple[str, ...]:
+    return (
+        row.format,
+        printable(row.file) or "robot",
+        row.engine,
+        printable(row.against),
+        row.status.value,
+        str(len(row.compared)) if row.compared else "-",
+        _deviation(row.worst) if row.compared else printable(row.why),
+    )
+
+
+def _without_against(cells: tuple[str, ...]) -> tuple[str, ...]:
+    return (*cells[:3], *cells[4:])
+
+
+def _with_color(line: str, row: "Row") -> str:
+    """The line with its result painted: the last such word before the columns that follow it."""
+    word = row.status.value
+    end = line.rindex(_deviation(row.worst) if row.compared else printable(row.why))
+    start = line.rindex(word, 0, end)
+    return line[:start] + paint(word, _COLORS[word], True) + line[start + len(word) :]
+
+
+def _deviation(check: "Check | None") -> str:
+    """The deviation that came nearest to its tolerance, what is allowed, and where."""
+    if check is None or check.deviation is None:
+        return "-"
+    unit = f" {check.unit}" if check.unit else ""
+    return f"{check.deviation:.1e}{unit}, {check.tolerance:.0e} allowed: {printable(check.where)}"
+
+
+def _remarks(report: "Report", width: int) -> list[str]:
+    """What the quantities are, what failed or did not run and why, and the count of all checks."""
+    quantities = list(dict.fromkeys(check.quantity for check in report.checks))
+    lines = ["", *_wrapped(f"quantities: {', '.join(quantities)}", width)]
+    for row in report.rows():
+        if row.why and row.compared:
+            lines += _wrapped(f"{printable(row.file) or 'robot'} in {row.engine}: {printable(row.why)}", width)
+    statuses = [check.status.value for check in report.checks]
+    counts = ", ".join(f"{statuses.count(status)} {status}" for status in _COLORS)
+    return [*lines, "", f"{len(statuses)} checks: {counts}"]
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    return textwrap.wrap(text, max(width, 60), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)

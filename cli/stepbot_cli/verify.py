@@ -1,0 +1,52 @@
+"""``stepbot verify``: whether files, anyone's, are the same robot, and what the engines see in them."""
+
+from pathlib import Path
+
+import click
+
+from stepbot.diagnostics import Diagnostics
+
+from .command import Command, concise_option, json_option
+from .engines import limit_options, require_option
+from .progress import progress_bar
+from .table import show_table
+from .terminal import show_diagnostics, write_json
+
+
+@click.command(cls=Command, short_help="Compare what engines see in robot files, anyone's.")
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--strict", is_flag=True, help="Turn warnings into errors.")
+@require_option
+@limit_options
+@json_option
+@concise_option
+def command(
+    files: tuple[Path, ...],
+    strict: bool,
+    require: tuple[str, ...],
+    timeout: float,
+    memory_limit: int | None,
+    as_json: bool,
+    concise: bool,
+) -> int:
+    """Load URDF, SDFormat and MJCF files in every engine that reads them, and compare what the engines see.
+
+    The files need not be written by stepbot. Several files are taken for the same robot, and compared with the
+    first.
+    """
+    from stepbot.report import report_document
+    from stepbot.verify import verify_files
+
+    found = Diagnostics()
+    with progress_bar(("verify",)) as progress:
+        progress("verify")
+        report = verify_files(files, found, require=require, timeout=timeout, memory_limit=memory_limit)
+    if strict:
+        found.make_strict()
+    if as_json:
+        write_json({"report": report_document(report, found), "diagnostics": found, "exit_code": found.exit_code})
+    else:
+        show_diagnostics(found, concise=concise)
+        if report.checks:
+            show_table(report)
+    return found.exit_code

@@ -1,0 +1,59 @@
+"""Write the files that are generated from the code, or say with ``--check`` which of them are stale.
+
+README.md is written by hand but for the parts between ``<!-- generated: NAME -->`` and ``<!-- end -->``.
+"""
+
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from click import Context
+
+from stepbot.codes.page import diagnostics_page
+from stepbot.sidecar.schema import schema_text
+from stepbot.writers.mapping import mapping_page
+from stepbot_cli.application import application
+
+ROOT = Path(__file__).resolve().parents[1]
+_GENERATED_PART = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def readme() -> str:
+    """README.md with its generated parts written anew."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    return _GENERATED_PART.sub(lambda match: match[1] + _README_PARTS[match[2]]() + match[3], text)
+
+
+def help_text() -> str:
+    """``stepbot --help``."""
+    context = Context(application, info_name="stepbot", terminal_width=100, help_option_names=["-h", "--help"])
+    return f"```text\n{application.get_help(context)}\n```\n"
+
+
+_README_PARTS: dict[str, Callable[[], str]] = {"help": help_text}
+
+GENERATED: dict[str, Callable[[], str]] = {
+    "schemas/robot-1.schema.json": schema_text,
+    "docs/diagnostics.md": diagnostics_page,
+    "docs/mapping.md": mapping_page,
+    "README.md": readme,
+}
+
+
+def main(arguments: list[str]) -> int:
+    """Write all generated files; with ``--check`` only compare, and return 1 where one is stale."""
+    stale = []
+    for path, text in GENERATED.items():
+        file, wanted = ROOT / path, text()
+        if not file.is_file() or file.read_text(encoding="utf-8") != wanted:
+            stale.append(path)
+            if arguments != ["--check"]:
+                file.write_text(wanted, encoding="utf-8", newline="\n")
+    for path in stale:
+        print(f"{path}: {'stale, run `make generate`' if arguments == ['--check'] else 'written'}")
+    return 1 if stale and arguments == ["--check"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,150 @@
+"""What holds of the repository as a whole."""
+
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from stepbot.codes import CODES
+from stepbot.codes.page import RANGES, diagnostics_page
+
+ROOT = Path(__file__).resolve().parents[2]
+OURS = ("src", "cli")
+
+# Put together from parts, so that this file does not find itself.
+FORBIDDEN = {
+    "a path of one machine": re.compile(r"(?<![\w.:-])/(?:work|home|root|Users|tmp)/|C:" + r"\\Users"),
+    "a registry's host": re.compile("|".join(["py" + "pi[.]", "python" + "hosted", "index" + "-url"])),
+    "an unfinished place": re.compile("|".join(["TO" + "DO", "FIX" + "ME", "X" + "XX"])),
+}
+
+
+def project_files() -> list[Path]:
+    """Files that belong to the project: tracked, or new and not ignored."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    try:
+        names = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True, encoding="utf-8").stdout
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("not a git checkout: the files of the project are not known")
+    return [ROOT / name for name in names.split("\0") if name and (ROOT / name).is_file()]
+
+
+def test_no_forbidden_words() -> None:
+    """The project speaks of itself alone, and is finished where it stands."""
+    found = []
+    for file in project_files():
+        if file.suffix in {".step", ".png", ".stl", ".obj"}:
+            continue
+        for number, line in enumerate(file.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
+            found += [
+                f"{file.relative_to(ROOT)}:{number}: {what}" for what, word in FORBIDDEN.items() if word.search(line)
+            ]
+    assert not found
+
+
+def test_files_and_functions_stay_small() -> None:
+    """No module over 400 lines: one idea each."""
+    sizes = {
+        file.relative_to(ROOT): len(file.read_text(encoding="utf-8").splitlines())
+        for root in OURS
+        for file in (ROOT / root).rglob("*.py")
+    }
+    assert {file: size for file, size in sizes.items() if size > 400} == {}
+
+
+def test_heavy_imports_live_in_one_place() -> None:
+    """Each heavy package is imported by the modules that own it, and only inside functions there."""
+    owners = {
+        "OCP": r"src/stepbot/cad/",
+        "fcl": r"src/stepbot/selfcollision\.py",
+        "manifold3d": r"src/stepbot/(passes|build)/",
+        "mujoco": r"src/stepbot/simulators/",
+        "pybullet": r"src/stepbot/simulators/",
+        "pydantic": r"src/stepbot/sidecar/",
+        "ruamel": r"src/stepbot/sidecar/",
+        "rich": r"cli/stepbot_cli/",
+        "click": r"cli/stepbot_cli/",
+        "lxml": r"src/stepbot/(writers|simulators|verify)/",
+        "yourdfpy": r"src/stepbot/simulators/",
+        "trimesh": r"src/stepbot/(measure|pipeline)\.py|src/stepbot/simulators/|src/stepbot/passes/",
+    }
+    found = [
+        (name, package)
+        for root in OURS
+        for file in (ROOT / root).rglob("*.py")
+        for name in [file.relative_to(ROOT).as_posix()]
+        for package in re.findall(r"^\s*(?:import|from) (\w+)", file.read_text(encoding="utf-8"), re.MULTILINE)
+        if package in owners and not re.match(owners[package], name)
+    ]
+    assert not found
+
+
+@pytest.mark.parametrize("code", CODES.values(), ids=lambda code: code.id)
+def test_code_is_explained(code: object) -> None:
+    """Every code says what, why and how to fix, in whole sentences, and stands in its range."""
+    assert isinstance(code, type(CODES["SB001"]))
+    assert re.fullmatch(r"SB\d{3}", code.id)
+    assert code.id[2] in RANGES
+    assert code.title
+    assert not code.title.endswith(".")
+    for text in (code.what, code.why, code.fix):
+        assert text.strip().endswith((".", "`", "?")) or "\n" in text, text
+    assert code.what in diagnostics_page()
+
+
+def test_codes_are_unique() -> None:
+    """No code stands in two ranges: the table would keep only the last."""
+    defined = re.findall(
+        r'^\s+"(SB\d{3})",$',
+        "".join(file.read_text(encoding="utf-8") for file in sorted((ROOT / "src/stepbot/codes").glob("*.py"))),
+        re.MULTILINE,
+    )
+    assert sorted(defined) == sorted(set(defined)) == sorted(CODES)
+
+
+def test_codes_in_use_exist() -> None:
+    """Every code that the source names is in the table."""
+    used = {
+        code
+        for root in OURS
+        for file in (ROOT / root).rglob("*.py")
+        if file.parent.name != "codes"
+        for code in re.findall(r'"(SB\d{3})"', file.read_text(encoding="utf-8"))
+    }
+    assert used <= set(CODES)
+
+
+def test_codes_are_used() -> None:
+    """Every code of the table can really be found."""
+    text = "".join(
+        file.read_text(encoding="utf-8")
+        for root in OURS
+        for file in (ROOT / root).rglob("*.py")
+        if file.parent.name != "codes"
+    )
+    assert [code for code in CODES if f'"{code}"' not in text] == []
+
+
+def test_pins_satisfy_the_ranges() -> None:
+    """What CI installs lies within the ranges that users get."""
+    packaging = pytest.importorskip("packaging.requirements")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    lock = (ROOT / "requirements-ci.txt").read_text(encoding="utf-8")
+    pins = dict(re.findall(r"^([\w.-]+)==(\S+) --hash=sha256:[0-9a-f]{64}$", lock, re.MULTILINE))
+    for requirement in map(packaging.Requirement, wanted):
+        assert requirement.specifier.contains(pins[requirement.name.lower()]), requirement
+
+
+def test_hook_finds_sidecars() -> None:
+    """The pre-commit hook runs `stepbot check` on sidecars and on nothing else."""
+    (hook,) = YAML(typ="safe", pure=True).load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
+    assert hook["id"] == "stepbot-check"
+    assert hook["entry"] == "stepbot check"
+    for name in ("robot.yaml", "a/robot.yml", "arm.robot.yaml", "a/b/arm.robot.yml"):
+        assert re.search(hook["files"], name), name
+    for name in ("robots.yaml", "myrobot.yaml", "robot.yaml.orig", "arm.robot.json"):
+        assert not re.search(hook["files"], name), name

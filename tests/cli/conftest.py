@@ -1,0 +1,43 @@
+"""A folder to work in, with a robot that converts, and a way to run a command there."""
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from stepbot_cli import main
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a command did."""
+
+    code: int
+    out: str
+    err: str
+
+
+Stepbot = Callable[..., Run]
+
+
+@pytest.fixture
+def stepbot(capsys: pytest.CaptureFixture[str]) -> Stepbot:
+    """Runs ``stepbot`` with the arguments given."""
+
+    def run(*arguments: str) -> Run:
+        code = main(arguments)
+        captured = capsys.readouterr()
+        return Run(code, captured.out, captured.err)
+
+    return run
+
+
+@pytest.fixture
+def arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path) -> Path:
+    """The current folder, with ``arm2.robot.yaml`` and ``arm2.step`` of the robot library."""
+    for file in ("arm2.robot.yaml", "arm2.step"):
+        shutil.copy(robot_library / "stepbot_arm2" / file, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

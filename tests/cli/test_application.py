@@ -1,0 +1,157 @@
+"""Exit codes, streams and what is shown of faults, for all commands alike."""
+
+import json
+import sys
+
+import click
+import pytest
+
+import stepbot
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot_cli import application, main, schema
+from stepbot_cli.sizes import size
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    """Exit code, standard output and standard error of a command."""
+    code = main(arguments)
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def failing_with(error: BaseException) -> click.Command:
+    """A command that ends in an exception."""
+
+    @click.command(cls=type(schema.command))
+    @click.option("--json", "as_json", is_flag=True)
+    def command(as_json: bool) -> int:
+        raise error
+
+    return command
+
+
+def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    """Help names all commands and the exit codes, on standard output."""
+    code, out, err = run(capsys, "--help")
+    assert (code, err) == (0, "")
+    assert all(f"\n  {name} " in out for name in application.COMMANDS)
+    assert "Exit codes: 0 clean, 1 findings, 2 could not run" in out
+
+
+@pytest.mark.parametrize("name", application.COMMANDS)
+def test_every_command_has_help(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every command explains itself."""
+    code, out, _ = run(capsys, name, "-h")
+    assert code == 0
+    assert out.startswith(f"Usage: stepbot {name} ")
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    """The version is the library's."""
+    assert run(capsys, "--version") == (0, f"stepbot, version {stepbot.__version__}\n", "")
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["nope"], ["convert"], ["convert", "a.yaml", "--nope"], ["explain", "SB000"]]
+)
+def test_wrong_usage_is_exit_code_2(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """What cannot be understood cannot run."""
+    code, out, err = run(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert "Usage: stepbot" in err
+
+
+def test_arguments_default_to_those_of_the_process(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The console script calls main without arguments."""
+    monkeypatch.setattr(sys, "argv", ["stepbot", "--version"])
+    assert main() == 0
+    assert "stepbot, version" in capsys.readouterr().out
+
+
+def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fault of ours shows its traceback, says that it is ours, and ends with 2."""
+    monkeypatch.setattr(schema, "command", failing_with(ZeroDivisionError("division by zero")))
+    code, out, err = run(capsys, "schema")
+    assert (code, out) == (2, "")
+    assert "Traceback (most recent call last)" in err
+    assert "stepbot: error[SB901]: internal error: ZeroDivisionError: division by zero" in err
+    assert "please report it" in err
+
+
+def test_unforeseen_exception_is_json_where_json_was_asked_for(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Standard output stays one JSON document, whatever happens."""
+    monkeypatch.setattr(schema, "command", failing_with(ZeroDivisionError("division by zero")))
+    code, out, err = run(capsys, "schema", "--json")
+    document = json.loads(out)
+    assert (code, document["exit_code"]) == (2, 2)
+    assert [d["code"] for d in document["diagnostics"]] == ["SB901"]
+    assert "Traceback" in err
+
+
+def test_missing_package_is_named(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package that is not installed is no fault of ours: its name, the remedy, no traceback."""
+    monkeypatch.setattr(
+        schema, "command", failing_with(ModuleNotFoundError("No module named 'lxml.etree'", name="lxml.etree"))
+    )
+    code, _, err = run(capsys, "schema")
+    assert code == 2
+    assert "error[SB003]: package missing: no module named 'lxml'" in err
+    assert "pip install lxml" in err
+    assert "Traceback" not in err
+
+
+def test_findings_that_escape_are_shown_as_findings(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Diagnostics that come as an exception are no fault of ours."""
+    found = Diagnostics()
+    found.add("SB004", "disk full", Span("out"))
+    monkeypatch.setattr(schema, "command", failing_with(StepbotError(found)))
+    code, _, err = run(capsys, "schema")
+    assert code == 2
+    assert "out: error[SB004]: disk full" in err
+    assert "Traceback" not in err
+
+
+def test_interrupt_is_exit_code_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C ends quietly."""
+    monkeypatch.setattr(schema, "command", failing_with(KeyboardInterrupt()))
+    code, out, err = run(capsys, "schema")
+    assert (code, out) == (130, "")
+    assert err.strip() == "interrupted"
+
+
+def test_explain_prints_the_table_of_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a code all are listed; with one its texts are shown, in either case of letters."""
+    code, out, _ = run(capsys, "explain")
+    assert code == 0
+    assert "SB901  error    internal error" in out
+    assert run(capsys, "explain", "sb901") == run(capsys, "explain", "SB901")
+    assert "How to fix it:" in run(capsys, "explain", "SB901")[1]
+
+
+def test_explain_offers_near_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    """A mistyped code gets near ones."""
+    code, _, err = run(capsys, "explain", "SB90")
+    assert code == 2
+    assert "SB901" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("4G", 4 * 2**30), ("500 MB", 500 * 2**20), ("1.5k", 1536), ("1GiB", 2**30), ("123", 123), ("2T", 2**41)],
+)
+def test_sizes(text: str, number: int) -> None:
+    """Sizes are written as people write them."""
+    assert size(text) == number
+
+
+@pytest.mark.parametrize("text", ["", "G", "4X", "-1G", "1e9"])
+def test_no_sizes(text: str) -> None:
+    """What is no size is refused."""
+    with pytest.raises(click.BadParameter, match="not a size"):
+        size(text)

@@ -1,0 +1,78 @@
+"""``stepbot check``: findings to standard output, in three forms, with and without the STEP."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from .conftest import Stepbot
+
+
+def spoil(sidecar: Path, old: str, new: str) -> None:
+    """Replace a part of a sidecar."""
+    text = sidecar.read_text(encoding="utf-8")
+    assert old in text
+    sidecar.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_clean_sidecar_says_nothing(arm: Path, stepbot: Stepbot) -> None:
+    """No findings, no output; and the STEP is not even looked for."""
+    (arm / "arm2.step").unlink()
+    run = stepbot("check", "arm2.robot.yaml")
+    assert (run.code, run.out, run.err) == (0, "", "")
+
+
+def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
+    """Two faults in one file are told together, each with its line, and counted."""
+    spoil(arm / "arm2.robot.yaml", "base: fixed", "base: fixxed")
+    spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    run = stepbot("check", "arm2.robot.yaml")
+    assert (run.code, run.err) == (1, "")
+    assert "arm2.robot.yaml:6:7: error[" in run.out
+    assert "6 | base: fixxed" in run.out
+    assert "did you mean 'forearm'?" in run.out
+    assert "2 errors" in run.out.splitlines()[-1]
+
+
+def test_concise_is_one_line_each(arm: Path, stepbot: Stepbot) -> None:
+    """One greppable line per finding, and nothing else."""
+    spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    run = stepbot("check", "--concise", "arm2.robot.yaml")
+    assert len(run.out.splitlines()) == 1
+    assert run.out.startswith("arm2.robot.yaml:")
+    assert ": error[" in run.out
+
+
+def test_json_is_one_document(arm: Path, stepbot: Stepbot) -> None:
+    """Scripts get files, findings and exit code."""
+    spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    run = stepbot("check", "--json", "arm2.robot.yaml")
+    document = json.loads(run.out)
+    assert document["files"] == ["arm2.robot.yaml"]
+    assert document["exit_code"] == run.code == 1
+    assert {d["file"] for d in document["diagnostics"]} == {"arm2.robot.yaml"}
+
+
+def test_several_files(arm: Path, stepbot: Stepbot) -> None:
+    """Findings of all files, in the order of the arguments; a missing file does not hide the others."""
+    bad = arm / "bad.robot.yaml"
+    bad.write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    spoil(bad, "child: forearm", "child: forarm")
+    run = stepbot("check", "--concise", "gone.robot.yaml", "arm2.robot.yaml", "bad.robot.yaml")
+    assert [line.partition(":")[0] for line in run.out.splitlines()] == ["gone.robot.yaml", "bad.robot.yaml"]
+    assert run.code == 2
+
+
+@pytest.mark.parametrize("arguments", [["--step", "arm2.robot.yaml"], ["arm2.robot.yaml", "--step", "arm2.step"]])
+def test_against_the_step(arm: Path, stepbot: Stepbot, arguments: list[str]) -> None:
+    """With --step, alone or with a file, a name that is not in the CAD is found."""
+    spoil(arm / "arm2.robot.yaml", "{parts: [forearm]}", "{parts: [forarm]}")
+    assert stepbot("check", "arm2.robot.yaml").code == 0
+    run = stepbot("check", *arguments)
+    assert run.code == 1
+    assert "error[SB301]: link 'forearm': no component 'forarm' in arm2.step" in run.out
+
+
+def test_strict_counts_warnings(arm: Path, stepbot: Stepbot) -> None:
+    """A clean sidecar stays clean under --strict."""
+    assert stepbot("check", "--strict", "arm2.robot.yaml").code == 0

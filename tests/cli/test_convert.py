@@ -1,0 +1,193 @@
+"""``stepbot convert``: what is written, what is printed, and that errors leave the former output alone."""
+
+import json
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from stepbot_cli.convert import default_output
+
+from .conftest import Stepbot
+
+FILES = {"arm2.urdf", "arm2.sdf", "arm2.xml", "report.json"}
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    """All files below a folder."""
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def replaced(old: str, new: str) -> list[tuple[str, str]]:
+    """One replacement in the sidecar."""
+    return [(old, new)]
+
+
+def spoil(folder: Path, replacements: list[tuple[str, str]]) -> None:
+    """Put faults into the sidecar."""
+    sidecar = folder / "arm2.robot.yaml"
+    text = sidecar.read_text(encoding="utf-8")
+    for old, new in replacements:
+        assert old in text
+        text = text.replace(old, new, 1)
+    sidecar.write_text(text, encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_three_formats_and_a_proof(arm: Path, stepbot: Stepbot) -> None:
+    """All formats are written and verified; the table has a line for each file and engine, none failed."""
+    run = stepbot("convert", "arm2.robot.yaml")
+    assert run.code == 0, run.err
+    assert {file.name for file in (arm / "arm2").iterdir()} >= FILES
+    lines = run.out.splitlines()
+    assert lines[0].split()[:3] == ["format", "file", "engine"]
+    for file, engine in (("arm2.urdf", "mujoco"), ("arm2.xml", "mujoco"), ("arm2.urdf", "yourdfpy")):
+        (line,) = [line for line in lines if f" {file} " in line and f" {engine} " in line and "passed" in line]
+        assert "allowed" in line
+    assert any(line.endswith("not run") and " 0 failed" in line for line in lines)
+    assert lines[-1] == f"{len(snapshot(arm / 'arm2')) - 1} files in arm2"
+
+
+@pytest.mark.slow
+def test_json_is_the_whole_story(arm: Path, stepbot: Stepbot) -> None:
+    """One document: the robot, the files, the report, the findings."""
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--json")
+    document = json.loads(run.out)
+    assert document["exit_code"] == run.code == 0
+    assert document["robot"] == "arm2"
+    assert document["output"] == "out"
+    assert set(document["files"]) == set(snapshot(arm / "out")) - {".stepbot.json"}
+    assert document["report"] == json.loads((arm / "out" / "report.json").read_text(encoding="utf-8"))
+
+
+def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
+    """-f by an alias, twice, writes that format once; --no-verify starts no engine."""
+    run = stepbot("convert", "arm2.robot.yaml", "-f", "sdformat", "-f", "sdf", "--no-verify", "-o", "out")
+    assert run.code == 0, run.err
+    assert [name for name in snapshot(arm / "out") if name.endswith((".urdf", ".sdf", ".xml"))] == ["arm2.sdf"]
+
+
+def test_other_step(arm: Path, stepbot: Stepbot) -> None:
+    """--step takes the place of the file that the sidecar names."""
+    (arm / "arm2.step").rename(arm / "revision_b.step")
+    assert stepbot("convert", "arm2.robot.yaml", "--no-verify").code == 2
+    assert stepbot("convert", "arm2.robot.yaml", "--no-verify", "--step", "revision_b.step").code == 0
+
+
+def test_unknown_format(stepbot: Stepbot) -> None:
+    """A format that is not there is wrong usage, with the near one."""
+    run = stepbot("convert", "arm2.robot.yaml", "-f", "udrf")
+    assert run.code == 2
+    assert "no format 'udrf'; did you mean 'urdf'?" in run.err
+
+
+@pytest.mark.parametrize(
+    ("name", "folder"),
+    [("arm.robot.yaml", "arm"), ("a/b/arm.robot.yml", "arm"), ("robot.yaml", "robot"), ("arm.v2.robot.yaml", "arm.v2")],
+)
+def test_default_output(name: str, folder: str) -> None:
+    """The folder is named like the sidecar, and lies in the current folder."""
+    assert default_output(Path(name)) == Path(folder)
+
+
+@pytest.mark.parametrize(
+    ("replacements", "message"),
+    [
+        (replaced("[forearm]", "[forarm]"), "did you mean 'forearm'"),
+        (replaced("lower: -170 deg, upper: 170 deg", "lower: 170 deg, upper: -170 deg"), "lower"),
+        (replaced("base: fixed", "bases: fixed"), "did you mean 'base'"),
+        (replaced("base: fixed", "base: fixed\nbase: fixed"), "base"),
+        (replaced("parent: base", "parent: forearm"), "cycle"),
+        (replaced("step: arm2.step", "step: absent.step"), "absent.step"),
+    ],
+    ids=["part", "limits", "unknown key", "duplicate key", "cycle", "absent step"],
+)
+def test_error_leaves_the_former_output(
+    arm: Path, stepbot: Stepbot, replacements: list[tuple[str, str]], message: str
+) -> None:
+    """A fault in the sidecar is told with its place and a remedy; what was written before stays as it was."""
+    out = arm / "out"
+    out.mkdir()
+    (out / "arm2.urdf").write_text("former", encoding="utf-8")
+    spoil(arm, replacements)
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out")
+    assert run.code in (1, 2)
+    assert "arm2.robot.yaml:" in run.err
+    assert ": error[SB" in run.err
+    assert "= help:" in run.err
+    assert message in run.err
+    assert "Traceback" not in run.err
+    assert snapshot(out) == {"arm2.urdf": b"former"}
+    assert run.out == ""
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"solid x\n", b"ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"]
+)
+def test_bad_step_leaves_the_former_output(arm: Path, stepbot: Stepbot, content: bytes) -> None:
+    """A STEP that is empty, no STEP, or without a product is told so."""
+    out = arm / "out"
+    out.mkdir()
+    (out / "arm2.urdf").write_text("former", encoding="utf-8")
+    (arm / "arm2.step").write_bytes(content)
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out")
+    assert run.code in (1, 2)
+    assert "arm2.step" in run.err
+    assert ": error[SB2" in run.err
+    assert "Traceback" not in run.err
+    assert snapshot(out) == {"arm2.urdf": b"former"}
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
+def test_kernel_that_dies(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker that is killed while it reads is a diagnostic that names the signal; nothing is written."""
+    from stepbot.isolation import Worker
+
+    submit = Worker.submit
+
+    def submit_and_kill(self: Worker, *arguments: object) -> Worker:
+        os.kill(self.pid, signal.SIGKILL)
+        return submit(self, *arguments)
+
+    monkeypatch.setattr(Worker, "submit", submit_and_kill)
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out")
+    assert run.code == 2
+    assert "error[SB902]" in run.err
+    assert "SIGKILL" in run.err
+    assert not (arm / "out").exists()
+
+
+def test_external_references_only(arm: Path, stepbot: Stepbot, corpus: Path) -> None:
+    """A STEP whose parts are in other files has nothing to convert, and says so."""
+    run = stepbot("convert", "arm2.robot.yaml", "--step", str(corpus / "external_references.step"), "-o", "out")
+    assert run.code in (1, 2)
+    assert "external_references.step" in run.err
+    assert "error[SB2" in run.err
+    assert not (arm / "out").exists()
+
+
+def test_output_that_cannot_be_written(arm: Path, stepbot: Stepbot) -> None:
+    """A file where the folder should be is told before anything is lost."""
+    (arm / "out").write_text("a file", encoding="utf-8")
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify")
+    assert run.code == 2
+    assert "error[SB004]" in run.err
+    assert (arm / "out").read_text(encoding="utf-8") == "a file"
+
+
+@pytest.mark.slow
+def test_same_bytes_wherever_and_however(arm: Path, stepbot: Stepbot) -> None:
+    """Another hash seed, locale, time zone and working directory give the same bytes, report included."""
+    import subprocess
+    import sys
+
+    runs = {
+        "here": (arm, "arm2.robot.yaml", {"PYTHONHASHSEED": "1", "LC_ALL": "C.UTF-8"}),
+        "there": (arm.parent, str(arm / "arm2.robot.yaml"), {"PYTHONHASHSEED": "2", "LC_ALL": "C", "TZ": "Asia/Tokyo"}),
+    }
+    for name, (folder, sidecar, environment) in runs.items():
+        command = [sys.executable, "-m", "stepbot_cli", "convert", sidecar, "-o", str(arm / name)]
+        run = subprocess.run(command, cwd=folder, env={**os.environ, **environment}, capture_output=True, check=False)
+        assert run.returncode == 0, run.stderr.decode()
+    assert snapshot(arm / "here") == snapshot(arm / "there")

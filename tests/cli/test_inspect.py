@@ -1,0 +1,97 @@
+"""``stepbot inspect``: what it prints can be pasted, and is right."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from .conftest import Stepbot
+
+
+def test_components_with_paths_to_paste(arm: Path, stepbot: Stepbot) -> None:
+    """One line per component: quoted path, solids, volume, centre, density, both names."""
+    run = stepbot("inspect", "arm2.step")
+    assert (run.code, run.err) == (0, "")
+    assert run.out.startswith("arm2.step: AP214, length unit mm")
+    assert "15 definitions, 20 components, 16 solids" in run.out
+    (line,) = [line for line in run.out.splitlines() if line.startswith('"base/screw M6x12:1"')]
+    assert "7850 kg/m^3" in line
+    assert "'screw M6x12', 'screw M6x12:1'" in line
+    assert "48, 48, 9" in line
+
+
+def test_every_path_means_one_component(arm: Path, stepbot: Stepbot) -> None:
+    """A path that inspect prints is found again, as itself."""
+    from stepbot.cad.paths import ComponentPaths
+    from stepbot.pipeline import Options, inspect
+
+    assembly = inspect(arm / "arm2.step", Options(output=Path())).assembly
+    assert assembly is not None
+    paths = ComponentPaths(assembly.components)
+    assert all(paths.find_one(c.path).topmost == (c.index,) for c in assembly.components)
+    assert all(f'"{c.path}"' in stepbot("inspect", "arm2.step").out for c in assembly.components[:3])
+
+
+def test_volumes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
+    """A rod of the gripper is a cylinder of 8 mm by 120 mm; its volume is known."""
+    document = json.loads(stepbot("inspect", "arm2.step", "--json").out)
+    (rod,) = [c for c in document["components"] if c["path"] == "forearm/gripper/rod:1"]
+    assert rod["volume"] == pytest.approx(math.pi * 0.004**2 * 0.120, rel=1e-9)
+    assert rod["density"] == 7850.0
+    total = sum(c["volume"] for c in document["components"] if c["body"] >= 0)
+    assert document["volume"] == document["components"][0]["volume"] == pytest.approx(total)
+    assert document["exit_code"] == 0
+
+
+def test_features_are_origins_to_paste(arm: Path, stepbot: Stepbot) -> None:
+    """Each axis line comes with the origin that means just it; pasted into a sidecar it gives that line."""
+    run = stepbot("inspect", "arm2.step", "--features")
+    (line,) = [line for line in run.out.splitlines() if "at [86.603, 0, 200] mm" in line]
+    origin = line.partition("origin: ")[2]
+    assert origin == '{axis_of: "forearm/beam", near: [86.603 mm, 0 mm, 200 mm]}'
+    sidecar = arm / "arm2.robot.yaml"
+    text = sidecar.read_text(encoding="utf-8")
+    frame = f"frames:\n  hole: {{link: forearm, origin: {origin}}}\n"
+    sidecar.write_text(text.replace("frames:\n", frame), encoding="utf-8")
+    run = stepbot("check", "--step", "arm2.robot.yaml")
+    assert run.code == 0, run.out
+
+
+def test_between_components(arm: Path, stepbot: Stepbot) -> None:
+    """The line that a pin and its bore share, as text and as JSON."""
+    run = stepbot("inspect", "arm2.step", "--between", "base", "shoulder")
+    assert run.out.startswith("'base' and 'shoulder' share 1 axis\n")
+    assert 'origin: {mate: ["base", "shoulder"]}' in run.out
+    document = json.loads(stepbot("inspect", "arm2.step", "--between", "base", "shoulder", "--json").out)
+    (line,) = document["between"]["lines"]
+    assert line["direction"] == pytest.approx([0, 0, 1])
+    assert line["weight"] == pytest.approx(0.030)
+    assert line["chosen"]
+
+
+def test_between_links_of_a_sidecar(arm: Path, stepbot: Stepbot) -> None:
+    """Given the sidecar, links can be compared by name."""
+    run = stepbot("inspect", "arm2.robot.yaml", "--between", "upper_arm", "forearm")
+    assert re.match(r"link 'upper_arm' and link 'forearm' share \d+ ax", run.out)
+    assert "origin: {auto: true" in run.out
+
+
+def test_between_unknown_names(arm: Path, stepbot: Stepbot) -> None:
+    """A wrong name is wrong usage, with near ones."""
+    run = stepbot("inspect", "arm2.step", "--between", "base", "shulder")
+    assert run.code == 2
+    assert "did you mean 'shoulder'" in run.err
+
+
+def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
+    """A file that is not STEP is a finding, in JSON too, and nothing but JSON is printed."""
+    (arm / "no.step").write_text("hello\n", encoding="utf-8")
+    run = stepbot("inspect", "no.step")
+    assert run.code in (1, 2)
+    assert run.out == ""
+    assert "no.step:1:1: error[SB201]: is not a STEP file" in run.err
+    document = json.loads(stepbot("inspect", "no.step", "--json").out)
+    assert document["exit_code"] == run.code
+    assert document["diagnostics"][0]["file"].endswith("no.step")

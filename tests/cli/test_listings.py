@@ -1,0 +1,36 @@
+"""``stepbot formats`` and ``stepbot schema``."""
+
+import json
+
+import jsonschema
+
+from stepbot.writers import FORMATS
+
+from .conftest import Stepbot
+
+
+def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
+    """Every writer is listed, with its file, its aliases and what it cannot say."""
+    run = stepbot("formats")
+    assert run.code == 0
+    assert [line.split()[0] for line in run.out.splitlines() if not line.startswith(" ")] == list(FORMATS)
+    assert "also called sdformat" in run.out
+    assert "left out, and reported" in run.out
+
+
+def test_formats_as_json(stepbot: Stepbot) -> None:
+    """Scripts get every notion with its level."""
+    document = json.loads(stepbot("formats", "--json").out)
+    (urdf,) = [one for one in document["formats"] if one["name"] == "urdf"]
+    assert urdf["suffix"] == ".urdf"
+    assert urdf["notions"]["mimic"]["level"] == "exact"
+
+
+def test_schema_is_a_schema(stepbot: Stepbot) -> None:
+    """What is printed is a valid JSON Schema that accepts a small sidecar and refuses an unknown key."""
+    schema = json.loads(stepbot("schema").out)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    validator = jsonschema.Draft202012Validator(schema)
+    sidecar = {"version": 1, "robot": "arm", "step": "arm.step", "links": {"base": {"rest": True}}}
+    assert validator.is_valid(sidecar)
+    assert not validator.is_valid({**sidecar, "colour": "red"})

@@ -1,0 +1,76 @@
+"""The README is right: its example runs, and prints what it shows."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from stepbot_cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    """Code blocks of the README in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path) -> Path:
+    """The example's folder: the STEP that it names, and the sidecar that it shows."""
+    (sidecar,) = blocks("yaml")
+    shutil.copy(robot_library / "stepbot_arm2" / "arm2.step", tmp_path)
+    (tmp_path / "arm.robot.yaml").write_text(sidecar, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_opens_with_two_commands() -> None:
+    """The first thing to read is how to see it work."""
+    assert blocks("sh")[0].splitlines()[0].startswith("make demo")
+    assert blocks("sh")[0].splitlines()[1].startswith("make test")
+
+
+def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every command of the example ends well, and the files that the text names are there."""
+    commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("stepbot ")]
+    assert [command.split()[1] for command in commands] == ["inspect", "check", "convert"]
+    for command in commands:
+        code = main(shlex.split(command)[1:])
+        captured = capsys.readouterr()
+        assert code == 0, captured.err
+    written = {file.name for file in (example / "arm").iterdir()}
+    assert {"arm.urdf", "arm.sdf", "arm.xml", "meshes", "report.json"} <= written
+
+
+def test_fault_looks_as_shown(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The fault that the README shows is told in just these words."""
+    (shown,) = [block for block in blocks("text") if "error[" in block]
+    sidecar = example / "arm.robot.yaml"
+    text = sidecar.read_text(encoding="utf-8")
+    sidecar.write_text(text.replace("child: forearm", "child: forarm"), encoding="utf-8")
+    assert main(["check", "arm.robot.yaml"]) == 1
+    assert capsys.readouterr().out.startswith(shown)
+
+
+def test_links_lead_somewhere() -> None:
+    """Every file that the documentation links to exists."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "robot_library").rglob("*.md")]
+    broken = [
+        f"{page.relative_to(ROOT)}: {target}"
+        for page in pages
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+        if not (page.parent / target).exists()
+    ]
+    assert not broken
+
+
+def test_sidecar_page_is_valid(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The sidecar that docs/sidecar.md begins with is one."""
+    page = (ROOT / "docs" / "sidecar.md").read_text(encoding="utf-8")
+    sidecar = tmp_path / "arm.robot.yaml"
+    sidecar.write_text(re.findall(r"^```yaml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[0], encoding="utf-8")
+    assert main(["check", str(sidecar)]) == 0, capsys.readouterr().out

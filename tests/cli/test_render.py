@@ -1,0 +1,129 @@
+"""How a diagnostic looks."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Span
+from stepbot_cli import render
+
+SOURCE = "version: 1\nlinks:\n  base: {}\njoints:\n  elbow:\n    child: forarm\n"
+
+
+@pytest.fixture
+def sidecar(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A sidecar in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "arm.robot.yaml"
+    file.write_text(SOURCE, encoding="utf-8")
+    return file
+
+
+def diagnostic(span: Span, **texts: tuple[str, ...]) -> Diagnostic:
+    """An error at a place."""
+    return Diagnostic("SB301", "error", "joint 'elbow': no component 'forarm' in arm.step", span, **texts)
+
+
+@pytest.mark.usefixtures("sidecar")
+def test_full_shows_the_line_and_the_remedy() -> None:
+    """The code frame marks the place; notes and help stand below."""
+    found = diagnostic(Span("arm.robot.yaml", 6, 12, 18), help=("did you mean 'forearm'?",), notes=("one\ntwo",))
+    assert render.full([found]).splitlines() == [
+        "arm.robot.yaml:6:12: error[SB301]: joint 'elbow': no component 'forarm' in arm.step",
+        "  |",
+        "6 |     child: forarm",
+        "  |            ^^^^^^",
+        "  = note: one",
+        "          two",
+        "  = help: did you mean 'forearm'?",
+    ]
+
+
+@pytest.mark.usefixtures("sidecar")
+def test_mark_without_extent_is_one_character() -> None:
+    """Where the end is unknown, one mark shows the beginning."""
+    assert render.full([diagnostic(Span("arm.robot.yaml", 6, 12))]).splitlines()[-1] == "  |            ^"
+
+
+@pytest.mark.usefixtures("sidecar")
+def test_place_beyond_the_file_has_no_frame() -> None:
+    """A line that is not there gives no frame, and a column behind the end stays on the line."""
+    assert len(render.full([diagnostic(Span("arm.robot.yaml", 99, 1))]).splitlines()) == 1
+    assert render.full([diagnostic(Span("arm.robot.yaml", 6, 18))]).splitlines()[-1] == "  |" + " " * 18 + "^"
+
+
+def test_file_that_is_gone_has_no_frame() -> None:
+    """The headline stands alone where the file cannot be read."""
+    assert render.full([diagnostic(Span("gone.yaml", 6, 12))]) == render.concise([diagnostic(Span("gone.yaml", 6, 12))])
+
+
+def test_wide_characters_keep_the_mark_in_place(tmp_path: Path) -> None:
+    """A mark below Chinese names is as wide as they are."""
+    file = tmp_path / "a.yaml"
+    file.write_text("\ufeff机器人: 手臂 x\n", encoding="utf-8")
+    line, mark = render.full([diagnostic(Span(str(file), 1, 6, 8))]).splitlines()[-2:]
+    assert line == "1 | 机器人: 手臂 x"
+    assert mark == "  |" + " " * (1 + 8) + "^^^^"
+
+
+def test_long_line_is_cut_around_the_place(tmp_path: Path) -> None:
+    """Of a line of a megabyte only the part around the place is shown."""
+    file = tmp_path / "a.yaml"
+    file.write_text("x" * 500_000 + "HERE" + "y" * 500_000, encoding="utf-8")
+    line, mark = render.full([diagnostic(Span(str(file), 1, 500_001, 500_005))]).splitlines()[-2:]
+    assert len(line) < 140
+    start = mark.index("^")
+    assert line[start : start + 4] == "HERE"
+    assert mark[start:] == "^^^^"
+
+
+def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
+    """Escape sequences in names and in source lines are shown, not obeyed."""
+    file = tmp_path / "a.yaml"
+    file.write_text("a: \x1b[2Jb\n", encoding="utf-8")
+    text = render.full([Diagnostic("SB301", "error", "no '\x1b[31mred'", Span(str(file), 1, 1), help=("\x07",))])
+    assert "\x1b" not in text
+    assert "\x07" not in text
+    assert r"\x1b[31mred" in text
+
+
+def test_color_only_when_asked_for() -> None:
+    """Colours wrap the text and change none of it."""
+    found = [diagnostic(Span("gone.yaml", 6, 12), help=("h",))]
+    colored = render.full(found, color=True)
+    assert "\x1b[1;31merror[SB301]\x1b[0m" in colored
+    assert "\x1b" not in render.full(found)
+
+
+def test_concise_is_one_line_each() -> None:
+    """One greppable line per finding."""
+    found = [diagnostic(Span("a.yaml", 1, 2), help=("h",)), diagnostic(Span("b.yaml"))]
+    assert [line.split(": ")[0] for line in render.concise(found).splitlines()] == ["a.yaml:1:2", "b.yaml"]
+
+
+def test_plain_is_json() -> None:
+    """The plain form goes through JSON unchanged and holds everything."""
+    plain = render.plain(diagnostic(Span("a.yaml", 1, 2, 3), help=("h",), notes=("n",)))
+    assert (
+        json.loads(json.dumps(plain))
+        == plain
+        == {
+            "code": "SB301",
+            "severity": "error",
+            "message": "joint 'elbow': no component 'forarm' in arm.step",
+            "file": "a.yaml",
+            "line": 1,
+            "column": 2,
+            "end_column": 3,
+            "help": ["h"],
+            "notes": ["n"],
+        }
+    )
+
+
+def test_summary_counts_and_leads_on() -> None:
+    """How many of each kind, and where to read more."""
+    error, note = diagnostic(Span("a")), Diagnostic("SB102", "note", "n", Span("a"))
+    assert render.summary([error, error, note]) == "2 errors, 1 note (more: stepbot explain SB301)"
+    assert render.summary([note]) == "1 note"

@@ -1,0 +1,55 @@
+"""The proof as a table."""
+
+import re
+
+import pytest
+
+from stepbot.report import Check, Report, Status
+from stepbot_cli.columns import aligned, cells
+from stepbot_cli.table import show_table
+
+PASSED = Check("a.urdf", "urdf", "mujoco", "mass", Status.PASSED, 2.5e-16, 1e-9, "kg", "link 'arm'")
+LINKS = Check("a.urdf", "urdf", "mujoco", "links", Status.PASSED)
+NOT_TOLD = Check("a.urdf", "urdf", "mujoco", "meshes", Status.NOT_RUN, why="mujoco does not tell")
+FAILED = Check("a.sdf", "sdf", "pybullet", "mass", Status.FAILED, 0.5, 1e-9, "kg", "link 'arm'", why="0.5 kg too heavy")
+ABSENT = Check("a.xml", "mjcf", "pybullet", "mass", Status.NOT_RUN, why="pybullet is not installed")
+
+
+def table(capsys: pytest.CaptureFixture[str], *checks: Check) -> list[str]:
+    """Lines of the table of some checks."""
+    show_table(Report(checks=checks))
+    return capsys.readouterr().out.splitlines()
+
+
+def test_one_line_per_file_and_engine(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each line says how much was compared, how far off it was at worst, and the outcome."""
+    lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
+    assert [re.split(r"  +", line) for line in lines[:4]] == [
+        ["format", "file", "engine", "result", "quantities", "worst deviation"],
+        ["urdf", "a.urdf", "mujoco", "passed", "2", "2.5e-16 kg, 1e-09 allowed: link 'arm'"],
+        ["sdf", "a.sdf", "pybullet", "failed", "1", "5.0e-01 kg, 1e-09 allowed: link 'arm'"],
+        ["mjcf", "a.xml", "pybullet", "not run", "-", "mass not run: pybullet is not installed"],
+    ]
+
+
+def test_reasons_and_counts(capsys: pytest.CaptureFixture[str]) -> None:
+    """Below stand what failed, what did not run and why, and the counts; not run is never counted as passed."""
+    lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
+    assert "a.urdf in mujoco: meshes not run: mujoco does not tell" in lines
+    assert "a.sdf in pybullet: mass: 0.5 kg too heavy" in lines
+    assert lines[-1] == "5 checks: 2 passed, 1 failed, 2 not run"
+
+
+def test_what_files_are_compared_with(capsys: pytest.CaptureFixture[str]) -> None:
+    """Where files are compared with one another the table says with which."""
+    other = Check("a.sdf", "sdf", "pybullet", "mass", Status.PASSED, 0.0, 1e-9, "kg", against="a.urdf (mujoco)")
+    head, _, line, *_ = table(capsys, PASSED, other)
+    assert "compared with" in head
+    assert "a.urdf (mujoco)" in line
+
+
+def test_columns_are_straight_for_wide_names() -> None:
+    """A Chinese name takes two columns a letter, a combining accent none."""
+    assert cells("机器人") == 6
+    assert cells("e\u0301") == 1
+    assert aligned([("机", "x"), ("abc", "y")]) == ["机   x", "abc  y"]

@@ -1,0 +1,62 @@
+"""Colours and progress: on a terminal only."""
+
+import io
+import sys
+
+import pytest
+
+from stepbot_cli.progress import progress_bar
+from stepbot_cli.terminal import wants_color
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    encoding = "utf-8"
+
+    def isatty(self) -> bool:
+        """Yes."""
+        return True
+
+
+@pytest.fixture(autouse=True)
+def _plain_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+
+
+def test_color_on_a_terminal_only() -> None:
+    """A pipe gets no escape sequences."""
+    assert wants_color(Terminal())
+    assert not wants_color(io.StringIO())
+
+
+def test_no_color_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """NO_COLOR, if it is not empty, and a dumb terminal get no colours."""
+    monkeypatch.setenv("NO_COLOR", "")
+    assert wants_color(Terminal())
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert not wants_color(Terminal())
+    monkeypatch.delenv("NO_COLOR")
+    monkeypatch.setenv("TERM", "dumb")
+    assert not wants_color(Terminal())
+
+
+def test_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal sees the stage that runs."""
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress_bar() as progress:
+        progress("read")
+        progress("verify")
+    assert "verifying in the engines" in terminal.getvalue()
+
+
+def test_no_progress_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pipe sees nothing of it."""
+    pipe = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", pipe)
+    with progress_bar() as progress:
+        progress("read")
+    assert pipe.getvalue() == ""

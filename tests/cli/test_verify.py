@@ -1,0 +1,59 @@
+"""``stepbot verify``: files of anyone's."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.output import write_atomically
+from stepbot.writers import FORMATS, render
+from tests.robots import two_link_arm
+
+from .conftest import Stepbot
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """A robot in every format, in the current folder."""
+    robot = two_link_arm()
+    for name in FORMATS:
+        write_atomically(render(robot, name, Diagnostics()), tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return [f"{robot.name}{writer.SUFFIX}" for writer in FORMATS.values()]
+
+
+@pytest.mark.slow
+def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
+    """The formats agree; the table says with what each was compared."""
+    run = stepbot("verify", *files)
+    assert run.code == 0, run.err
+    assert "compared with" in run.out.splitlines()[0]
+    assert " 0 failed" in run.out.splitlines()[-1]
+
+
+@pytest.mark.slow
+def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:
+    """A file that is another robot is found out, with exit code 1, in JSON too."""
+    urdf = Path(files[0])
+    text = urdf.read_text(encoding="utf-8")
+    urdf.write_text(text.replace('<mass value="', '<mass value="1'), encoding="utf-8")
+    run = stepbot("verify", "--json", *files)
+    document = json.loads(run.out)
+    assert document["exit_code"] == run.code == 1
+    failed = {check["quantity"] for check in document["report"]["checks"] if check["status"] == "failed"}
+    assert "mass" in failed
+
+
+def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:
+    """A file that is not there cannot be verified."""
+    run = stepbot("verify", str(tmp_path / "gone.urdf"))
+    assert run.code == 2
+    assert "error[SB001]" in run.err
+
+
+def test_required_engine_that_is_not_there(files: list[str], stepbot: Stepbot) -> None:
+    """An engine that nobody has, asked for by name, is an error: not run is not passed."""
+    run = stepbot("verify", "--require", "nosuchengine", files[0])
+    assert run.code == 2
+    assert "error[SB005]" in run.err

@@ -1,0 +1,69 @@
+"""What every test may ask for: a collector that is read, the real assemblies, the robots of the library."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Diagnostics
+
+ROOT = Path(__file__).resolve().parents[1]
+CORPUS = Path(os.environ.get("STEPBOT_CORPUS", ROOT.parent / "shared" / "corpus"))
+CORPUS_ABSENT = f"real STEP assemblies are absent: no folder {CORPUS} (set STEPBOT_CORPUS)"
+
+
+class ReadDiagnostics(Diagnostics):
+    """A collector that knows how many of its findings a test has looked at."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.read = 0
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        self.read = len(self)
+        return super().__iter__()
+
+    def codes(self) -> list[str]:
+        """The codes found, in order; looking at them counts as reading."""
+        return [diagnostic.code for diagnostic in self]
+
+
+@pytest.fixture
+def found() -> Iterator[ReadDiagnostics]:
+    """A collector of diagnostics; the test fails if it leaves one unread."""
+    diagnostics = ReadDiagnostics()
+    yield diagnostics
+    unread = list(diagnostics)[diagnostics.read :] if diagnostics.read < len(diagnostics) else []
+    assert not unread, "nobody looked at:\n" + "\n".join(map(str, unread))
+
+
+@pytest.fixture(scope="session")
+def corpus() -> Path:
+    """Folder of real STEP assemblies; the test is skipped where it is absent."""
+    if not CORPUS.is_dir():
+        pytest.skip(CORPUS_ABSENT)
+    return CORPUS
+
+
+@pytest.fixture(scope="session")
+def robot_library() -> Path:
+    """Folder of the robots that come with stepbot."""
+    return ROOT / "robot_library"
+
+
+def pytest_report_header() -> str:
+    """Say at the top whether the real assemblies are there."""
+    return f"corpus: {CORPUS}" if CORPUS.is_dir() else f"corpus: ABSENT, {CORPUS_ABSENT}"
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say once more at the end what was not tested for want of the corpus."""
+    skipped = [
+        report
+        for report in terminalreporter.getreports("skipped")
+        if isinstance(report.longrepr, tuple) and CORPUS_ABSENT in report.longrepr[2]
+    ]
+    if skipped:
+        terminalreporter.section("not tested", yellow=True)
+        terminalreporter.line(f"{len(skipped)} tests skipped: {CORPUS_ABSENT}", yellow=True)
