@@ -3,7 +3,7 @@
 matter    what each component is made of        frames    where each origin is, as drawn
 claims    which link each component is in       joints    joints, closures, named frames
 weigh     whose volume, com and inertia counts  links     mass properties, visuals, collisions
-masses    what each component weighs
+masses    what each component weighs            overlaps  what is weighed twice
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from ..model import Robot
 from ..sidecar.load import Sidecar
 from .binder import Binder
 from .claims import Claims, claim
+from .double_counting import report_double_counting
 from .frames import Frames
 from .joints import build_actuators, build_closures, build_frames, build_joints, tree_order
 from .links import Links, is_complete
@@ -46,7 +47,8 @@ def build_robot(
     named = build_frames(binder, frames)
 
     weighings = weigh(assembly, measures, document.mass)
-    links = Links(binder, claims, matter.of, masses(binder, matter, weighings), weighings)
+    weighed = masses(binder, matter, weighings)
+    links = Links(binder, claims, matter.of, weighed, weighings)
     links.report_unknown_masses()
     _report_bodies(binder, claims, weighings)
     binder.report_fragile()
@@ -54,6 +56,7 @@ def build_robot(
     if found.has_errors or X_WR is None or joints is None or closures is None or named is None:
         return None
 
+    report_double_counting(binder, claims, weighed)
     X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
     built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
     links.report_flat()

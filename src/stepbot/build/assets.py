@@ -13,10 +13,8 @@ from ..cad.naming import BODY, base_name
 from ..mesh import TriMesh, joined
 from ..model import MeshAsset, MeshRef, Rgba
 from ..spatial import Array
+from .manifolds import convex_hull
 from .names import FALLBACK, UniqueNames, ascii_name
-
-_FLAT = 1e-7
-"""Volume of a hull, as a share of its diagonal cubed, below which it counts as flat."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,9 @@ class MeshAssets:
         key = ("hull", body)
         if key not in self._made:
             mesh = convex_hull(self._assembly.bodies[body].mesh.vertices)
-            self._made[key] = None if mesh is None else self._named(f"{self._bases[body]}_hull", mesh, self._source(body))
+            self._made[key] = (
+                None if mesh is None else self._named(f"{self._bases[body]}_hull", mesh, self._source(body))
+            )
         return None if self._made[key] is None else self._reference(key)
 
     def merged(self, link: str, meshes: list[TriMesh]) -> MeshRef:
@@ -99,9 +99,7 @@ class MeshAssets:
         if key not in self._made:
             found = self._assembly.bodies[body]
             piece = found.mesh.subset(np.isin(found.face_colors, indices))
-            self._made[key] = self._named(
-                f"{self._bases[body]}_color{indices[0] + 1}", piece, self._source(body)
-            )
+            self._made[key] = self._named(f"{self._bases[body]}_color{indices[0] + 1}", piece, self._source(body))
         return self._reference(key)
 
     def _named(self, name: str, mesh: TriMesh, source: str) -> MeshAsset:
@@ -136,17 +134,3 @@ class MeshAssets:
         if name != BODY:
             return ascii_name(name)
         return self._product_name(self._assembly.components[component.parent]) if component.parent >= 0 else FALLBACK
-
-
-def convex_hull(points: Array) -> TriMesh | None:
-    """Convex hull of points (n, 3) by manifold3d, faces outwards; None where they lie in a plane, or nearly."""
-    import manifold3d
-
-    if len(points) < 4:
-        return None
-    hull = manifold3d.Manifold.hull_points(np.ascontiguousarray(points))
-    diagonal = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
-    if hull.volume() <= _FLAT * diagonal**3:
-        return None
-    mesh = hull.to_mesh64()
-    return TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))

@@ -6,9 +6,6 @@ finest mesh there is; ``exact`` takes the solid. Where only one of them encloses
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
-
-import numpy as np
 
 from ..cad.assembly import Assembly, Body, BodyKind, VolumeProperties
 from ..sidecar.document import MassMode
@@ -31,20 +28,6 @@ class Weighing:
 def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode) -> tuple[Weighing, ...]:
     """Volume properties of each body; ``measures`` are trimesh's, of the written meshes."""
     return tuple(_weigh(body, measure, mode) for body, measure in zip(assembly.bodies, measures, strict=True))
-
-
-def deviation(mesh: VolumeProperties, exact: VolumeProperties) -> tuple[float, str]:
-    """Largest relative deviation, and of what: volume, com (in radii of gyration) or inertia (about its worst axis)."""
-    volume = abs(mesh.volume - exact.volume) / exact.volume
-    moments, axes = np.linalg.eigh(np.array(exact.unit_density.inertia))
-    if moments[0] <= 0.0:
-        return np.inf, "inertia"
-    shift = np.array(mesh.unit_density.com) - np.array(exact.unit_density.com)
-    gyration = sqrt(float(moments.sum()) / (2.0 * exact.volume))
-    scaled = axes / np.sqrt(moments)  # in these axes the exact inertia is 1 about every axis
-    difference = np.array(mesh.unit_density.inertia) - np.array(exact.unit_density.inertia)
-    inertia = float(np.abs(np.linalg.eigvalsh(scaled.T @ difference @ scaled)).max())
-    return max((volume, "volume"), (float(np.linalg.norm(shift)) / gyration, "com"), (inertia, "inertia"))
 
 
 def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
@@ -121,7 +104,7 @@ def _weigh(body: Body, measure: VolumeProperties | None, mode: MassMode) -> Weig
     mesh = body.refined or measure if mode is MassMode.MESH else measure
     if exact is None or mesh is None:
         return _only_one(exact, mesh, mode, body.defect)
-    worst, quantity = deviation(mesh, exact)
+    worst, quantity = mesh.deviation_from(exact)
     off = f"mesh is {worst:.1e} off in {quantity}"
     if mode is MassMode.EXACT:
         return Weighing(exact, "exact", worst)

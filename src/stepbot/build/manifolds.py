@@ -1,0 +1,186 @@
+"""Closed meshes as solids that can be intersected and joined, and convex hulls: the only module that knows manifold3d.
+
+https://github.com/elalish/manifold: its Booleans always end, and give a closed mesh for closed meshes, also where faces
+coincide.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import radians
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh import TriMesh
+from ..spatial import Array, Pose
+from .box_pairs import moved_boxes
+
+TOUCHING = 1e-6
+"""Depth [m] to which faces that touch may lie in each other."""
+
+_FLAT = 1e-7
+"""Volume of a hull, as a share of its diagonal cubed, below which it counts as flat."""
+_SMOOTH = radians(50.0)
+"""Angle between neighbouring triangles up to which they stand for one curved face; by default it is 15 degrees."""
+
+
+class Solid:
+    """A closed mesh; what is costly is made when it is first needed."""
+
+    def __init__(self, mesh: TriMesh) -> None:
+        self._mesh = mesh
+
+    @property
+    def face_count(self) -> int:
+        """Faces of the mesh."""
+        return len(self._mesh.faces)
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the mesh bounds a volume; if not, nothing can be said about what it overlaps."""
+        import manifold3d
+
+        return bool(self._manifold.status() == manifold3d.Error.NoError and not self._manifold.is_empty())
+
+    def may_meet(self, other: "Solid", X_AB: Pose) -> bool:
+        """Whether this solid, given in A, and another one, given in B, can have something in common.
+
+        That lies in both boxes. Where none of a solid's faces reach there, all of that place is inside it or outside.
+        """
+        return self._may_reach(other, X_AB) and other._may_reach(self, X_AB.inverse())
+
+    def intersection(self, other: "Solid", X_AB: Pose) -> "Intersection":
+        """What this solid, given in A, and another one, given in B, have in common."""
+        common = self._manifold ^ other._manifold.transform(X_AB.matrix[:3])
+        return Intersection(common, common.volume(), {self._id: self, other._id: other})
+
+    @cached_property
+    def sagittas(self) -> Array:
+        """For each face (m,) how far [m] it lies from the curved face that it stands for; 0 for flat ones.
+
+        Estimated from the mesh: a chord of width w, on an arc that turns by t, is w / 2 tan(t / 4) away from its middle.
+        """
+        return _sagittas(self._mesh)
+
+    @cached_property
+    def _id(self) -> int:
+        import manifold3d
+
+        return int(manifold3d.Manifold.reserve_ids(1))
+
+    @cached_property
+    def _manifold(self) -> Any:
+        """The mesh, with its faces numbered, so that the faces of an intersection tell where they come from."""
+        import manifold3d
+
+        faces = self._mesh.faces.astype(np.uint64)
+        numbered = manifold3d.Mesh64(
+            self._mesh.vertices.copy(),  # it takes no array that is read-only
+            faces,
+            run_index=np.array([0, faces.size], dtype=np.uint64),
+            run_original_id=np.array([self._id], dtype=np.uint32),
+            face_id=np.arange(len(faces), dtype=np.uint64),
+        )
+        return manifold3d.Manifold(numbered)
+
+    @cached_property
+    def _box(self) -> tuple[Array, Array]:
+        """Lowest and highest corner (1, 3) of the mesh."""
+        low, high = self._mesh.bounds
+        return np.array([low]), np.array([high])
+
+    @cached_property
+    def _face_boxes(self) -> tuple[Array, Array]:
+        """Lowest and highest corner (3, m) of each face."""
+        corners = self._mesh.vertices.T[:, self._mesh.faces.T]
+        return corners.min(axis=1), corners.max(axis=1)
+
+    def _may_reach(self, other: "Solid", X_AB: Pose) -> bool:
+        """Whether this solid can reach into the place where the boxes overlap, along its own axes."""
+        there = moved_boxes(*other._box, X_AB.R[None], X_AB.p[None])
+        low, high = np.maximum(self._box[0], there[0])[0], np.minimum(self._box[1], there[1])[0]
+        if (low + TOUCHING >= high).any():
+            return False
+        lows, highs = self._face_boxes
+        reaches = (lows[0] < high[0]) & (highs[0] > low[0])
+        for axis in (1, 2):
+            reaches &= (lows[axis] < high[axis]) & (highs[axis] > low[axis])
+        return bool(reaches.any()) or self._mesh.encloses(0.5 * (low + high))
+
+
+@dataclass(frozen=True, eq=False)
+class Intersection:
+    """What two solids have in common, in the frame of the first."""
+
+    _manifold: Any
+    volume: float
+    """[m^3]."""
+    _solids: dict[int, Solid]
+
+    @cached_property
+    def noise(self) -> float:
+        """Volume [m^3] that two solids with such faces may have in common though they only touch.
+
+        Of two curved faces that coincide the meshes do not: each lies beside the true face by its sagitta.
+        """
+        mesh = self._manifold.to_mesh64()
+        corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts, dtype=np.int64)]
+        areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        numbers = np.asarray(mesh.face_id, dtype=np.int64)
+        # A run is the faces that come from one solid; its bounds count corners.
+        runs = np.asarray(mesh.run_index, dtype=np.int64) // 3
+        depths = np.empty(len(areas))
+        for solid, start, end in zip(mesh.run_original_id, runs[:-1], runs[1:], strict=True):
+            depths[start:end] = self._solids[int(solid)].sagittas[numbers[start:end]]
+        return float(areas @ (depths + 0.5 * TOUCHING))
+
+
+def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
+    """Volume [m^3] of several intersections together, each given in A and placed by X_WA."""
+    import manifold3d
+
+    placed = [part._manifold.transform(X_WA.matrix[:3]) for part, X_WA in parts]
+    return float(manifold3d.Manifold.batch_boolean(placed, manifold3d.OpType.Add).volume())
+
+
+def convex_hull(points: Array) -> TriMesh | None:
+    """Convex hull of points (n, 3), faces outwards; None where they lie in a plane, or nearly."""
+    import manifold3d
+
+    if len(points) < 4:
+        return None
+    hull = manifold3d.Manifold.hull_points(np.ascontiguousarray(points))
+    diagonal = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    if hull.volume() <= _FLAT * diagonal**3:
+        return None
+    mesh = hull.to_mesh64()
+    return TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))
+
+
+def _sagittas(mesh: TriMesh) -> Array:
+    """See :attr:`Solid.sagittas`; of a closed mesh, each of whose edges joins two faces."""
+    corners = mesh.vertices[mesh.faces]
+    edges = np.roll(corners, -1, axis=1) - corners  # edge i goes from corner i to the next
+    normals = np.cross(edges[:, 0], edges[:, 1])
+    lengths = np.linalg.norm(edges, axis=2).ravel()
+    doubled = np.repeat(np.linalg.norm(normals, axis=1), 3)
+    heights = np.divide(doubled, lengths, out=np.zeros_like(lengths), where=lengths > 0.0)
+    first, second = _edge_sides(mesh.faces)
+    a, b = normals[first // 3], normals[second // 3]
+    angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ij,ij->i", a, b))
+    widths = np.minimum(heights[first], heights[second])
+    depths = np.where(angles < _SMOOTH, 0.5 * widths * np.tan(0.25 * angles), 0.0)
+    found = np.zeros(len(mesh.faces))
+    np.maximum.at(found, first // 3, depths)
+    np.maximum.at(found, second // 3, depths)
+    return found
+
+
+def _edge_sides(faces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Both sides of each edge, as places in the flat ``faces``: a side goes from there to the next corner of its face."""
+    starts, ends = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
+    keys = np.minimum(starts, ends) * (int(faces.max()) + 1) + np.maximum(starts, ends)
+    order = np.argsort(keys, kind="stable")
+    return order[0::2], order[1::2]
