@@ -100,6 +100,9 @@ class Worker:
         try:
             output = self._process.stdout.read()
             status = self._process.wait()
+        except BaseException:  # Ctrl-C: nobody waits for the process any more
+            self.close()
+            raise
         finally:
             timer.cancel()
         if self._writer is not None:
@@ -165,7 +168,7 @@ def call_isolated(
 def _environment() -> dict[str, str]:
     """The caller's environment, one thread per library, and the caller's import path."""
     paths = [path for path in sys.path if path]
-    one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     return {**one_thread, **os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8"}
 
 
@@ -199,9 +202,9 @@ def _serve() -> None:
         arguments = pickle.loads(sys.stdin.buffer.read())
         outcome = ("returned", function(*arguments))
     except MemoryError:
-        print("MemoryError", file=sys.stderr)
+        sys.stderr.write("MemoryError\n")
         sys.exit(1)
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001 - raised again by the caller, as a RemoteError
         outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
     results.write(pickle.dumps(outcome, protocol=5))
     results.flush()

@@ -58,7 +58,7 @@ class TriMesh:
         return TriMesh.of(self.vertices[used], renumbered.reshape(-1, 3))
 
     def encloses(self, point: ArrayLike) -> bool:
-        """Whether a point (3,) lies inside, of a closed mesh: by the solid angle that it fills (van Oosterom, Strackee 1983)."""
+        """Whether a point (3,) lies in a closed mesh: by the solid angle that it sees (van Oosterom, Strackee 1983)."""
         a, b, c = (self.vertices[self.faces[:, corner]] - np.asarray(point) for corner in range(3))
         la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
         ab, bc, ca = (np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a)))

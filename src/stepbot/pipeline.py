@@ -1,6 +1,6 @@
-"""The whole program on one page: sidecar and STEP in, three files and a proof out.
+r"""The whole program on one page: sidecar and STEP in, three files and a proof out.
 
-    sidecar -> Document \\
+    sidecar -> Document \
                          build -> Robot -> passes -> Robot -> writers -> files -> simulators -> observations -> verify
     STEP    -> Assembly /
 
@@ -103,8 +103,7 @@ def _convert(path: Path, options: Options, found: Diagnostics, progress: Callabl
     sidecar = _load(path, found)
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
-        wanted = read_options(sidecar.document)
-        reading = running.enter_context(closing(start_reading(step, wanted, memory_limit=options.memory_limit)))
+        reading = running.enter_context(closing(_start(step, read_options(sidecar.document), options, found)))
         # The engines import while the kernel works.
         formats = [writer.NAME for writer in writers] if options.verify else []
         provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit))
@@ -115,7 +114,7 @@ def _convert(path: Path, options: Options, found: Diagnostics, progress: Callabl
         stage_ends()
         assert robot is not None  # no robot without an error
         robot = run_passes(robot, found)
-        check_robot(robot, found, sidecar.span())
+        check_robot(robot, found, sidecar.span(), assembly.unit)
         stage_ends()
 
         progress("write")
@@ -162,7 +161,7 @@ def check(sidecar: Path, found: Diagnostics, *, open_step: bool = False, step: P
             assembly, measures = _read(source, read_options(loaded.document), options, found)
             robot = build_robot(assembly, loaded, measures, found)
             if robot is not None:
-                check_robot(run_passes(robot, found), found, loaded.span())
+                check_robot(run_passes(robot, found), found, loaded.span(), assembly.unit)
     except StepbotError as error:
         found.extend(error.diagnostics)
 
@@ -205,8 +204,17 @@ def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
 def _read(
     step: Path, what: ReadOptions, options: Options, found: Diagnostics
 ) -> tuple[Assembly, tuple[VolumeProperties | None, ...]]:
-    with closing(start_reading(step, what, memory_limit=options.memory_limit)) as reading:
+    with closing(_start(step, what, options, found)) as reading:
         return _finish(reading, options, found)
+
+
+def _start(step: Path, what: ReadOptions, options: Options, found: Diagnostics) -> Reading:
+    """Begin to read; a file that is refused at once ends the conversion before anything slow is loaded."""
+    reading = start_reading(step, what, memory_limit=options.memory_limit)
+    if reading.pid is None:
+        reading.finish(found)
+        found.raise_if_errors()
+    return reading
 
 
 def _finish(

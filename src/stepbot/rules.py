@@ -53,13 +53,14 @@ _Extent = tuple[Vector3, Vector3]
 Report = Callable[..., None]
 
 
-def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None) -> None:
+def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit: str = "") -> None:
     """Report whatever no physical robot can have.
 
     Args:
         robot: Any robot, from wherever.
         found: Receives SB41x, SB420, SB508 to SB510.
         span: Where the robot is described; its source as a whole, if left out.
+        unit: Length unit of the robot's source, which is in doubt where the robot is very large or very light.
     """
     place = span if span is not None else Span(robot.source or robot.name)
 
@@ -68,8 +69,9 @@ def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None) -> N
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):
-        for rule in (_check_limits, _check_masses, _check_closures, _check_size):
+        for rule in (_check_limits, _check_masses, _check_closures):
             rule(robot, report)
+        _check_scale(robot, report, unit)
 
 
 def _check_names(robot: Robot, report: Report) -> bool:
@@ -193,18 +195,26 @@ def _check_masses(robot: Robot, report: Report) -> None:
     for members in _rigid_groups(robot):
         moves = robot.base is Base.FLOATING or members[0] is not robot.root
         if moves and not any(link.mass_properties.mass > 0.0 for link in members):
-            report(
-                "SB508",
-                f"link '{members[0].name}': it moves and has no mass",
-                help=("give it parts, or an `inertial`; or make it a frame of the link above",),
-            )
+            _report_massless(members, report)
     for link in robot.links:
         fault = inertia_fault(link.mass_properties)
         if fault:
-            report("SB509", f"link '{link.name}': {fault}")
-    total = sum(link.mass_properties.mass for link in robot.links)
-    if 0.0 < total < LIGHTEST:
-        report("SB510", f"robot '{robot.name}': it weighs {total * 1e3:.3g} g; is the length unit of the STEP right?")
+            report(
+                "SB509",
+                f"link '{link.name}': {fault}",
+                help=("repair its solids in CAD: they are open or cross themselves; or give it an `inertial`",),
+            )
+
+
+def _report_massless(members: list[Link], report: Report) -> None:
+    parts = [path for link in members for path in link.components]
+    if parts:
+        why = f"none of its parts, such as '{parts[0]}', encloses a volume"
+        help = "give it an `inertial` with mass, com and inertia"
+    else:
+        why = "it has no parts"
+        help = "give it parts, or an `inertial`; or make it a frame of the link above"
+    report("SB508", f"link '{members[0].name}': it moves and has no mass: {why}", help=(help,))
 
 
 def inertia_fault(properties: MassProperties) -> str:
@@ -249,9 +259,21 @@ def _check_closures(robot: Robot, report: Report) -> None:
             )
 
 
-def _check_size(robot: Robot, report: Report) -> None:
+def _check_scale(robot: Robot, report: Report, unit: str) -> None:
+    """A robot of thousandths of a gram or of dozens of metres is drawn in another unit than its file says."""
+    question = f"is {unit or 'its length unit'} what {robot.source or 'its source'} was drawn in?"
+    total = sum(link.mass_properties.mass for link in robot.links)
+    if 0.0 < total < LIGHTEST:
+        report("SB510", f"robot '{robot.name}': it weighs {total * 1e3:.3g} g; {question}")
+    size = _size(robot)
+    if size > LARGEST:
+        report("SB420", f"robot '{robot.name}': it is {size:.3g} m large; {question}")
+
+
+def _size(robot: Robot) -> float:
+    """Longest edge [m] of the box around the robot as drawn; 0 where nothing is seen, or poses are not known."""
     if not all(joint.kind in _SUPPORTED for joint in robot.joints):
-        return
+        return 0.0
     poses = link_poses(robot, initial_configuration(robot))
     extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
     boxes = [
@@ -261,11 +283,9 @@ def _check_size(robot: Robot, report: Report) -> None:
         if (extent := _extent(shape.geometry, extents)) is not None
     ]
     if not boxes:
-        return
+        return 0.0
     low, high = join_bounds(boxes)
-    size = max(top - bottom for bottom, top in zip(low, high, strict=True))
-    if size > LARGEST:
-        report("SB420", f"robot '{robot.name}': it is {size:.3g} m large; is the length unit of the STEP right?")
+    return max(top - bottom for bottom, top in zip(low, high, strict=True))
 
 
 def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:

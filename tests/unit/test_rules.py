@@ -150,6 +150,16 @@ def test_each_fault_has_its_code(fault: str) -> None:
     assert set(_codes(robot)) == {code}
 
 
+@pytest.mark.parametrize(("fault", "size"), [("dust", "it weighs 0.2 g"), ("giant", "it is 20.1 m large")])
+def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
+    """What is far too large or too light asks for the unit of its file by name."""
+    found = Diagnostics()
+    check_robot(replace(BROKEN[fault][1], source="arm.step"), found, unit="inch")
+    (warning,) = found
+    assert warning.severity == "warning"
+    assert warning.message.endswith(f"{size}; is inch what arm.step was drawn in?")
+
+
 SOUND: dict[str, Robot] = {
     "plain": _pair(),
     "joint named like its link": _pair(_hinge(name="b")),

@@ -84,10 +84,9 @@ def _report_bodies(binder: Binder, claims: Claims, weighings: Sequence[Weighing]
     """Report bodies whose mass properties are not what one would expect, in links that are not given theirs."""
     links = binder.document.links
     given = {name for name, link in links.items() if link.inertial is not None and is_complete(link.inertial)}
-    used = [index for index, link in enumerate(claims.link_of) if link]
-    excused = {index for index in used if claims.link_of[index] in given}
-    report_weighing(binder, weighings, [index for index in used if index not in excused])
-    report_weightless(binder, weighings, used, excused)
+    weighed = [index for index, link in enumerate(claims.link_of) if link and link not in given]
+    report_weighing(binder, weighings, weighed)
+    report_weightless(binder, weighings, weighed)
 
 
 __all__ = ["build_robot", "link_components"]

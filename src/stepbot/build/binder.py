@@ -43,7 +43,7 @@ class Binder:
         self.found.add(code, f"{subject(keys[:2])}: {message}", self.span(keys), help=help, notes=notes)
 
     def span(self, keys: Keys) -> Span:
-        """The place of a value; of a whole section, of its name; the whole file where the sidecar has no such section."""
+        """The place of a value; of a whole section, that of its name; the whole file where it has no such section."""
         if keys and keys[0] not in self.document.model_fields_set:
             return Span(str(self.sidecar.path))
         return self.sidecar.key_span(*keys) if len(keys) <= 2 else self.sidecar.span(*keys)

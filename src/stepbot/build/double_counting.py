@@ -1,4 +1,4 @@
-"""Tells how much mass overlapping solids count twice: a warning where that matters for a link, a note where it does not."""
+"""Tells how much mass overlapping solids count twice: a warning where that matters for a link, else a note."""
 
 from collections.abc import Mapping, Sequence
 

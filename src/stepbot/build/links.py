@@ -56,6 +56,11 @@ class Links:
         if unknown:
             paths = tuple(quoted(self._binder.path(index)) for index in sorted(unknown))
             count = f"{len(paths)} components have" if len(paths) > 1 else f"component {paths[0]} has"
+            materials = [name for i in unknown if (name := self._binder.assembly.components[i].material.strip())]
+            listed_materials = [
+                f"or the material that the STEP names: `materials: {{{quoted(name)}: {{density: 1240 kg/m^3}}}}`"
+                for name in list(dict.fromkeys(materials))[:3]
+            ]
             self._binder.found.add(
                 "SB501",
                 f"{self._binder.assembly.source}: {count} no density",
@@ -63,6 +68,7 @@ class Links:
                 help=(
                     "give them all one: `defaults: {density: 1240 kg/m^3}`",
                     f"or this one: `parts: {{{paths[0]}: {{density: 1240 kg/m^3}}}}`, or its `mass`",
+                    *listed_materials,
                 ),
                 notes=listed(paths),
             )

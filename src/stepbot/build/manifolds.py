@@ -60,7 +60,7 @@ class Solid:
     def sagittas(self) -> Array:
         """For each face (m,) how far [m] it lies from the curved face that it stands for; 0 for flat ones.
 
-        Estimated from the mesh: a chord of width w, on an arc that turns by t, is w / 2 tan(t / 4) away from its middle.
+        Estimated from the mesh: a chord of width w on an arc that turns by t is w / 2 tan(t / 4) away from its middle.
         """
         return _sagittas(self._mesh)
 
@@ -179,7 +179,7 @@ def _sagittas(mesh: TriMesh) -> Array:
 
 
 def _edge_sides(faces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Both sides of each edge, as places in the flat ``faces``: a side goes from there to the next corner of its face."""
+    """Both sides of each edge, as places in the flat ``faces``: a side goes from there to its face's next corner."""
     starts, ends = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
     keys = np.minimum(starts, ends) * (int(faces.max()) + 1) + np.maximum(starts, ends)
     order = np.argsort(keys, kind="stable")

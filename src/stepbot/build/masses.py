@@ -51,6 +51,7 @@ class _Sharing:
         self._matters = matters
         self._computed = computed
         self._ends = subtree_ends(binder.assembly.components)
+        self._empty: dict[str, int] = {}
         self._given = {index: given for index, given in sorted(matters.given.items()) if self._has_volume(index)}
         self._indices = list(self._given)
         self._result = dict(computed)
@@ -100,11 +101,16 @@ class _Sharing:
             return True
         if any(self._binder.assembly.components[i].body >= 0 and not self._matters.of[i].ignored for i in below):
             pattern = self._matters.given[index].pattern
+            if index < self._empty.get(pattern, 0):
+                return False  # it was told of what holds this one
+            self._empty[pattern] = self._ends[index]
             self._binder.report(
                 "SB503",
                 ("parts", pattern, "mass"),
                 f"'{self._binder.path(index)}' has no volume that could weigh {self._matters.given[index].mass:g} kg",
-                help=("give the mass to a component with solids, or give the link an `inertial` with com and inertia",),
+                help=(
+                    "give its link an `inertial` with mass, com and inertia, or the mass to a component with solids",
+                ),
             )
         return False
 

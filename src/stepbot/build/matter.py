@@ -1,7 +1,8 @@
 """What each component is made of, and how it is to look: fields from the sidecar's ``parts``, the STEP, the defaults.
 
 Each field comes from the first rule that sets it, on the component or on anything above it. A rule with ``material``
-sets the density and the colour that the material has; where it says one of them itself, that counts.
+sets the density and the colour that the material has; where it says one of them itself, that counts. A material that
+only the STEP names has the density that the sidecar's ``materials`` give it.
 """
 
 from collections.abc import Callable
@@ -10,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..cad.assembly import BodyKind, Component
+from ..cad.paths import quoted
 from ..model import Rgba
 from ..sidecar.document import CollisionShape, Document, MaterialSection, PartRule, StepDensity
-from .binder import Binder
+from .binder import Binder, listed
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class Matter:
     density: float = 0.0
     """[kg/m^3]; 0 where nothing gives one."""
     density_origin: str = ""
-    """``parts rule '**/Cover'``, ``STEP`` or ``defaults``; empty where nothing gives one."""
+    """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty where there is none."""
     color: Rgba | None = None
     """Colour that overrules the STEP's."""
     visual: bool | None = None
@@ -77,6 +79,7 @@ def matters(binder: Binder) -> Matters:
         for component in components
     )
     _warn_of_uniform_density(binder, found)
+    _note_unlisted_materials(binder, found)
     return Matters(found, given)
 
 
@@ -125,6 +128,9 @@ def _density(component: Component, named: tuple[str, PartRule] | None, document:
         return _rule_density(named[1], document) or 0.0, f"parts rule '{named[0]}'"
     if component.density > 0.0 and document.step_density is StepDensity.USE:
         return component.density, "STEP"
+    name = component.material.strip()
+    if name and (density := _material(document, name).density) is not None:
+        return density, f"material '{name}' in the STEP"
     defaults = document.defaults
     default = defaults.density if defaults.density is not None else _material(document, defaults.material).density
     return (default, "defaults") if default is not None else (0.0, "")
@@ -146,3 +152,31 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[Matter, ...]) -> None:
             binder.span(("step_density",)),
             help=("write `step_density: ignore` and `defaults: {material: ...}`, with exceptions in `parts`",),
         )
+
+
+def _note_unlisted_materials(binder: Binder, found: tuple[Matter, ...]) -> None:
+    """Tell of materials in the STEP whose parts weigh what the defaults say, because nothing gives their density."""
+    document, components = binder.document, binder.assembly.components
+    unlisted: dict[str, list[int]] = {}
+    for component in components:
+        name = component.material.strip()
+        solid = component.body >= 0 and binder.assembly.bodies[component.body].kind in (
+            BodyKind.SOLID,
+            BodyKind.TESSELLATED,
+        )
+        if solid and name and found[component.index].density_origin == "defaults":
+            unlisted.setdefault(name, []).append(component.index)
+    if unlisted and document.step_density is StepDensity.USE:
+        count = sum(map(len, unlisted.values()))
+        parts = f"{count} parts are" if count > 1 else "one part is"
+        binder.found.add(
+            "SB515",
+            f"{binder.assembly.source}: {parts} of a material whose density nothing gives, and made of the default",
+            binder.span(("materials",)),
+            help=(f"give it one: `materials: {{{quoted(next(iter(unlisted)))}: {{density: ...}}}}`",),
+            notes=listed(tuple(f"'{name}': {quoted(binder.path(of[0]))}{_more(of)}" for name, of in unlisted.items())),
+        )
+
+
+def _more(indices: list[int]) -> str:
+    return f" and {len(indices) - 1} more" if len(indices) > 1 else ""

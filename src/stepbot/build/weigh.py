@@ -56,25 +56,26 @@ def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: C
         binder.found.add("SB505", f"mass: {message}", span, notes=listed(deviating))
 
 
-def report_weightless(
-    binder: Binder, weighings: Sequence[Weighing], components: Collection[int], excused: Collection[int]
-) -> None:
-    """Report components without a volume: surfaces weigh nothing, but a solid should.
-
-    ``excused`` are those whose link is given mass, com and inertia as a whole.
-    """
+def report_weightless(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
+    """Report components without a volume: surfaces weigh nothing, but a solid should."""
     surfaces: dict[int, list[int]] = {}
     broken: dict[int, list[int]] = {}
     for index in sorted(components):
         number = binder.assembly.components[index].body
         if weighings[number].properties is None:
-            solid = binder.assembly.bodies[number].kind is BodyKind.SOLID and index not in excused
+            solid = binder.assembly.bodies[number].kind is BodyKind.SOLID
             (broken if solid else surfaces).setdefault(number, []).append(index)
     source, span = binder.assembly.source, binder.span(("links",))
     if surfaces:
         count = sum(map(len, surfaces.values()))
         what = f"{count} surfaces weigh" if count > 1 else "one surface weighs"
-        binder.found.add("SB506", f"{source}: {what} nothing", span, notes=_bodies(binder, surfaces))
+        binder.found.add(
+            "SB506",
+            f"{source}: {what} nothing",
+            span,
+            help=("where one stands for something heavy, give its link an `inertial` with mass, com and inertia",),
+            notes=_bodies(binder, surfaces),
+        )
     if broken:
         count = sum(map(len, broken.values()))
         what = f"{count} solids enclose" if count > 1 else "one solid encloses"

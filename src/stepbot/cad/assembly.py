@@ -41,7 +41,7 @@ class ReadOptions:
     tolerance_of: tuple[tuple[str, MeshTolerance], ...] = ()
     """Component path or glob (see :mod:`stepbot.cad.paths`) and its own tolerance; the nearest claim wins."""
     refine_mass_to: float = 0.0
-    """Relative deviation from the exact mass properties that a separate measuring mesh is refined to; 0 for no such mesh."""
+    """Relative deviation from the exact mass properties to refine a measuring mesh to; 0 for no such mesh."""
     geometry: bool = True
     """Whether bodies are meshed and measured; False gives the tree alone."""
 
@@ -61,7 +61,10 @@ class VolumeProperties:
         return VolumeProperties(float(volume), MassProperties.of(volume, com.tolist(), inertia))
 
     def deviation_from(self, exact: "VolumeProperties") -> tuple[float, str]:
-        """Largest relative deviation, and of what: volume, com (in radii of gyration) or inertia (about its worst axis)."""
+        """Largest relative deviation, and of what: ``volume``, ``com`` or ``inertia``.
+
+        The com's is in radii of gyration, the inertia's about the axis where it is worst.
+        """
         volume = abs(self.volume - exact.volume) / exact.volume
         moments, axes = np.linalg.eigh(np.array(exact.unit_density.inertia))
         if moments[0] <= 0.0:

@@ -24,8 +24,8 @@ from .triangles import faces_of, faceted_faces
 
 _DOUBTFUL = 1e-3
 """Share by which the volumes of mesh and exact shape may differ before rational faces are integrated anew."""
-_FAR_OFF = 0.05
-"""Share by which they may differ before the body is suspect."""
+_AGREEMENT = 2e-4
+"""Share within which both integrations say the same."""
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
@@ -87,7 +87,7 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     defect = _defect(work, result, wanted, watertight)
     refinement = Refinement()
     if request.refine_mass_to > 0.0 and work.kind == BodyKind.SOLID and (work.exact or watertight):
-        refinement = refine(work.healed.shape, wanted, size, work.exact, request.refine_mass_to)
+        refinement = refine(work.healed.shape, mesh, result.fineness, work.exact, request.refine_mass_to)
         if refinement.shortfall:
             work.say("SB606", refinement.shortfall)
     return ReadBody(
@@ -135,11 +135,19 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
     if work.exact is None:
         return work.say("SB602", "it encloses no volume")
     if _doubt(work.exact, result.mesh) > _DOUBTFUL and has_rational_faces(faces_of(work.healed.shape)):
-        work.exact = volume_properties(integrate_adaptively(work.healed.shape)) or work.exact
-    if _doubt(work.exact, result.mesh) > _FAR_OFF:
+        work.exact = _second_opinion(work.exact, work.healed.shape)
+    if _doubt(work.exact, result.mesh) > result.volume_tolerance:
         volumes = (result.mesh.signed_volume, work.exact.volume * MILLIMETRES_PER_METRE**3)
         work.say("SB605", "its mesh encloses {:.6g} mm^3, its exact shape {:.6g} mm^3".format(*volumes))
     return ""
+
+
+def _second_opinion(plain: VolumeProperties, shape: object) -> VolumeProperties:
+    """The adaptive integration where it says that the plain one is wrong; where both agree the plain one is better."""
+    adaptive = volume_properties(integrate_adaptively(shape))
+    if adaptive is None or abs(adaptive.volume - plain.volume) < _AGREEMENT * plain.volume:
+        return plain
+    return adaptive
 
 
 def _doubt(exact: VolumeProperties, mesh: Stitched) -> float:

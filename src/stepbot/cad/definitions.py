@@ -7,7 +7,6 @@ shells and what is left of loose faces; curves and points count only where there
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 from OCP.BRep import BRep_Builder
 from OCP.collections import Sequence_TDF_Label
 from OCP.TCollection import TCollection_AsciiString
@@ -17,12 +16,11 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Iterator
 from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
-from ..spatial import Array
 from .colors import Colors
 from .length_unit import DEFAULT_PRECISION
 from .products import Products
 from .source import NONE, BodySource, Child, Definition
-from .step import MILLIMETRES_PER_METRE
+from .step import matrix_of
 
 _GROUPS = (TopAbs_ShapeEnum.TopAbs_COMPOUND, TopAbs_ShapeEnum.TopAbs_COMPSOLID)
 _ENCLOSED = (TopAbs_ShapeEnum.TopAbs_SOLID, TopAbs_ShapeEnum.TopAbs_SHELL)
@@ -71,12 +69,18 @@ class Definitions:
             referred = TDF_Label()
             XCAFDoc_ShapeTool.GetReferredShape_s(component, referred)
             below.append(self._read(referred, precision))
-        names = self._products.occurrence_names(
-            definition.product, [self.all[index].product for index in below], [_name(label) for label in components]
-        )
-        for index, name, component in zip(below, names, components, strict=True):
-            matrix = _matrix(XCAFDoc_ShapeTool.GetLocation_s(component).Transformation())
-            definition.children.append(Child(index, name, matrix, self._colors.of_label(component)))
+        products = [self.all[index].product for index in below]
+        found = self._products.occurrences_of(definition.product, products, [_name(label) for label in components])
+        children: list[tuple[int, Child]] = []
+        for index, occurrence, component in zip(below, found, components, strict=True):
+            matrix = matrix_of(XCAFDoc_ShapeTool.GetLocation_s(component).Transformation())
+            color = self._colors.of_label(component)
+            children.append((occurrence, Child(index, self._products.name_of(occurrence), matrix, color)))
+            for other, place in self._products.repeated(occurrence, matrix):
+                children.append((other, Child(index, self._products.name_of(other), place)))
+        # In file order; bodies beside components, which the kernel made up, come last.
+        children.sort(key=lambda numbered: (numbered[0] == NONE, numbered[0]))
+        definition.children = [child for _, child in children]
 
     def _read_bodies(self, label: Any, definition: Definition, precision: float) -> None:
         shapes, wires = _taken_apart(XCAFDoc_ShapeTool.GetShape_s(label))
@@ -125,16 +129,6 @@ def _joined(shapes: list[Any]) -> Any:
     for shape in shapes:
         builder.Add(compound, shape)
     return compound
-
-
-def _matrix(transformation: Any) -> Array:
-    """A transformation of the kernel as a homogeneous matrix [m]."""
-    X = np.eye(4)
-    for row in range(3):
-        for column in range(3):
-            X[row, column] = transformation.Value(row + 1, column + 1)
-        X[row, 3] = transformation.Value(row + 1, 4) / MILLIMETRES_PER_METRE
-    return X
 
 
 def _listed(fill: Any) -> list[Any]:

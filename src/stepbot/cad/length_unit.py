@@ -71,7 +71,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
 def precision(context: Any) -> float:
     """Uncertainty [mm] that the shapes of a context are drawn with, as the kernel reads it."""
     measures = _part(context, "GlobalUncertaintyAssignedContext")
-    factors = _factors(context)
+    factors = unit_factors(context)
     if measures is None or factors is None:
         return DEFAULT_PRECISION
     factors.ComputeTolerance(measures)
@@ -85,7 +85,7 @@ def _has_lengths(representation: Any) -> bool:
 
 def _length_unit(context: Any) -> DeclaredUnit | None:
     """The length unit of a context; None where it has none, or one that the kernel does not follow."""
-    factors = _factors(context)
+    factors = unit_factors(context)
     assigned = _part(context, "GlobalUnitAssignedContext")
     if factors is None or not factors.LengthDone():
         return None
@@ -97,7 +97,7 @@ def _length_unit(context: Any) -> DeclaredUnit | None:
     return None
 
 
-def _factors(context: Any) -> Any:
+def unit_factors(context: Any) -> Any:
     """The kernel's own unit factors for a context; None where it has no units."""
     assigned = _part(context, "GlobalUnitAssignedContext")
     if assigned is None:

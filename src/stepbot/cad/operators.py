@@ -1,9 +1,9 @@
 """Transformation operators of a STEP file, made such that the kernel reads them as ISO 10303-42 means them.
 
-``cartesian_transformation_operator_3d`` may mirror (its axes may be left-handed) and scale. The kernel takes the axes as
-right-handed, which turns a mirror image into a rotation, and divides by the scale. Operators that it would get wrong are
-rewritten in the model before shapes are built. A negative scale breaks the standard; the kernel's own writer means
-mirror images by it, and reads them back, so those are left alone.
+``cartesian_transformation_operator_3d`` may mirror (its axes may be left-handed) and scale. The kernel takes the axes
+as right-handed, which turns a mirror image into a rotation, and divides by the scale. Operators that it would get
+wrong are rewritten in the model before shapes are built. A negative scale breaks the standard; the kernel's own
+writer means mirror images by it, and reads them back, so those are left alone.
 """
 
 from typing import Any

@@ -5,8 +5,8 @@ theirs. Here every product definition and every occurrence is renamed to a numbe
 come back as names of labels, and lead to the entities and to their true names.
 """
 
-from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,9 @@ from OCP.StepRepr import StepRepr_NextAssemblyUsageOccurrence, StepRepr_ProductD
 from OCP.StepShape import StepShape_ShapeDefinitionRepresentation
 from OCP.TCollection import TCollection_HAsciiString
 
+from ..spatial import Array
 from .length_unit import DEFAULT_PRECISION, precision
+from .repetition import take_out_repetitions
 from .selection import entities, text
 from .source import NONE
 
@@ -47,12 +49,13 @@ class Occurrence:
 class Products:
     """The product definitions of a file and their occurrences in each other, in file order."""
 
-    def __init__(self, session: Any, decode: Callable[[str], str]) -> None:
+    def __init__(self, session: Any, decode: Callable[[str], str], *, take_out: bool = True) -> None:
         """Collect them, and mark each in the model.
 
         Args:
             session: The reader's work session.
             decode: Turns a string of the model into its text.
+            take_out: Whether occurrences that repeat many times are kept from the kernel.
         """
         definitions = entities(session, StepBasic_ProductDefinition)
         precisions = _precisions(session)
@@ -70,17 +73,22 @@ class Products:
             )
             for usage in usages
         ]
+        keys = [(occurrence.assembly, occurrence.product) for occurrence in self.occurrences]
+        repetitions = take_out_repetitions(session, usages, keys) if take_out else []
+        self._repetitions = {repetition.first: repetition for repetition in repetitions}
+        taken_out = {index for r in repetitions for index in r.matrices if index != r.first}
         self._below: dict[int, list[int]] = defaultdict(list)
         for index, occurrence in enumerate(self.occurrences):
-            self._below[occurrence.assembly].append(index)
+            if index not in taken_out:
+                self._below[occurrence.assembly].append(index)
         self._mark(definitions, usages)
 
     def product_of(self, mark: str) -> int:
         """Index of the product whose mark a label carries; -1 for a label that the kernel made up."""
         return _number(mark, _PRODUCT)
 
-    def occurrence_names(self, assembly: int, products: Sequence[int], marks: Sequence[str]) -> list[str]:
-        """Names of the components of an assembly.
+    def occurrences_of(self, assembly: int, products: Sequence[int], marks: Sequence[str]) -> list[int]:
+        """Indices of the occurrences that the components of an assembly are; -1 for components that are none.
 
         Args:
             assembly: Index of its product.
@@ -88,20 +96,34 @@ class Products:
             marks: For each component the name of its label.
         """
         expected: dict[int, list[int]] = defaultdict(list)
-        for index in self._below.get(assembly, []):
+        for index in reversed(self._below.get(assembly, [])):
             expected[self.occurrences[index].product].append(index)
-        counts = {product: products.count(product) for product in expected}
-        names = []
+        counts = Counter(products)
+        found = []
         for product, mark in zip(products, marks, strict=True):
             candidates = expected.get(product, [])
             # In file order, as the kernel builds them; where it built fewer, the mark tells which.
-            if product != NONE and len(candidates) == counts.get(product, 0):
-                index = candidates.pop(0)
+            if product != NONE and len(candidates) == counts[product]:
+                found.append(candidates.pop())
                 counts[product] -= 1
             else:
-                index = _number(mark, _OCCURRENCE)
-            names.append(self.occurrences[index].name if index != NONE else "")
-        return names
+                found.append(_number(mark, _OCCURRENCE))
+        return found
+
+    def name_of(self, occurrence: int) -> str:
+        """Name of an occurrence; empty for none."""
+        return self.occurrences[occurrence].name if occurrence != NONE else ""
+
+    def repeated(self, occurrence: int, matrix: Array) -> Iterator[tuple[int, Array]]:
+        """Occurrences that were kept from the kernel in favour of this one, and their matrices (4, 4) [m].
+
+        Raises:
+            MisplacedOccurrence: The kernel puts this one elsewhere than it was expected.
+        """
+        repetition = self._repetitions.get(occurrence)
+        if repetition is not None:
+            repetition.check(matrix)
+            yield from ((index, place) for index, place in repetition.matrices.items() if index != occurrence)
 
     @staticmethod
     def _mark(definitions: list[Any], usages: list[Any]) -> None:

@@ -27,6 +27,11 @@ class Reading:
     def __init__(self, worker: Worker | None, place: str, found: Diagnostics) -> None:
         self._worker, self._place, self._found = worker, place, found
 
+    @property
+    def pid(self) -> int | None:
+        """Id of the kernel's process; None where there is none, or no longer."""
+        return self._worker.pid if self._worker is not None else None
+
     def finish(self, found: Diagnostics, timeout: float = DEFAULT_TIMEOUT) -> Assembly | None:
         """Wait for the assembly.
 

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from OCP.collections import DataMap_TCollection_AsciiString_TCollection_AsciiString as ParameterMap
 from OCP.IFSelect import IFSelect_ReturnStatus
 from OCP.Interface import Interface_Static
 from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Reader
 from OCP.TCollection import TCollection_AsciiString, TCollection_ExtendedString
 from OCP.TDocStd import TDocStd_Document
+
+from ..spatial import Array
 
 MILLIMETRES_PER_METRE = 1000.0
 """The kernel's lengths are millimetres, whatever the file's unit is."""
@@ -91,3 +94,13 @@ def transfer(model: StepModel) -> Any:
     if not reader.Transfer(document):
         raise StepUnreadable("the kernel finds no shape in it")
     return document
+
+
+def matrix_of(transformation: Any) -> Array:
+    """A transformation of the kernel as a homogeneous matrix (4, 4) [m]."""
+    X = np.eye(4)
+    for row in range(3):
+        for column in range(3):
+            X[row, column] = transformation.Value(row + 1, column + 1)
+        X[row, 3] = transformation.Value(row + 1, 4) / MILLIMETRES_PER_METRE
+    return X

@@ -66,6 +66,12 @@ class Stitched:
         a, b, c = (self.vertices[self.faces[:, k]] - self.vertices.mean(axis=0) for k in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
+    @property
+    def area(self) -> float:
+        """Area of all faces."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+
     def turned(self) -> "Stitched":
         """The same mesh with its faces looking the other way."""
         return Stitched(self.vertices, self.faces[:, ::-1], self.places, self.open_edges)
@@ -94,7 +100,7 @@ def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
 
 
 def is_watertight(faces: NDArray[np.int32]) -> bool:
-    """Whether every edge joins exactly two faces that agree on the outside: each direction of it occurs once."""
+    """Whether every edge joins exactly two faces that agree on the outside: it runs once each way."""
     if not len(faces):
         return False
     start, end = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
@@ -104,7 +110,7 @@ def is_watertight(faces: NDArray[np.int32]) -> bool:
 
 
 def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
-    """For each of ``count`` elements the lowest one that it is joined to by the pairs (left, right), itself included."""
+    """For each of ``count`` elements the lowest that pairs (left, right) join it to, itself included."""
     labels = np.arange(count, dtype=np.int64)
     while True:
         a, b = labels[left], labels[right]

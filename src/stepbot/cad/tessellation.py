@@ -58,6 +58,18 @@ class Tessellation:
     """Places of faces that have no triangles."""
 
     @property
+    def volume_tolerance(self) -> float:
+        """Share of the volume by which a mesh of this fineness may be off.
+
+        A facet of a cylinder that spans the angle a misses a^2/6 of it, of a sphere up to a^2/4; and nowhere is a mesh
+        further from its surface than the chordal deviation.
+        """
+        by_angle = self.fineness.angle**2 / 2 + 0.02
+        volume = abs(self.mesh.signed_volume)
+        by_deflection = 1.5 * self.mesh.area * self.fineness.deflection / volume if volume > 0.0 else by_angle
+        return max(0.01, min(by_angle, by_deflection))
+
+    @property
     def is_complete(self) -> bool:
         """Whether the mesh has every face, and closes unless the shape itself is open."""
         return not self.missing and (self.mesh.open_edges > 0 or is_watertight(self.mesh.faces))

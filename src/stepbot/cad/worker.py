@@ -32,6 +32,7 @@ from .operators import correct_operators
 from .parallel import Died, Raised, run
 from .part21 import Part21
 from .products import Products
+from .repetition import MisplacedOccurrence
 from .selection import entities
 from .source import NONE, BodySource, Definition, StepMaterial
 from .step import StepUnreadable, read_model, transfer
@@ -84,33 +85,40 @@ def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[A
 
 
 def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> _Content | None:
-    decode: Any = str if part21.encoding else partial(reinterpret, encoding=_FALLBACK_ENCODING)
+    """Everything but the bodies; None, with the reason in ``found``, where there is nothing to go on with."""
+    remedy = ["open it in another CAD program and export it again"]
     try:
-        model = read_model(Path(path), "UTF8" if part21.encoding else "iso8859-1")
-        unit = read_length_unit(model.session, place, found)
-        if unit is None:
-            return None
-        materials = Materials(model.session, place, found, decode)
-        products = Products(model.session, decode)
-        correct_operators(model.session)
-        document = transfer(model)
-        definitions = Definitions(document, products)
-        _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
-        made_of = [_material(definition, materials, products) for definition in definitions.all]
+        try:
+            content = _read_products(path, place, part21, found, take_out=True)
+        except MisplacedOccurrence:
+            content = _read_products(path, place, part21, found, take_out=False)
     except StepUnreadable as error:
-        found.add("SB205", str(error), Span(place), help=["open it in another CAD program and export it again"])
+        found.add("SB205", str(error), Span(place), help=remedy)
         return None
     except KERNEL_ERRORS as error:
         message = f"the kernel gave up on it: {type(error).__name__} {error}".rstrip()
-        found.add("SB205", message, Span(place), help=["open it in another CAD program and export it again"])
+        found.add("SB205", message, Span(place), help=remedy)
         return None
-    tree = grow(definitions.all, definitions.roots, made_of, place, found)
-    if tree is None:
-        return None
-    if not tree.variants:
+    if content is not None and not content.tree.variants:
         found.add("SB206", "there is no geometry that the kernel can build", Span(place), help=["export it as a B-rep"])
         return None
-    return _Content(unit, definitions.all, tree)
+    return content
+
+
+def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *, take_out: bool) -> _Content | None:
+    decode: Any = str if part21.encoding else partial(reinterpret, encoding=_FALLBACK_ENCODING)
+    model = read_model(Path(path), "UTF8" if part21.encoding else "iso8859-1")
+    unit = read_length_unit(model.session, place, found)
+    if unit is None:
+        return None
+    materials = Materials(model.session, place, found, decode)
+    products = Products(model.session, decode, take_out=take_out)
+    correct_operators(model.session)
+    definitions = Definitions(transfer(model), products)
+    _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
+    made_of = [_material(definition, materials, products) for definition in definitions.all]
+    tree = grow(definitions.all, definitions.roots, made_of, place, found)
+    return _Content(unit, definitions.all, tree) if tree is not None else None
 
 
 def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:

@@ -129,4 +129,14 @@ CODES = (
         "Repair solids that do not close. Coarser meshes, by a larger `tolerance` and `angle` under `mesh`, let more "
         "pairs be checked.",
     ),
+    Code(
+        "SB515",
+        "note",
+        "material without a density",
+        "The STEP names the material of a part, but neither the STEP nor the sidecar's `materials` gives its density, so "
+        "that of `defaults` is taken.",
+        "A part of steel that weighs as much as one of plastic shows in no picture.",
+        "Add the material to `materials` under the name that it has in the STEP, with its density, or give the part a "
+        "density in `parts`.",
+    ),
 )

@@ -22,7 +22,8 @@ def _joint_above_each_link(sidecar: Sidecar, found: Diagnostics) -> dict[str, st
     for name, joint in sidecar.document.joints.items():
         if joint.parent == joint.child:
             message = f"joint '{name}': parent and child are both '{joint.child}'"
-            found.add("SB450", message, sidecar.span("joints", name, "child"))
+            help = ["a joint connects two links: name another parent or child"]
+            found.add("SB450", message, sidecar.span("joints", name, "child"), help=help)
         elif joint.child in above:
             other = above[joint.child]
             help = ["if this closes a loop, move it to `closures`, with `link_a` and `link_b`"]

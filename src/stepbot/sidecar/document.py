@@ -42,7 +42,7 @@ from .quantities import (
     Pitch,
     RelativeOrLength,
 )
-from .section import ComponentPath, Name, RobotName, Section
+from .section import ComponentPath, MaterialName, Name, RobotName, Section
 from .shapes import (
     BoxShape,
     CapsuleShape,
@@ -82,7 +82,7 @@ class MaterialSection(Section):
 class Defaults(Section):
     """What has no density or colour of its own."""
 
-    material: Name | None = None
+    material: MaterialName | None = None
     """One of `materials`."""
     density: Density | None = None
     """Density [kg/m^3]."""
@@ -108,7 +108,7 @@ class PartRule(Section):
     """Measured mass [kg] of each component that matches; of a subassembly, the total of all below it."""
     density: Density | None = None
     """Density [kg/m^3]."""
-    material: Name | None = None
+    material: MaterialName | None = None
     """One of `materials`."""
     color: Color | None = None
     """Colour, in place of the STEP's."""
@@ -323,8 +323,8 @@ class Document(Section):
     """Whether the root link is fixed to the world or floats."""
     root: RootSection | None = None
     """The root link and its frame; found from the joints when left out."""
-    materials: dict[Name, MaterialSection] = Field(default_factory=dict)
-    """Materials by name."""
+    materials: dict[MaterialName, MaterialSection] = Field(default_factory=dict)
+    """Materials by name; parts without a density have that of the material which the STEP names."""
     defaults: Defaults = Defaults()
     """What counts where neither `parts` nor the STEP says anything."""
     step_density: StepDensity = StepDensity.USE

@@ -73,7 +73,8 @@ def check_closures(sidecar: Sidecar, found: Diagnostics) -> None:
         who = f"closure '{name}'"
         if closure.link_a == closure.link_b:
             message = f"{who}: link_a and link_b are both '{closure.link_a}'"
-            found.add("SB450", message, sidecar.span("closures", name, "link_b"))
+            help = ["a closure connects two links: name another"]
+            found.add("SB450", message, sidecar.span("closures", name, "link_b"), help=help)
         if closure.type not in _CLOSING:
             message = f"{who}: a closure cannot be {closure.type}"
             help = [f"kinds: {', '.join(_CLOSING)}"]

@@ -148,7 +148,8 @@ def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Key
     allowed = "use letters, digits, '_', '-' and '.'"
     if text != text.strip():
         return _Fault("SB126", f"'{text}' starts or ends with a blank", (allowed,), of_key)
-    characters = NOT_IN_FILE_NAMES if keys == ("robot",) else NOT_IN_NAMES
+    names_material = keys[0] == "materials" or keys[-1] == "material"
+    characters = NOT_IN_FILE_NAMES if keys == ("robot",) else "" if names_material else NOT_IN_NAMES
     wrong = [f"'{c}'" if c.isprintable() else f"U+{ord(c):04X}" for c in text if c in characters or not c.isprintable()]
     if not wrong:
         return _Fault("SB126", f"'{text}' starts or ends with a point, and files get this name", (allowed,), of_key)

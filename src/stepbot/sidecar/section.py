@@ -22,6 +22,8 @@ ROBOT_NAME_PATTERN = _name_pattern(NOT_IN_FILE_NAMES.replace("\\", r"\\"), ".")
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=NAME_PATTERN)]
 """A name that every output format can carry as it is."""
+MaterialName = Annotated[str, Field(min_length=1, max_length=200, pattern=_name_pattern("", ""))]
+"""A name that CAD programs give to a material: `Steel, 1.4301 / X5CrNi18-10`; it goes into no output."""
 RobotName = Annotated[str, Field(min_length=1, max_length=100, pattern=ROBOT_NAME_PATTERN)]
 """A name that is also the name of a file, on every system."""
 ComponentPath = Annotated[str, Field(min_length=1, max_length=2000)]

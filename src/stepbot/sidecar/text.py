@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from ..diagnostics import Diagnostics, Span
+from ..diagnostics import Diagnostics, Span, did_you_mean
 
 LARGEST_FILE = 1 << 20
 """Bytes of the largest file that is read."""
@@ -28,7 +28,7 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         with path.open("rb") as stream:
             content = stream.read(LARGEST_FILE + 1)
     except OSError as failure:
-        found.add("SB001", f"sidecar: {_reason(path, failure)}", whole)
+        found.add("SB001", f"sidecar: {_reason(path, failure)}", whole, help=_meant(path))
         return None
     if content.lstrip()[:12] == b"ISO-10303-21":
         help = ["name the sidecar; its key `step` names the STEP file"]
@@ -84,6 +84,15 @@ def _place(file: str, before: str) -> Span:
     line = before.count("\n") + 1
     column = len(before) - (before.rfind("\n") + 1) + 1
     return Span(file, line, column, column + 1)
+
+
+def _meant(path: Path) -> tuple[str, ...]:
+    """The sidecars that are there, where one is asked for that is not."""
+    folder = path if path.is_dir() else path.parent
+    near = [one.name for one in folder.glob("*.yaml")] + [one.name for one in folder.glob("*.yml")]
+    if path.is_dir() and near:
+        return (f"name a file in it: {', '.join(sorted(near)[:3])}",)
+    return did_you_mean(path.name, sorted(near)) or ("name the sidecar, usually `<robot>.robot.yaml`",)
 
 
 def _reason(path: Path, failure: OSError) -> str:

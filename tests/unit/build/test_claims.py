@@ -22,7 +22,7 @@ def _motor_shop() -> Workshop:
     shop.box("horn", parent=motor, X_PC=at(0, 0, 20))
     shop.box("screw", parent=motor, X_PC=at(0, 0, 30))
     shop.box("screw", parent=motor, X_PC=at(0, 0, 40))
-    shop.box("plate")
+    shop.box("plate", X_PC=at(20, 0, 0))
     return shop
 
 
@@ -152,7 +152,7 @@ def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None
     shop = Workshop()
     pair = shop.group("pair")
     shop.box("x", parent=pair)
-    shop.box("y", parent=pair)
+    shop.box("y", X_PC=at(20, 0, 0), parent=pair)
     shop.box("label")
     shop.box("plate")
     text = (

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stepbot.cad.assembly import BodyKind, VolumeProperties
+from stepbot.diagnostics import Diagnostics
 from stepbot.model import Link, MassProperties, MassSource, Robot
 from stepbot.spatial import rotation_from_rpy
 from tests.conftest import ReadDiagnostics
@@ -84,6 +85,54 @@ def test_step_density_and_defaults(tmp_path: Path) -> None:
     assert _sources(robot)["b"].density == 1000
 
 
+def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A name from the STEP is looked up in ``materials``: after rules and the STEP's density, before the defaults."""
+    shop = Workshop()
+    parts = {"ruled": 0.0, "dense": 2700.0, "named": 0.0, "colored": 0.0, "unlisted": 0.0, "unnamed": 0.0}
+    for i, (name, density) in enumerate(parts.items()):
+        shop.box(name, X_PC=at(20 * i, 0, 0), density=density)
+    for i, material in enumerate(("ABS / PC", "ABS / PC", " ABS / PC ", "paint", "Steel"), start=1):
+        shop.made_of(i, material)
+    text = """
+    materials: {"ABS / PC": {density: 1150}, paint: {color: "#ff0000"}}
+    defaults: {density: 500}
+    parts: {ruled: {density: 3}}
+"""
+    robot = build(shop, tmp_path, text + ONE, found)
+    assert robot is not None
+    assert [(s.density, s.origin) for s in _sources(robot).values()] == [
+        (3, "parts rule 'ruled'"),
+        (2700, "STEP"),
+        (1150, "material 'ABS / PC' in the STEP"),
+        (500, "defaults"),
+        (500, "defaults"),
+        (500, "defaults"),
+    ]
+    (note,) = found
+    assert (note.code, note.severity, note.span.line) == ("SB515", "note", 5)
+    assert note.notes == ("'paint': \"colored\"", "'Steel': \"unlisted\"")
+    assert note.help == ('give it one: `materials: {"paint": {density: ...}}`',)
+
+    again = Diagnostics()
+    robot = build(shop, tmp_path, "    step_density: ignore\n" + text + ONE, again)
+    assert robot is not None
+    assert _sources(robot)["dense"].origin == "material 'ABS / PC' in the STEP"
+    assert not list(again)
+
+
+def test_a_missing_density_names_the_material(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Where the STEP names the material of what has no density, the remedy is a line in ``materials``, and it works."""
+    shop = Workshop()
+    shop.made_of(shop.box("a"), "PLA")
+    assert build(shop, tmp_path, ONE, found) is None
+    (fault,) = found
+    assert fault.code == "SB501"
+    assert '`materials: {"PLA": {density: 1240 kg/m^3}}`' in fault.help[-1]
+    assert _masses(built(shop, tmp_path, '    materials: {"PLA": {density: 1240 kg/m^3}}\n' + ONE)) == {
+        "a": pytest.approx(1240 * CUBE)
+    }
+
+
 def test_rules_reach_down(tmp_path: Path) -> None:
     """A rule on a subassembly counts for all below it."""
     shop = Workshop()
@@ -111,7 +160,7 @@ def test_one_density_for_everything_is_suspicious(tmp_path: Path, found: ReadDia
     """The same STEP density on every definition draws a warning, unless it is ignored, overruled, or not the same."""
     shop = Workshop()
     shop.box("a", density=7850)
-    shop.box("b", density=7850)
+    shop.box("b", X_PC=at(20, 0, 0), density=7850)
     assert build(shop, tmp_path, ONE, found) is not None
     (fault,) = found
     assert (fault.code, fault.severity) == ("SB502", "warning")
@@ -122,7 +171,7 @@ def test_one_density_for_everything_is_suspicious(tmp_path: Path, found: ReadDia
     ]
     for text in built_quietly:
         build(shop, tmp_path, text, found)
-    shop.box("c", density=1000)
+    shop.box("c", X_PC=at(40, 0, 0), density=1000)
     build(shop, tmp_path, ONE, found)
     single = Workshop()
     first = single.box("a", density=7850)
@@ -340,7 +389,7 @@ def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics)
     """``auto`` writes the mesh's value within a thousandth of the exact one, else the exact, and says which and why."""
     shop = Workshop()
     shop.rod("fine", sides=256)
-    shop.rod("coarse", sides=24)
+    shop.rod("coarse", X_PC=at(20, 0, 0), sides=24)
     robot = build(shop, tmp_path, "    defaults: {density: 1000}\n" + ONE, found)
     assert robot is not None
     sources = _sources(robot)
@@ -392,7 +441,7 @@ def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Where the mesh encloses nothing the exact solid is taken and the reason told; a closed tessellation is enough."""
     shop = Workshop()
     shop.box("a", density=1000)
-    shop.box("b", density=2000)
+    shop.box("b", X_PC=at(20, 0, 0), density=2000)
     shop.measures[0] = None
     object.__setattr__(shop.bodies[0], "defect", "face 3 has no triangles")
     object.__setattr__(shop.bodies[1], "exact", None)

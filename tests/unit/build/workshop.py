@@ -141,6 +141,10 @@ class Workshop:
         )
         return self._add_body(name, parent, X_PC, occurrence, body, prism, density, None)
 
+    def made_of(self, index: int, material: str) -> None:
+        """Give a component the name of a material, as the STEP does."""
+        self.components[index] = replace(self.components[index], material=material)
+
     def again(self, index: int, X_PC: Pose, parent: int = 0, occurrence: str = "", color: Rgba | None = None) -> int:
         """Another occurrence of a component that has a body."""
         first = self.components[index]

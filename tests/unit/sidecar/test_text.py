@@ -47,6 +47,20 @@ def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, foun
     assert diagnostic.span.file == path.as_posix()
 
 
+def test_sidecar_that_is_meant(tmp_path: Path, found: Diagnostics) -> None:
+    """A misspelt name gets the near one, a folder the sidecars in it, and an empty folder what to look for."""
+    assert read_text(tmp_path / "arm.robot.yaml", found) is None
+    (tmp_path / "arm.robot.yml").touch()
+    assert read_text(tmp_path / "amr.robot.yml", found) is None
+    assert read_text(tmp_path, found) is None
+    helps = [diagnostic.help for diagnostic in found]
+    assert helps == [
+        ("name the sidecar, usually `<robot>.robot.yaml`",),
+        ("did you mean 'arm.robot.yml'?",),
+        ("name a file in it: arm.robot.yml",),
+    ]
+
+
 def test_place_of_a_byte_that_is_not_utf_8(tmp_path: Path, found: Diagnostics) -> None:
     """The place counts characters, not bytes."""
     path = tmp_path / "a.robot.yaml"

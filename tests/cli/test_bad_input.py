@@ -1,0 +1,370 @@
+"""Whatever is wrong with what a user gives: it is said what, where and what to do, and the former output stays."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests import parts
+from tests.command_line import COMMAND, convert_once, environment, snapshot
+
+from .conftest import Run, Stepbot
+
+SIDECAR, STEP = "arm2.robot.yaml", "arm2.step"
+PROCESSES = Path("/proc")
+ON_LINUX = pytest.mark.skipif(not (PROCESSES / "self" / "task").is_dir(), reason="needs /proc to find the worker")
+
+
+@pytest.fixture(scope="session")
+def good(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
+    """What a good run makes."""
+    sidecar = robot_library / "stepbot_arm2" / SIDECAR
+    return convert_once(tmp_path_factory, "former_arm2", sidecar, "--no-verify").folder
+
+
+@dataclass(frozen=True)
+class Desk:
+    """The current folder: a good run was made in it, and the next one goes wrong."""
+
+    folder: Path
+    temporary: Path
+    """Where the system puts temporary files."""
+    stepbot: Stepbot
+
+    def run(self, *arguments: str) -> Run:
+        """Run the command; it must change nothing, leave nothing behind, and end without a traceback."""
+        before = snapshot(self.folder)
+        assert {"out/arm2.urdf", "out/arm2.sdf", "out/arm2.xml", "out/report.json"} <= set(before)
+        run = self.stepbot(*arguments)
+        assert "Traceback" not in run.err + run.out
+        assert "SB901" not in run.err
+        self.assert_untouched(before)
+        return run
+
+    def assert_untouched(self, before: dict[str, bytes]) -> None:
+        """Every file is what it was, byte for byte, and there is no new one."""
+        after = snapshot(self.folder)
+        assert sorted(after) == sorted(before)
+        assert [name for name in before if after[name] != before[name]] == []
+        assert list(self.temporary.iterdir()) == []
+
+
+@pytest.fixture
+def desk(good: Path, tmp_path: Path, robot_library: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> Desk:
+    """A sidecar, its STEP and the output of a good run."""
+    desk = Desk(tmp_path / "desk", tmp_path / "temporary", stepbot)
+    shutil.copytree(good, desk.folder / "out")
+    for file in (SIDECAR, STEP):
+        shutil.copy(robot_library / "stepbot_arm2" / file, desk.folder)
+    desk.temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(desk.temporary))
+    monkeypatch.setattr(tempfile, "tempdir", str(desk.temporary))
+    monkeypatch.chdir(desk.folder)
+    return desk
+
+
+def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
+    """Place and message of the error with a code, which tells what to do; nothing is on standard output."""
+    assert run.out == ""
+    (block,) = (block for block in run.err.split("\n\n") if f": error[{code}]: " in block)
+    place, message = block.lstrip().splitlines()[0].split(f": error[{code}]: ")
+    if remedy:
+        assert re.search(r"^ *= help: \S", block, re.MULTILINE), f"no remedy in:\n{block}"
+    assert re.search(r"^\d+ errors?.* \(more: stepbot explain SB\d{3}\)$", run.err, re.MULTILINE)
+    return place, message
+
+
+def assert_place(place: str, file: Path, text: str) -> None:
+    """A place is `file:line:column`, and what stands there begins with ``text``."""
+    name, line, column = place.rsplit(":", 2)
+    assert name == file.name
+    assert file.read_text(encoding="utf-8").splitlines()[int(line) - 1][int(column) - 1 :].startswith(text)
+
+
+# The sidecar
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "there", "says"),
+    [
+        pytest.param("[forearm]", "[forarm]", "SB301", "forarm]", "did you mean 'forearm'", id="wrong part"),
+        pytest.param(
+            "lower: -170 deg, upper: 170 deg",
+            "lower: 170 deg, upper: -170 deg",
+            "SB456",
+            "170 deg, upper",
+            "swap them",
+            id="swapped limit",
+        ),
+        pytest.param("base: fixed", "bases: fixed", "SB120", "bases", "did you mean 'base'", id="unknown key"),
+        pytest.param("zero: 30 deg", "zeros: 30 deg", "SB120", "zeros", "did you mean 'zero'", id="unknown key below"),
+        pytest.param("base: fixed", "base: fixed\nbase: floating", "SB107", "base: floating", "line 6", id="duplicate"),
+        pytest.param("parent: base", "parent: forearm", "SB452", "elbow:", "closes a cycle", id="cycle"),
+        pytest.param("parent: base", "parent: upper_arm", "SB450", "upper_arm", "joint 'shoulder'", id="own parent"),
+        pytest.param("child: upper_arm", "child: uper_arm", "SB130", "uper_arm", "'upper_arm'", id="unknown link"),
+        pytest.param("zero: 30 deg", "zero: 30 dag", "SB124", "30 dag", "deg", id="bad unit"),
+        pytest.param("zero: 30 deg", "zero: .nan", "SB125", ".nan", "NaN is not a number", id="nan"),
+        pytest.param("mass: 180 g", "mass: -180 g", "SB125", "-180 g", "greater than 0", id="negative mass"),
+        pytest.param("[shoulder]", "[shoulder", "SB104", "", "add ']'", id="bracket"),
+    ],
+)
+def test_fault_in_the_sidecar(desk: Desk, old: str, new: str, code: str, there: str, says: str) -> None:
+    """The fault is found at its place, with the word that was meant where there is one: exit code 1."""
+    sidecar = desk.folder / SIDECAR
+    text = sidecar.read_text(encoding="utf-8")
+    assert old in text
+    sidecar.write_text(text.replace(old, new, 1), encoding="utf-8", newline="\n")
+    run = desk.run("convert", SIDECAR, "-o", "out")
+    assert run.code == 1
+    place, _ = error(run, code, remedy=code != "SB125")  # where the message itself says what is allowed
+    assert_place(place, sidecar, there)
+    assert says in run.err
+
+
+def test_all_faults_at_once(desk: Desk) -> None:
+    """A file with four faults gets four errors in one run, in the order of their lines."""
+    sidecar = desk.folder / SIDECAR
+    text = sidecar.read_text(encoding="utf-8")
+    for old, new in (
+        ("base: fixed", "bass: fixed"),
+        ("lower: -170 deg, upper: 170 deg", "lower: 170 deg, upper: -170 deg"),
+        ("zero: 30 deg", "zero: 30 dag"),
+        ("kind: position", "kind: positon"),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    sidecar.write_text(text, encoding="utf-8", newline="\n")
+    run = desk.run("convert", SIDECAR, "-o", "out")
+    assert run.code == 1
+    found = re.findall(rf"^{SIDECAR}:(\d+):\d+: error\[(SB\d+)\]", run.err, re.MULTILINE)
+    assert [code for _, code in found] == ["SB120", "SB456", "SB124", "SB123"]
+    assert [int(line) for line, _ in found] == sorted(int(line) for line, _ in found)
+    assert "4 errors" in run.err
+
+
+def test_cycle_without_a_root(desk: Desk) -> None:
+    """Two links that carry each other: no link is left that could be the base."""
+    sidecar = desk.folder / "pair.robot.yaml"
+    sidecar.write_text(
+        "version: 1\nrobot: pair\nstep: arm2.step\nbase: fixed\n"
+        "links:\n  a: {parts: [base]}\n  b: {parts: [shoulder], rest: true}\n"
+        "joints:\n"
+        "  one: {type: continuous, parent: a, child: b}\n"
+        "  two: {type: continuous, parent: b, child: a}\n",
+        encoding="utf-8",
+        newline="\n",
+    )
+    run = desk.run("convert", "pair.robot.yaml", "-o", "out")
+    assert run.code == 1
+    place, message = error(run, "SB452")
+    assert_place(place, sidecar, "")
+    assert "a" in message
+    assert "b" in message
+
+
+# The STEP
+
+
+def cut(part: float) -> Callable[[Path, bytes], object]:
+    """A STEP file of which the end is missing."""
+    return lambda path, good: path.write_bytes(good[: int(len(good) * part)])
+
+
+def empty_data(path: Path, good: bytes) -> None:
+    """A STEP file with a header and nothing behind it."""
+    path.write_bytes(good[: good.index(b"DATA;")] + b"DATA;\nENDSEC;\nEND-ISO-10303-21;\n")
+
+
+@pytest.mark.parametrize(
+    ("make", "code", "says"),
+    [
+        pytest.param(lambda path, good: path.write_text("buy milk\n"), "SB201", "ISO-10303-21", id="text"),
+        pytest.param(lambda path, good: path.write_bytes(b"PK\x03\x04" + bytes(300)), "SB201", "unpack", id="zip"),
+        pytest.param(lambda path, good: path.write_text("solid x\nendsolid x\n"), "SB201", "mesh", id="mesh"),
+        pytest.param(lambda path, good: path.write_bytes(b""), "SB202", "empty", id="empty"),
+        pytest.param(lambda path, good: path.write_bytes(b"\n \n"), "SB202", "", id="blank"),
+        pytest.param(empty_data, "SB202", "DATA", id="empty data"),
+        pytest.param(lambda path, good: parts.write_empty(path), "SB206", "no geometry", id="no geometry"),
+        pytest.param(cut(0.02), "SB204", "ends in the middle", id="header cut"),
+        pytest.param(cut(0.5), "SB204", "ends in the middle", id="cut"),
+        pytest.param(cut(0.9999), "SB204", "ends in the middle", id="end cut"),
+        pytest.param(
+            lambda path, good: parts.write_external_reference(path), "SB203", "elsewhere.step", id="external references"
+        ),
+    ],
+)
+def test_step_that_cannot_be_read(desk: Desk, make: Callable[[Path, bytes], object], code: str, says: str) -> None:
+    """Exit code 1, the file's name, what it is, and how to get a better one."""
+    step = desk.folder / STEP
+    make(step, step.read_bytes())
+    run = desk.run("convert", SIDECAR, "-o", "out")
+    assert run.code == 1
+    place, message = error(run, code)
+    assert place.split(":")[0] == STEP
+    assert says in message + run.err
+
+
+def test_step_that_is_not_there(desk: Desk) -> None:
+    """The name in the sidecar is marked, and the file beside it that may be meant is named: exit code 2."""
+    (desk.folder / STEP).rename(desk.folder / "arm_2.step")
+    run = desk.run("convert", SIDECAR, "-o", "out")
+    assert run.code == 2
+    place, _ = error(run, "SB001")
+    assert_place(place, desk.folder / SIDECAR, STEP)
+    assert "did you mean 'arm_2.step'?" in run.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "place"),
+    [
+        (("convert", "arm3.robot.yaml", "-o", "out"), "arm3.robot.yaml"),
+        (("convert", SIDECAR, "--step", "arm3.step", "-o", "out"), "arm3.step"),
+        (("convert", SIDECAR, "--step", "out", "-o", "out"), "out"),
+        (("convert", "out", "-o", "out"), "out"),
+        (("verify", "out/arm3.urdf"), "out/arm3.urdf"),
+    ],
+    ids=["sidecar", "step", "folder as step", "folder as sidecar", "robot file"],
+)
+def test_file_that_is_not_there(desk: Desk, arguments: tuple[str, ...], place: str) -> None:
+    """A file that cannot be opened is named as it was given: exit code 2."""
+    run = desk.run(*arguments)
+    assert run.code == 2
+    assert f"{place}: error[SB001]: " in run.err
+    assert "stepbot explain SB001" in run.err
+
+
+# The kernel
+
+
+def test_kernel_that_takes_too_long(desk: Desk) -> None:
+    """After --timeout the kernel is stopped: exit code 2, and which option helps."""
+    run = desk.run("convert", SIDECAR, "-o", "out", "--timeout", "0.2")
+    assert run.code == 2
+    place, message = error(run, "SB902")
+    assert place == STEP
+    assert "no result after 0.2 s" in message
+    assert "--timeout" in run.err
+
+
+def children(pid: int) -> list[int]:
+    """Processes that a process has started."""
+    try:
+        threads = list((PROCESSES / str(pid) / "task").iterdir())
+        return [int(word) for thread in threads for word in (thread / "children").read_text().split()]
+    except OSError:  # it has ended meanwhile
+        return []
+
+
+def command_of(pid: int) -> bytes:
+    """The command line of a process; nothing where it has ended."""
+    try:
+        return (PROCESSES / str(pid) / "cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process is there and not only waits to be buried."""
+    try:
+        return (PROCESSES / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_for(what: Callable[[], list[int]], command: "subprocess.Popen[bytes]") -> list[int]:
+    """The first answer that is not empty."""
+    deadline = time.monotonic() + 60.0
+    while not (found := what()):
+        assert time.monotonic() < deadline, "no such process"
+        assert command.poll() is None, "the command ended before its worker was seen"
+        time.sleep(0.002)
+    return found
+
+
+def start(desk: Desk, *options: str) -> "subprocess.Popen[bytes]":
+    """Start a conversion and come back at once."""
+    return subprocess.Popen(
+        [*COMMAND, "convert", SIDECAR, "-o", "out", *options],
+        cwd=desk.folder,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
+    """The kernel's process below a command."""
+    return [pid for pid in children(command.pid) if b"stepbot.cad.worker" in command_of(pid)]
+
+
+@ON_LINUX
+@pytest.mark.parametrize("busy", [False, True], ids=["while it loads", "while it works"])
+def test_kernel_that_dies(desk: Desk, busy: bool) -> None:
+    """kill -9 on the kernel's process: the signal is named, with the file that it was reading: exit code 2."""
+    before = snapshot(desk.folder)
+    with start(desk) as command:
+        (kernel,) = wait_for(lambda: kernels(command), command)
+        below = wait_for(lambda: children(kernel), command) if busy and len(os.sched_getaffinity(0)) > 1 else []
+        os.kill(kernel, signal.SIGKILL)
+        out, err = command.communicate(timeout=60)
+    assert command.returncode == 2
+    run = Run(command.returncode, out.decode(), err.decode())
+    assert "Traceback" not in run.err
+    place, message = error(run, "SB902")
+    assert place == STEP
+    assert "SIGKILL" in message
+    desk.assert_untouched(before)
+    assert not [pid for pid in (kernel, *below) if is_running(pid)]
+
+
+@ON_LINUX
+def test_body_that_kills_the_kernel(desk: Desk) -> None:
+    """A process that dies over one body costs the run, and the body is named: exit code 1."""
+    if len(os.sched_getaffinity(0)) < 2:
+        pytest.skip("one core: bodies are read in the kernel's own process")
+    before = snapshot(desk.folder)
+    with start(desk) as command:
+        (kernel,) = wait_for(lambda: kernels(command), command)
+        os.kill(wait_for(lambda: children(kernel), command)[0], signal.SIGKILL)
+        out, err = command.communicate(timeout=60)
+    run = Run(command.returncode, out.decode(), err.decode())
+    assert "Traceback" not in run.err
+    if "SB213" not in run.err:  # it died between two bodies, and another process took over what was left
+        assert run.code == 0, run.err
+        return
+    assert run.code == 1
+    place, message = error(run, "SB213")
+    assert place == STEP
+    assert "SIGKILL" in message
+    desk.assert_untouched(before)
+
+
+@ON_LINUX
+@pytest.mark.parametrize("busy", [False, True], ids=["while it loads", "while it works"])
+def test_interrupted(desk: Desk, busy: bool) -> None:
+    """Ctrl-C ends the command and all that it started; nothing has changed."""
+    before = snapshot(desk.folder)
+    with start(desk) as command:
+        (kernel,) = wait_for(lambda: kernels(command), command)
+        if busy and len(os.sched_getaffinity(0)) > 1:
+            wait_for(lambda: children(kernel), command)
+        below = [pid for child in children(command.pid) for pid in (child, *children(child))]
+        command.send_signal(signal.SIGINT)
+        out, err = command.communicate(timeout=60)
+    assert command.returncode == 130
+    assert b"Traceback" not in err
+    assert b"interrupted" in err
+    assert out == b""
+    desk.assert_untouched(before)
+    deadline = time.monotonic() + 5.0
+    while any(map(is_running, below)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not [pid for pid in below if is_running(pid)]

@@ -1,0 +1,106 @@
+"""The ``stepbot`` command in a process of its own, as a user starts it, and what it leaves on disk."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+LONGEST = 300.0
+"""Seconds that any command may take in a test."""
+COMMAND = (sys.executable, "-m", "stepbot_cli")
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a command did."""
+
+    code: int
+    out: str
+    err: str
+
+
+def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
+    """This process's environment with some variables set; output is UTF-8 unless they say otherwise."""
+    return {**os.environ, "PYTHONIOENCODING": "utf-8", **(changes or {})}
+
+
+def stepbot(*arguments: str | Path, cwd: Path, changes: Mapping[str, str] | None = None) -> Run:
+    """Run ``stepbot`` in a folder, with some environment variables changed."""
+    command = [*COMMAND, *map(str, arguments)]
+    run = subprocess.run(command, cwd=cwd, env=environment(changes), capture_output=True, timeout=LONGEST, check=False)
+    return Run(run.returncode, run.stdout.decode("utf-8"), run.stderr.decode("utf-8"))
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """A robot that was converted."""
+
+    folder: Path
+    """Where the files are."""
+    run: Run
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """What ``report.json`` says."""
+        report: dict[str, Any] = json.loads((self.folder / "report.json").read_text(encoding="utf-8"))
+        return report
+
+    def file(self, suffix: str) -> Path:
+        """The file with a suffix: ``.urdf``, ``.sdf`` or ``.xml``."""
+        (path,) = self.folder.glob(f"*{suffix}")
+        return path
+
+
+def convert(sidecar: Path, folder: Path, *options: str | Path) -> Conversion:
+    """Convert a sidecar into a folder; the test fails where the command does."""
+    return assert_converted(Conversion(folder, stepbot("convert", sidecar, "-o", folder, *options, cwd=folder.parent)))
+
+
+def convert_once(temporary: pytest.TempPathFactory, name: str, sidecar: Path, *options: str | Path) -> Conversion:
+    """Convert a sidecar, once for all tests that give it this name, in whatever process they run.
+
+    The process that comes first converts, the others wait for what became of it.
+    """
+    root = temporary.getbasetemp()
+    folder = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "converted" / name
+    told = folder / "run.json"
+    try:
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        deadline = time.monotonic() + 1.1 * LONGEST
+        while not told.exists():
+            assert time.monotonic() < deadline, f"nobody converted {name}"
+            time.sleep(0.05)
+        run = Run(**json.loads(told.read_text(encoding="utf-8")))
+    else:
+        run = stepbot("convert", sidecar, "-o", "out", *options, cwd=folder)
+        draft = folder / "run.json.draft"
+        draft.write_text(json.dumps(asdict(run)), encoding="utf-8")
+        draft.replace(told)
+    return assert_converted(Conversion(folder / "out", run))
+
+
+def assert_converted(conversion: Conversion) -> Conversion:
+    """The same conversion; the test fails where the command did."""
+    assert conversion.run.code == 0, conversion.run.err
+    return conversion
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    """The bytes of all files below a folder, hidden ones too; empty folders have a slash at the end."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.is_file():
+            found[name] = path.read_bytes()
+        elif not any(path.iterdir()):
+            found[f"{name}/"] = b""
+    return found

@@ -1,0 +1,255 @@
+"""Engines as anybody would use them, without stepbot's observers: each function runs in a process of its own."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def _model(file: str) -> Any:
+    """A URDF or MJCF file, compiled; every complaint of the compiler is an error."""
+    import mujoco
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        spec = mujoco.MjSpec.from_file(file)
+        if Path(file).suffix == ".urdf":
+            # MuJoCo takes a URDF for a thing that it may melt down: keep every link, and folders in names of meshes.
+            spec.compiler.fusestatic = False
+            spec.compiler.discardvisual = False
+            spec.strippath = False
+        return spec.compile()
+
+
+def mujoco_bodies(file: str, configurations: Sequence[Mapping[str, float]]) -> list[dict[str, Any]]:
+    """Mass [kg], com [m] and inertia [kg m^2] about the com of every body, along the world's axes, at each q."""
+    import mujoco
+
+    model = _model(file)
+    data = mujoco.MjData(model)
+    found = []
+    for q in configurations:
+        data.qpos[:] = model.qpos0
+        for name, value in q.items():
+            data.joint(name).qpos[0] = value
+        mujoco.mj_forward(model, data)
+        bodies = {}
+        for i in range(1, model.nbody):
+            R = data.ximat[i].reshape(3, 3)
+            inertia = R @ np.diag(model.body_inertia[i]) @ R.T
+            bodies[model.body(i).name] = (float(model.body_mass[i]), data.xipos[i].tolist(), inertia.tolist())
+        found.append(bodies)
+    return found
+
+
+def mujoco_links(file: str) -> dict[str, Any]:
+    """Mass [kg], com [m] and inertia [kg m^2] about the com of every body, in its own frame."""
+    import mujoco
+
+    model = _model(file)
+    found = {}
+    for i in range(1, model.nbody):
+        R = np.zeros(9)
+        mujoco.mju_quat2Mat(R, model.body_iquat[i])
+        R = R.reshape(3, 3)
+        inertia = R @ np.diag(model.body_inertia[i]) @ R.T
+        found[model.body(i).name] = (float(model.body_mass[i]), model.body_ipos[i].tolist(), inertia.tolist())
+    return found
+
+
+def mujoco_axes(file: str) -> dict[str, tuple[list[float], list[float]]]:
+    """A point [m] on the axis of every joint and its direction, in the world, at q = 0."""
+    import mujoco
+
+    model = _model(file)
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    mujoco.mj_forward(model, data)
+    return {model.joint(i).name: (data.xanchor[i].tolist(), data.xaxis[i].tolist()) for i in range(model.njnt)}
+
+
+def closed_by_newton(file: str, driven: str, angles: Sequence[float]) -> tuple[list[dict[str, float]], int]:
+    """Follow a joint through ``angles`` [rad], solving the loop's equations for the others.
+
+    Only the rows of equality constraints are solved: rows of limits, friction or contacts would pull elsewhere.
+
+    Returns:
+        All joint positions at each angle, and the freedom that the loop leaves.
+    """
+    import mujoco
+
+    model = _model(file)
+    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0
+    leader = model.joint(driven).dofadr[0]
+    others = [i for i in range(model.nv) if i != leader]
+    found, freedom = [], model.nv
+    for angle in angles:
+        data.joint(driven).qpos[0] = angle
+        for _ in range(30):
+            mujoco.mj_fwdPosition(model, data)
+            rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+            assert rows.any(), "there is no loop in the file"
+            J = data.efc_J.reshape(-1, model.nv)[rows]
+            step = np.linalg.lstsq(J[:, others], -data.efc_pos[rows], rcond=1e-9)[0]
+            data.qpos[others] += step
+            if float(np.max(np.abs(step))) < 1e-14:
+                break
+        gap = float(np.max(np.abs(data.efc_pos[rows])))
+        assert gap < 1e-9, f"the loop stays open by {gap} m at {angle} rad"
+        freedom = min(freedom, model.nv - int(np.linalg.matrix_rank(J, tol=1e-9)))
+        found.append({model.joint(i).name: float(data.joint(i).qpos[0]) for i in range(model.njnt)})
+    return found, freedom
+
+
+def driven_in_mujoco(file: str, actuator: str, speed: float) -> tuple[list[dict[str, float]], float, list[int]]:
+    """Turn an actuator's target once round at ``speed`` [rad/s].
+
+    Returns:
+        Joint positions every 10 ms, the widest gap [m] between the sites of any connect, and MuJoCo's warning counts.
+    """
+    import mujoco
+
+    model = _model(file)
+    data = mujoco.MjData(model)
+    found, widest = [], 0.0
+    sites = [(model.eq_obj1id[i], model.eq_obj2id[i]) for i in range(model.neq)]
+    for number in range(round(2 * np.pi / speed / model.opt.timestep)):
+        data.actuator(actuator).ctrl[0] = speed * data.time
+        mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)
+        widest = max([widest, *(float(np.linalg.norm(data.site_xpos[a] - data.site_xpos[b])) for a, b in sites)])
+        if number % 5 == 4:
+            found.append({model.joint(i).name: float(data.joint(i).qpos[0]) for i in range(model.njnt)})
+    return found, widest, [int(warning.number) for warning in data.warning]
+
+
+def run_in_mujoco(file: str, seconds: float, noise: bool) -> dict[str, Any]:
+    """Simulate from the keyframe, with the keyframe's targets or with Halton noise on all actuators.
+
+    Returns:
+        MuJoCo's warning counts, whether all is finite, the largest speed and the deepest contact [m].
+    """
+    import mujoco
+
+    model = _model(file)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    low, high = model.actuator_ctrlrange.T
+    limited = model.actuator_ctrllimited.astype(bool)
+    low, high = np.where(limited, low, -1.0), np.where(limited, high, 1.0)
+    speed, depth, number = 0.0, 0.0, 0
+    while data.time < seconds:
+        if noise and model.nu:
+            data.ctrl[:] = low + (high - low) * _halton(1 + number // 50, model.nu)
+        mujoco.mj_step(model, data)
+        speed = max([speed, *np.abs(data.qvel).tolist()])
+        depth = min([depth, *data.contact.dist.tolist()])
+        number += 1
+    finite = bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all())
+    return {"warnings": [int(w.number) for w in data.warning], "finite": finite, "speed": speed, "depth": depth}
+
+
+def _halton(index: int, dimensions: int) -> np.ndarray:
+    """A point of the Halton sequence in the unit cube: evenly spread, and the same in every run."""
+    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53)
+    point = np.zeros(dimensions)
+    for axis in range(dimensions):
+        base, fraction, rest = primes[axis], 1.0, index
+        while rest:
+            fraction /= base
+            rest, digit = divmod(rest, base)
+            point[axis] += fraction * digit
+    return point
+
+
+def run_in_pybullet(file: str, seconds: float) -> dict[str, Any]:
+    """Let a URDF hang with its base fixed, without motors, for a while at 1 ms steps."""
+    import pybullet
+
+    pybullet.connect(pybullet.DIRECT)
+    pybullet.setPhysicsEngineParameter(enableFileCaching=0)
+    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+    body = pybullet.loadURDF(file, useFixedBase=True, flags=flags)
+    pybullet.setGravity(0, 0, -9.81)
+    pybullet.setTimeStep(1e-3)
+    joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
+    for i in joints:
+        pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
+    speed, finite = 0.0, True
+    for _ in range(round(seconds * 1000)):
+        pybullet.stepSimulation()
+        states = [pybullet.getJointState(body, i)[:2] for i in joints]
+        finite = finite and bool(np.isfinite(states).all())
+        speed = max([speed, *(abs(state[1]) for state in states)])
+    return {"finite": finite, "speed": speed, "links": 1 + pybullet.getNumJoints(body)}
+
+
+def closed_in_pybullet(file: str, closure: Mapping[str, Any], driven: str, speed: float) -> dict[str, Any]:
+    """Close a loop of a URDF by a point-to-point constraint and turn a joint once round at 1 ms steps.
+
+    Args:
+        file: The spanning tree.
+        closure: ``link_a``, ``p_A`` [m], ``link_b``, ``p_B`` [m].
+        driven: The joint that a motor turns.
+        speed: How fast [rad/s].
+
+    Returns:
+        The widest gap [m] with and, as a control, without the constraint, and joint positions every 10 ms.
+    """
+    import pybullet
+
+    pybullet.connect(pybullet.DIRECT)
+    pybullet.setPhysicsEngineParameter(enableFileCaching=0)
+    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+    gaps, found = {}, []
+    for closed in (True, False):
+        pybullet.resetSimulation()
+        pybullet.setGravity(0, 0, -9.81)
+        pybullet.setTimeStep(1e-3)
+        body = pybullet.loadURDF(file, useFixedBase=True, flags=flags)
+        infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
+        joints = {info[1].decode(): info[0] for info in infos if info[3] >= 0}
+        links = {info[12].decode(): info[0] for info in infos}
+        a, b = links[closure["link_a"]], links[closure["link_b"]]
+        for index in joints.values():
+            pybullet.setJointMotorControl2(body, index, pybullet.VELOCITY_CONTROL, force=0)
+        if closed:
+            pivots = (_from_com(body, a, closure["p_A"]), _from_com(body, b, closure["p_B"]))
+            pin = pybullet.createConstraint(body, a, body, b, pybullet.JOINT_POINT2POINT, (0, 0, 0), *pivots)
+            pybullet.changeConstraint(pin, maxForce=1e4)
+        pybullet.setJointMotorControl2(
+            body, joints[driven], pybullet.VELOCITY_CONTROL, targetVelocity=speed, force=100.0
+        )
+        widest = 0.0
+        steps = round(2.02 * np.pi / speed * 1000)  # the motor lags a little
+        for number in range(steps):
+            pybullet.stepSimulation()
+            ends = (_point(body, a, closure["p_A"]), _point(body, b, closure["p_B"]))
+            widest = max(widest, float(np.linalg.norm(ends[0] - ends[1])))
+            if closed and number % 10 == 9:
+                found.append({name: pybullet.getJointState(body, index)[0] for name, index in joints.items()})
+        gaps["closed" if closed else "open"] = widest
+    return {"gaps": gaps, "positions": found}
+
+
+def _from_com(body: int, link: int, p_L: Sequence[float]) -> Sequence[float]:
+    """A point of a link in the frame of its inertia, which is what constraints are given in."""
+    import pybullet
+
+    position, turn = pybullet.getDynamicsInfo(body, link)[3:5]
+    inverse = pybullet.invertTransform(position, turn)
+    p: Sequence[float] = pybullet.multiplyTransforms(*inverse, p_L, (0, 0, 0, 1))[0]
+    return p
+
+
+def _point(body: int, link: int, p_L: Sequence[float]) -> np.ndarray:
+    """A point of a link in the world."""
+    import pybullet
+
+    state = pybullet.getLinkState(body, link, computeForwardKinematics=True)
+    R = np.reshape(pybullet.getMatrixFromQuaternion(state[5]), (3, 3))
+    return np.asarray(state[4]) + R @ np.asarray(p_L)

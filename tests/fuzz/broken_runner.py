@@ -1,0 +1,16 @@
+"""A runner that crashes, to test that somebody notices: it dies over the first mutant of an odd number."""
+
+import json
+import os
+import sys
+from dataclasses import asdict
+
+from .judge import Verdict
+from .mutant import Mutant
+
+if __name__ == "__main__":
+    for line in sys.stdin:
+        if Mutant.named(line.strip()).number % 2:
+            os.abort()
+        sys.stdout.write(json.dumps(asdict(Verdict("robot"))) + "\n")
+        sys.stdout.flush()

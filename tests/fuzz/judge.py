@@ -1,0 +1,240 @@
+"""What must hold of whatever a damaged STEP file ends in: a sound assembly, or an error that says what is wrong.
+
+An assembly without errors goes on to a robot of one link and to the files of all formats, as in a conversion.
+"""
+
+import math
+import traceback
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from stepbot.build import build_robot
+from stepbot.cad.assembly import Assembly, AxisFace, Body, Component, VolumeProperties
+from stepbot.codes import CODES
+from stepbot.diagnostics import Diagnostic, Diagnostics
+from stepbot.measure import measured
+from stepbot.passes import run_passes
+from stepbot.rules import check_robot
+from stepbot.sidecar.load import Sidecar, parse_sidecar
+from stepbot.writers import FORMATS, render
+
+Read = Callable[[Path, Diagnostics], Assembly | None]
+"""Reads a STEP file; None where errors say why."""
+
+FAILED = "FAILED"
+OUTCOMES = ("robot", "no robot", "refused", "body failed", "kernel died", "out of time", FAILED)
+"""Files made; read, but not fit for a robot; not read; read but for a body; the kernel's process ended; our fault."""
+
+_SIDECAR = """\
+version: 1
+robot: mutant
+step: mutant.step
+defaults: {density: 1000 kg/m^3}
+links:
+  body: {rest: true}
+"""
+_INTERNAL = "SB901"
+_DIED = "SB902"
+_BODY_FAILED = "SB213"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How a damaged file ended."""
+
+    outcome: str
+    """One of :data:`OUTCOMES`."""
+    codes: tuple[str, ...] = ()
+    """Of the errors."""
+    message: str = ""
+    """The first error."""
+    notes: tuple[str, ...] = ()
+    """And what it adds."""
+    faults: tuple[str, ...] = ()
+    """What must not be; empty where all is well."""
+
+
+@dataclass
+class _Trial:
+    found: Diagnostics = field(default_factory=Diagnostics)
+    faults: list[str] = field(default_factory=list)
+    outcome: str = FAILED
+
+
+def judge(step: Path, read: Read) -> Verdict:
+    """Read a STEP file, take it as far as it goes, and say what came of it."""
+    trial = _Trial()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # on a user's terminal they would stand between our lines
+            _convert(step, read, trial)
+    except Exception:  # noqa: BLE001 - to find those is what this is for
+        trial.faults.append(traceback.format_exc())
+    trial.faults += _unsound_diagnostics(trial.found)
+    errors = [diagnostic for diagnostic in trial.found if diagnostic.severity == "error"]
+    message, notes = (str(errors[0]), errors[0].notes) if errors else ("", ())
+    outcome = FAILED if trial.faults else trial.outcome
+    return Verdict(outcome, tuple(error.code for error in errors), message, notes, tuple(trial.faults))
+
+
+def _convert(step: Path, read: Read, trial: _Trial) -> None:
+    assembly = read(step, trial.found)
+    if assembly is None:
+        trial.outcome = _refusal(trial)
+        return
+    trial.faults += unsound(assembly)
+    if _has_errors(trial):
+        trial.outcome = "body failed" if _has(trial, _BODY_FAILED) else "refused"
+        return
+    measures = tuple(measured(body.mesh) for body in assembly.bodies)
+    robot = build_robot(assembly, _sidecar(), measures, trial.found)
+    trial.outcome = "no robot"
+    if robot is None:
+        trial.faults += [] if _has_errors(trial) else ["no robot, and no error that says why"]
+        return
+    robot = run_passes(robot, trial.found)
+    check_robot(robot, trial.found)
+    if _has_errors(trial):
+        return
+    for name in FORMATS:
+        files = render(robot, name, trial.found)
+        trial.faults += _unsound_files(name, files, trial.found)
+    trial.outcome = "no robot" if _has_errors(trial) else "robot"
+
+
+def _refusal(trial: _Trial) -> str:
+    if not _has_errors(trial):
+        trial.faults.append("no assembly, and no error that says why")
+    died = [diagnostic for diagnostic in trial.found if diagnostic.code == _DIED]
+    if not died:
+        return "refused"
+    return "out of time" if "no result after" in died[0].message else "kernel died"
+
+
+def _has_errors(trial: _Trial) -> bool:
+    return trial.found.has_errors
+
+
+def _has(trial: _Trial, code: str) -> bool:
+    return any(diagnostic.code == code for diagnostic in trial.found)
+
+
+def _sidecar() -> Sidecar:
+    found = Diagnostics()
+    sidecar = parse_sidecar(_SIDECAR, Path("mutant.robot.yaml"), found)
+    assert sidecar is not None, list(map(str, found))
+    return sidecar
+
+
+def _unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
+    for diagnostic in found:
+        if diagnostic.code == _INTERNAL:
+            yield f"internal error: {diagnostic}"
+        if "\n" in diagnostic.message or not diagnostic.message.isprintable():
+            yield f"{diagnostic.code}: not one printable line: {diagnostic.message!r}"
+        if not diagnostic.span.file:
+            yield f"{diagnostic.code}: no place"
+        if diagnostic.severity == "error" and not any(diagnostic.help):
+            yield f"{diagnostic.code}: no remedy: {diagnostic.message}"
+        if diagnostic.code not in CODES:
+            yield f"no such code: {diagnostic}"
+        if any("Traceback" in text for text in (diagnostic.message, *diagnostic.notes)):
+            yield f"{diagnostic.code}: a traceback: {diagnostic.message} {diagnostic.notes}"
+
+
+def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> Iterator[str]:
+    from lxml import etree
+
+    if not files and not found.has_errors:
+        yield f"{name}: no file, and no error that says why"
+    for path, content in files.items():
+        if path.endswith(".obj"):
+            words = content.decode("ascii").split()
+            numbers = [word for word in words[2:] if word not in ("v", "f")]
+            sound = bool(np.isfinite(np.array(numbers, dtype=np.float64)).all())
+        else:
+            attributes = [value for element in etree.fromstring(content).iter() for value in element.attrib.values()]
+            sound = not any(word in ("nan", "inf", "-inf") for value in attributes for word in value.split())
+        if not sound:
+            yield f"{name}: {path}: a number that is none"
+
+
+def unsound(assembly: Assembly) -> Iterator[str]:
+    """Whatever is wrong with an assembly as such: numbers that are none, indices that lead nowhere, meshes that lie."""
+    components, bodies = assembly.components, assembly.bodies
+    if not 0.0 < assembly.unit_scale < math.inf:
+        yield f"a length unit of {assembly.unit_scale} m"
+    if not components or components[0].parent != -1:
+        yield "no root"
+    if len({component.path for component in components}) != len(components):
+        yield "two components with one path"
+    for index, component in enumerate(components):
+        for fault in _unsound_component(component, index, len(bodies)):
+            yield f"component {index} {component.path!r}: {fault}"
+    for index, body in enumerate(bodies):
+        for fault in _unsound_body(body):
+            yield f"body {index}: {fault}"
+    if not any(component.body >= 0 for component in components):
+        yield "no component has a body"
+
+
+def _unsound_component(component: Component, index: int, bodies: int) -> Iterator[str]:
+    if component.index != index or not (component.parent < index and (component.parent >= 0 or index == 0)):
+        yield f"its index is {component.index}, its parent {component.parent}"
+    if not -1 <= component.body < bodies:
+        yield f"there is no body {component.body}"
+    if not np.isfinite(component.X_WC.matrix).all():
+        yield f"its pose is {component.X_WC}"
+    elif abs(component.X_WC.R @ component.X_WC.R.T - np.eye(3)).max() > 1e-5 or np.linalg.det(component.X_WC.R) < 0.0:
+        yield f"its rotation is none: {component.X_WC.R.tolist()}"
+    if not (math.isfinite(component.density) and component.density >= 0.0):
+        yield f"its density is {component.density}"
+    if component.color is not None and not all(0.0 <= value <= 1.0 for value in component.color):
+        yield f"its colour is {component.color}"
+    for text in (component.product, component.occurrence, component.path, component.material):
+        try:
+            text.encode("utf-8")
+        except UnicodeEncodeError:
+            yield f"a text that is none: {text!r}"
+
+
+def _unsound_body(body: Body) -> Iterator[str]:
+    from trimesh import Trimesh
+
+    mesh = body.mesh
+    if not np.isfinite(mesh.vertices).all():
+        yield "a vertex is not finite"
+    if len(mesh.faces) and not (mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.vertices)):
+        yield "a face names a vertex that is not there"
+    if len(body.face_colors) != len(mesh.faces):
+        yield f"{len(body.face_colors)} colours for {len(mesh.faces)} faces"
+    if len(body.face_colors) and not 0 <= body.face_colors.min() <= body.face_colors.max() < len(body.colors):
+        yield "a face has a colour that is not there"
+    if any(not all(0.0 <= value <= 1.0 for value in color) for color in body.colors if color is not None):
+        yield f"its colours are {body.colors}"
+    if len(mesh.faces):
+        seen = Trimesh(mesh.vertices, mesh.faces, process=False)
+        if body.watertight != bool(seen.is_watertight and seen.is_winding_consistent):
+            yield f"says watertight={body.watertight}, which trimesh denies"
+    elif body.watertight:
+        yield "says that it is watertight, and has no faces"
+    for name, properties in (("exact", body.exact), ("refined", body.refined)):
+        if properties is not None and not _is_sound(properties):
+            yield f"its {name} mass properties are {properties}"
+    yield from (f"an axis of {face}" for face in body.axis_faces if not _is_sound_axis(face))
+
+
+def _is_sound_axis(face: AxisFace) -> bool:
+    numbers = (*face.point, *face.direction, face.radius, face.low, face.high)
+    is_line = all(map(math.isfinite, numbers)) and abs(math.hypot(*face.direction) - 1.0) < 1e-9
+    return is_line and face.radius > 0.0 and face.low <= face.high
+
+
+def _is_sound(properties: VolumeProperties) -> bool:
+    body = properties.unit_density
+    numbers = (properties.volume, body.mass, *body.com, *(value for row in body.inertia for value in row))
+    return all(map(math.isfinite, numbers)) and properties.volume > 0.0

@@ -1,0 +1,93 @@
+"""A mutant: a sound STEP file, damaged in one way or several, and its name, from which alone it is made again."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import cycle, product
+from pathlib import Path
+from random import Random
+
+from .damage import flipped_bytes, spoiled_header, spoiled_strings, truncation
+from .rewiring import (
+    circles,
+    dropped_entities,
+    numbers,
+    rewired_references,
+    spoiled_arguments,
+    swapped_keywords,
+)
+from .step_text import StepText
+
+Damage = Callable[[StepText, Random], bytes]
+
+KINDS: dict[str, Damage] = {
+    "truncation": truncation,
+    "bytes": flipped_bytes,
+    "numbers": numbers,
+    "entities": dropped_entities,
+    "references": rewired_references,
+    "circles": circles,
+    "keywords": swapped_keywords,
+    "arguments": spoiled_arguments,
+    "strings": spoiled_strings,
+    "header": spoiled_header,
+}
+MIXED = "mixed"
+"""The kind of mutants that have several kinds of damage."""
+ALL_KINDS = (*KINDS, MIXED)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """What a damaged file is made from."""
+
+    base: str
+    """File name of the sound file."""
+    kind: str
+    """One of :data:`ALL_KINDS`."""
+    seed: int
+    number: int
+
+    @property
+    def name(self) -> str:
+        """``base:kind:seed:number``."""
+        return f"{self.base}:{self.kind}:{self.seed}:{self.number}"
+
+    @property
+    def file_name(self) -> str:
+        """A name for its file, on any system."""
+        return f"{self.base.removesuffix('.step')}-{self.kind}-{self.seed}-{self.number}.step"
+
+    @staticmethod
+    def named(name: str) -> "Mutant":
+        """The mutant of a name.
+
+        Raises:
+            ValueError: This is no mutant's name.
+        """
+        base, kind, seed, number = name.rsplit(":", 3)
+        if kind not in ALL_KINDS:
+            raise ValueError(f"no kind of damage is called '{kind}': {', '.join(ALL_KINDS)}")
+        return Mutant(base, kind, int(seed), int(number))
+
+    def content(self, bases: Path) -> bytes:
+        """The damaged file; the same bytes wherever and whenever it is made."""
+        rng = Random(self.name)  # a text as seed: the same numbers on every platform and with every hash seed
+        step = _step_text(bases / self.base)
+        if self.kind != MIXED:
+            return KINDS[self.kind](step, rng)
+        for _ in range(rng.choice((2, 3, 5))):
+            step = StepText(KINDS[rng.choice(list(KINDS))](step, rng) or b" ")
+        return step.data
+
+
+def plan(bases: Sequence[str], count: int, seed: int) -> list[Mutant]:
+    """``count`` mutants in which every pair of base and kind comes equally often, in an order that the seed gives."""
+    pairs = list(product(bases, ALL_KINDS))
+    Random(seed).shuffle(pairs)
+    return [Mutant(*pair, seed, number) for number, pair in zip(range(count), cycle(pairs), strict=False)]
+
+
+@cache
+def _step_text(path: Path) -> StepText:
+    return StepText(path.read_bytes())

@@ -1,0 +1,74 @@
+"""Plays stepbot's own process for many mutants, one after the other: what crashes here would crash the command.
+
+python -m tests.fuzz.runner BASES FOLDER        reads names of mutants, a line each; answers each with a line of JSON
+"""
+
+import json
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from stepbot.cad.assembly import Assembly, ReadOptions
+from stepbot.cad.part21 import check_step
+from stepbot.cad.reader import Reading, start_reading
+from stepbot.diagnostics import Diagnostics
+
+from .forking import ForkServer, can_fork
+from .judge import FAILED, Read, Verdict, judge
+from .mutant import Mutant
+
+FUNCTION = "stepbot.cad.worker:read"
+TIMEOUT = 30.0
+"""Seconds for one file; the bases take less than one."""
+MEMORY_LIMIT = 4 << 30
+"""Address space [bytes] of the kernel's process."""
+SAMPLE = 40
+"""One mutant in so many is read in both ways, by the fork server and as everybody reads."""
+
+
+def read_plainly(step: Path, found: Diagnostics) -> Assembly | None:
+    """Read a STEP file as every conversion does: a worker of its own, which loads the kernel anew."""
+    return start_reading(step, ReadOptions(), memory_limit=MEMORY_LIMIT).finish(found, timeout=TIMEOUT)
+
+
+def reading_by(server: ForkServer) -> Read:
+    """The same reading, only that the worker is forked from a server."""
+
+    def read(step: Path, found: Diagnostics) -> Assembly | None:
+        looked = Diagnostics()
+        part21 = check_step(step, str(step), looked)
+        worker = None if part21 is None else server.call(str(step), str(step), part21, ReadOptions())
+        return Reading(worker, str(step), looked).finish(found, timeout=TIMEOUT)
+
+    return read
+
+
+def try_out(mutant: Mutant, bases: Path, folder: Path, read: Read, *, also_plainly: bool) -> Verdict:
+    """Make a mutant and judge what comes of it; with ``also_plainly`` both ways of reading must end alike."""
+    step = folder / "mutant.step"
+    step.write_bytes(mutant.content(bases))
+    verdict = judge(step, read)
+    if also_plainly:
+        plain = judge(step, read_plainly)
+        if plain.faults or (plain.outcome, plain.codes) != (verdict.outcome, verdict.codes):
+            differs = f"read by a worker of its own it ends otherwise: {plain.outcome} {plain.codes} {plain.message}"
+            return replace(verdict, outcome=FAILED, faults=(*verdict.faults, differs, *plain.faults))
+    return verdict
+
+
+def main(bases: Path, folder: Path) -> None:
+    """Answer until there are no more names."""
+    server = ForkServer(FUNCTION, folder, memory_limit=MEMORY_LIMIT) if can_fork() else None
+    read = reading_by(server) if server is not None else read_plainly
+    for line in sys.stdin:
+        mutant = Mutant.named(line.strip())
+        also_plainly = server is not None and mutant.number % SAMPLE == 0
+        verdict = try_out(mutant, bases, folder, read, also_plainly=also_plainly)
+        sys.stdout.write(json.dumps(asdict(verdict)) + "\n")
+        sys.stdout.flush()
+    if server is not None:
+        server.close()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -1,0 +1,150 @@
+"""Every robot of the library: its folder is as the others, it converts, its files agree, and it can be simulated."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from lxml import etree
+from ruamel.yaml import YAML
+
+from stepbot.isolation import call_isolated
+from tests.command_line import stepbot
+from tests.library.conftest import LIBRARY, ROBOTS, Converted, sidecar_of
+
+every_robot = pytest.mark.parametrize("robot", ROBOTS)
+ALLOWED = re.compile(r"README\.md|expected\.json|preview\.png|[a-z0-9_]+\.(?:py|step|robot\.yaml)")
+
+
+def test_the_library_is_not_empty() -> None:
+    """There is something for the tests below to find."""
+    assert {"stepbot_four_bar", "stepbot_arm2"} <= set(ROBOTS)
+
+
+# The folder
+
+
+@every_robot
+def test_folder_has_what_every_folder_has(robot: str) -> None:
+    """Sidecar, STEP, drawing script, expected numbers and README, named after the robot, and nothing else."""
+    maker, _, name = robot.partition("_")
+    assert maker
+    assert name
+    files = {path.name for path in (LIBRARY / robot).iterdir() if path.name != "__pycache__"}
+    assert files >= {f"{name}.robot.yaml", f"{name}.step", "build.py", "expected.json", "README.md"}
+    assert [file for file in sorted(files) if not ALLOWED.fullmatch(file)] == []
+    assert (LIBRARY / robot / f"{name}.step").stat().st_size < 2_000_000
+
+
+@every_robot
+def test_sidecar_names_its_neighbours(robot: str) -> None:
+    """The robot's name, its STEP and its schema are those beside it."""
+    sidecar = sidecar_of(robot)
+    text = sidecar.read_text(encoding="utf-8")
+    name = robot.partition("_")[2]
+    schema = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
+    assert schema is not None
+    assert (sidecar.parent / schema[1]).is_file()
+    content = YAML(typ="safe", pure=True).load(text)
+    assert (content["version"], content["robot"], content["step"]) == (1, name, f"{name}.step")
+
+
+@every_robot
+def test_step_tells_nothing_of_where_and_when(robot: str) -> None:
+    """The header has no person, no folder and no time of drawing, so that drawing again gives the same bytes."""
+    (step,) = (LIBRARY / robot).glob("*.step")
+    header = step.read_text(encoding="utf-8").split("ENDSEC;", 1)[0]
+    assert f"FILE_NAME('{step.name}','2000-01-01T00:00:00',(''),('')," in re.sub(r"\s*\n\s*", "", header)
+
+
+@every_robot
+def test_readme_shows_the_command(robot: str) -> None:
+    """Whoever copies the command of the README converts this robot."""
+    readme = (LIBRARY / robot / "README.md").read_text(encoding="utf-8")
+    sidecar = sidecar_of(robot).relative_to(LIBRARY.parent).as_posix()
+    assert f"stepbot convert {sidecar}" in readme
+    assert readme.startswith(f"# {robot.partition('_')[2]}\n")
+    named = re.findall(r"^- `([\w.]+)`:", readme, re.MULTILINE)
+    assert len(named) >= 4
+    assert [file for file in named if not (LIBRARY / robot / file).is_file()] == []
+
+
+# The conversion
+
+
+@pytest.mark.slow
+@every_robot
+def test_converts_and_every_check_passes(robot: str, converted: Converted) -> None:
+    """Three formats and a report; nothing failed, no error, and the mass is the one known beforehand."""
+    conversion = converted(robot)
+    name = robot.partition("_")[2]
+    tops = {path.name for path in conversion.folder.iterdir() if path.is_file() and not path.name.startswith(".")}
+    assert tops == {f"{name}.urdf", f"{name}.sdf", f"{name}.xml", "report.json"}
+    report = conversion.report
+    assert report["summary"]["failed"] == 0
+    assert [check for check in report["checks"] if check["status"] == "failed"] == []
+    assert {entry["severity"] for entry in report["diagnostics"]} <= {"warning", "note"}
+    assert report["robot"]["overlaps"] == []
+    expected = json.loads((LIBRARY / robot / "expected.json").read_text(encoding="utf-8"))
+    (mass,) = {body["mass"] for key, body in expected.items() if key.startswith("total")}
+    assert report["robot"]["mass"] == pytest.approx(mass, rel=1e-3)
+    assert {joint["name"] for joint in report["robot"]["joints"]} <= set(expected["joints"])
+
+
+@every_robot
+def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Converted) -> None:
+    """All meshes that a file names are there, relative and in metres, none lies about unused; no machine is named."""
+    folder = converted(robot).folder
+    for suffix, tag, attribute in ((".urdf", "mesh", "filename"), (".sdf", "uri", None), (".xml", "mesh", "file")):
+        root = etree.parse(converted(robot).file(suffix)).getroot()
+        named = {e.get(attribute) if attribute else e.text for e in root.iter(tag)} - {None}
+        assert named == {path.relative_to(folder).as_posix() for path in folder.glob("meshes/*")}
+        assert root.xpath("//*[@scale] | //scale | //@package") == []
+    for path in folder.rglob("*"):
+        if path.is_file():
+            content = path.read_bytes()
+            assert str(LIBRARY).encode() not in content, path.name
+            assert str(folder).encode() not in content, path.name
+
+
+@pytest.mark.slow
+@every_robot
+def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Path) -> None:
+    """`stepbot verify` on a copy, in another folder and without the report, finds the three files equal."""
+    folder = shutil.copytree(converted(robot).folder, tmp_path / "copy")
+    (folder / "report.json").unlink()
+    (folder / ".stepbot.json").unlink()
+    files = [next(folder.glob(f"*{suffix}")).name for suffix in (".urdf", ".sdf", ".xml")]
+    run = stepbot("verify", *files, cwd=folder)
+    assert run.code == 0, run.out + run.err
+    assert ", 0 failed, " in run.out
+
+
+# The simulation
+
+
+@pytest.mark.mujoco
+@every_robot
+@pytest.mark.parametrize("noise", [False, True], ids=["at rest", "noise"])
+def test_one_second_in_mujoco(robot: str, noise: bool, converted: Converted) -> None:
+    """From its keyframe, held by its actuators or with noise on them: no warning, nothing that explodes or collides."""
+    seen = call_isolated("tests.engines:run_in_mujoco", str(converted(robot).file(".xml")), 1.0, noise)
+    assert not any(seen["warnings"])
+    assert seen["finite"]
+    if not noise:
+        assert seen["speed"] < 1.0  # [rad/s] or [m/s]: it sags where it hangs on its springs, and that is all
+        assert seen["depth"] > -1e-4
+    assert seen["speed"] > 1e-3
+
+
+@pytest.mark.pybullet
+@every_robot
+def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:
+    """Hanging from its base without motors: finite, and no faster than a fall lets it be."""
+    pytest.importorskip("pybullet")
+    seen = call_isolated("tests.engines:run_in_pybullet", str(converted(robot).file(".urdf")), 1.0)
+    assert seen["finite"]
+    assert 1e-3 < seen["speed"] < 50.0
+    report = converted(robot).report["robot"]
+    assert seen["links"] == len(report["links"]) + len(report["frames"])
