@@ -33,7 +33,7 @@ def inspection_text(inspection: Inspection, *, features: bool) -> str:
         text.append(line)
         if features:
             text += (f"    {axis}" for axis in _component_axes(assembly, component))
-    return "\n".join(text)
+    return printable("\n".join(text))
 
 
 def shared_axes_text(shared: SharedAxes) -> str:
@@ -46,12 +46,12 @@ def shared_axes_text(shared: SharedAxes) -> str:
         tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
         text.append(f"    {millimetres(miss.distance)}{tilt} apart: {quoted(a)} is not where {quoted(b)} is")
         text += [f"        {quoted(path)}: {_described(line)}" for path, line in ((a, miss.line_a), (b, miss.line_b))]
-    return "\n".join(text)
+    return printable("\n".join(text))
 
 
 def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
-    system = f", written by {printable(assembly.originating_system)}" if assembly.originating_system else ""
-    yield f"{printable(assembly.source)}: {assembly.schema or 'unknown schema'}, length unit {assembly.unit}{system}"
+    system = f", written by {assembly.originating_system}" if assembly.originating_system else ""
+    yield f"{assembly.source}: {assembly.schema or 'unknown schema'}, length unit {assembly.unit}{system}"
     parts = [
         _count(assembly.definitions, "definition"),
         _count(len(assembly.components) - 1, "component"),
@@ -60,13 +60,13 @@ def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
         f"{_volume(total.volume)} in all",
     ]
     yield ", ".join(parts)
-    yield from (f"{printable(name)}: {printable(value)}" for name, value in assembly.facts.items())
+    yield from (f"{name}: {value}" for name, value in assembly.facts.items())
 
 
 def _row(assembly: Assembly, component: Component, inside: Contents) -> tuple[str, ...]:
-    names = ", ".join(f"'{printable(name)}'" if name else "-" for name in (component.product, component.occurrence))
+    names = ", ".join(f"'{name}'" if name else "-" for name in (component.product, component.occurrence))
     return (
-        printable(quoted(component.path)),
+        quoted(component.path),
         str(inside.solids) if inside.solids else "-",
         _volume(inside.volume) if inside.volume else "-",
         _numbers(inside.center) if inside.center else "-",
@@ -86,11 +86,11 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
                 BodyKind.WIRE: "curves only",
             }[body.kind]
         if body.defect:
-            yield printable(body.defect)
+            yield body.defect
         elif body.kind is BodyKind.SOLID and not body.watertight:
             yield "not watertight"
     if component.material:
-        yield f"material '{printable(component.material)}'"
+        yield f"material '{component.material}'"
     if component.by_ordinal_only:
         yield "only #n tells it from its siblings"
 

@@ -106,7 +106,7 @@ CODES = (
         "kernel failed on a body",
         "The geometry kernel crashed, or gave up, on one body of the assembly; the others were read.",
         "A robot without the body would be wrong in every number.",
-        "Repair the body in CAD, or leave it out: ignore it in the sidecar does not help, because it cannot be read.",
+        "Repair the body in CAD, or delete it there, and export again; a sidecar cannot ignore what cannot be read.",
     ),
     Code(
         "SB214",
@@ -147,14 +147,6 @@ CODES = (
         "A part holds curves or points beside its solids or surfaces.",
         "They have no volume and no face, so they are neither drawn nor weighed.",
         "Nothing to do.",
-    ),
-    Code(
-        "SB219",
-        "warning",
-        "solid changed by healing",
-        "Healing a body, as every CAD program does on import, changed its volume.",
-        "What was read may not be what was drawn.",
-        "Look at the body in CAD, repair it there and export again, or give its mass in the sidecar.",
     ),
     Code(
         "SB220",

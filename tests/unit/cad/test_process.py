@@ -29,8 +29,10 @@ def content(assembly: Assembly) -> bytes:
 
 
 def test_reading_in_a_process_of_its_own(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The result is that of reading here, with arrays that nobody can change."""
-    path = parts.write_nested(tmp_path / "nested.step").path
+    """The result is that of reading here, also from an odd folder, and nobody can change its arrays."""
+    folder = tmp_path / "Größe 螺丝 — new"
+    folder.mkdir()
+    path = parts.write_nested(folder / "nested 1.step").path
     assembly = read_assembly(path, ReadOptions(), found)
     assert assembly is not None
     assert list(found) == []

@@ -1,0 +1,121 @@
+"""Same input, same bytes, whatever the hash seed, the locale, the folder, the cores, or what was there before."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot
+
+pytestmark = pytest.mark.slow
+
+
+def first_run(temporary: pytest.TempPathFactory, library: Path, robot: str) -> Conversion:
+    """The conversion that others are compared with: the sidecar by its absolute path, the output by a relative one."""
+    return convert_once(temporary, robot, next((library / robot).glob("*.robot.yaml")))
+
+
+def assert_same_bytes(one: Path, other: Path) -> None:
+    """Two folders hold the same files."""
+    expected, found = snapshot(one), snapshot(other)
+    assert "report.json" in expected
+    assert list(found) == list(expected)
+    assert [name for name in expected if found[name] != expected[name]] == []
+
+
+def test_other_seed_core_folder_and_paths(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """On one core, in ASCII, with another hash seed and time zone, elsewhere, all paths absolute: the same bytes."""
+    first = first_run(tmp_path_factory, robot_library, "stepbot_arm2")
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    one_core = "import os, runpy, sys\n" + (
+        "os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n" if hasattr(os, "sched_setaffinity") else ""
+    )
+    command = [sys.executable, "-c", f"{one_core}runpy.run_module('stepbot_cli', run_name='__main__', alter_sys=True)"]
+    changes = {
+        "PYTHONHASHSEED": "4711",
+        "LC_ALL": "C",
+        "TZ": "Asia/Tokyo",
+        "PYTHONIOENCODING": "ascii",
+        "COLUMNS": "60",
+    }
+    elsewhere = tmp_path / "some where"
+    elsewhere.mkdir()
+    run = subprocess.run(
+        [*command, "convert", str(sidecar), "-o", str(tmp_path / "out")],
+        cwd=elsewhere,
+        env=environment(changes),
+        capture_output=True,
+        check=False,
+        timeout=300,
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    assert_same_bytes(first.folder, tmp_path / "out")
+
+
+@pytest.fixture(scope="session")
+def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Environment of a locale that writes 0,5 for one half; the test is skipped where there is no such locale."""
+    folder = tmp_path_factory.mktemp("locales")
+    changes = {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}
+    if shutil.which("localedef"):
+        made = subprocess.run(
+            ["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / "de_DE.UTF-8")], capture_output=True, check=False
+        )
+        if made.returncode == 0:
+            changes["LOCPATH"] = str(folder)
+    ask = "import locale; locale.setlocale(locale.LC_ALL, ''); print(locale.str(0.5))"
+    told = subprocess.run([sys.executable, "-c", ask], env=environment(changes), capture_output=True, check=False)
+    if told.stdout.strip() != b"0,5":
+        pytest.skip("no locale with a decimal comma on this system, and none could be made")
+    return changes
+
+
+def test_other_locale_and_relative_paths(
+    german: dict[str, str], tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """With decimal commas, from a copy in another folder that is named by a relative path: the same bytes."""
+    first = first_run(tmp_path_factory, robot_library, "stepbot_four_bar")
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    for file in ("four_bar.robot.yaml", "four_bar.step"):
+        shutil.copy(robot_library / "stepbot_four_bar" / file, tmp_path / "a" / file)
+    run = subprocess.run(
+        [*COMMAND, "convert", "../four_bar.robot.yaml", "-o", "../../out/here"],
+        cwd=tmp_path / "a" / "b",
+        env=environment({**german, "PYTHONHASHSEED": "random"}),
+        capture_output=True,
+        check=False,
+        timeout=300,
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    assert_same_bytes(first.folder, tmp_path / "out" / "here")
+
+
+def test_one_format_alone_has_the_same_bytes(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """A file does not depend on which others are written with it, nor on whether it is verified."""
+    first = first_run(tmp_path_factory, robot_library, "stepbot_arm2")
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    alone = convert(sidecar, tmp_path / "alone", "-f", "mjcf", "--no-verify")
+    expected, found = snapshot(first.folder), snapshot(alone.folder)
+    files = set(found) - {"report.json", ".stepbot.json"}
+    assert files == {name for name in expected if name == "arm2.xml" or name.startswith("meshes/")}
+    assert [name for name in files if found[name] != expected[name]] == []
+
+
+def test_again_into_the_same_folder(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """A second run over its own output touches no file: nothing that watches them wakes up."""
+    sidecar = robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
+    convert(sidecar, tmp_path / "out", "-f", "urdf", "--no-verify")
+    before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in (tmp_path / "out").rglob("*.*")}
+    assert len(before) > 10
+    convert(sidecar, tmp_path / "out", "-f", "urdf", "--no-verify")
+    after = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in (tmp_path / "out").rglob("*.*")}
+    assert after == before
