@@ -122,8 +122,11 @@ def _labels(fill: Any) -> list[Any]:
 def _name(label: Any) -> str:
     from OCP.TDataStd import TDataStd_Name
 
+    if not label.IsAttribute(TDataStd_Name.GetID_s()):
+        return ""
     name = TDataStd_Name()
-    return str(name.Get().ToExtString()) if label.FindAttribute(TDataStd_Name.GetID_s(), name) else ""
+    label.FindAttribute(TDataStd_Name.GetID_s(), name)
+    return str(name.Get().ToExtString())
 
 
 def _pose(location: Any) -> Array:

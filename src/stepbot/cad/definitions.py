@@ -138,5 +138,9 @@ def _listed(fill: Any) -> list[Any]:
 
 
 def _name(label: Any) -> str:
+    """What the kernel calls a label; empty where it has no name, as shapes that the kernel made up may have none."""
+    if not label.IsAttribute(TDataStd_Name.GetID_s()):  # to look for what is not there ends the process
+        return ""
     name = TDataStd_Name()
-    return str(name.Get().ToExtString()) if label.FindAttribute(TDataStd_Name.GetID_s(), name) else ""
+    label.FindAttribute(TDataStd_Name.GetID_s(), name)
+    return str(name.Get().ToExtString())

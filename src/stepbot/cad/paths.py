@@ -6,7 +6,8 @@
     **/M3x8*                    ``*`` within a name, ``**`` across names; globs match from the root
 
 A name is that of the product or of the occurrence. Fusion's save counter, `` v12`` in ``arm v12`` and ``arm v12:1``,
-counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash; every other character stands for itself.
+counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash, as does a name that is a single dot; every
+other character stands for itself.
 A path that does not bind is a value too, :class:`Binding`, because many are looked up and all faults are told at once.
 """
 
@@ -24,6 +25,8 @@ _ANY = "\0"
 _SAVE_COUNTER = re.compile(r"(?<=\S) v\d+(?=(?::\d+)?$)")
 _ORDINAL = re.compile(r"(?<!\\)#(\d+)$")
 _ESCAPED = re.compile(r"\\([/*#])")
+_DOT = re.compile(r"\\*\.")
+"""A name that would be taken for the root without a backslash before it."""
 _SLASH = re.compile(r"(?<!\\)/")
 _STAR = re.compile(r"(?<!\\)\*+")
 
@@ -65,7 +68,7 @@ def plain_name(name: str) -> str:
 
 def escape(name: str) -> str:
     """A name as a segment of a path that means just this name."""
-    return re.sub(r"([/*#])", r"\\\1", name)
+    return f"\\{name}" if _DOT.fullmatch(name) else re.sub(r"([/*#])", r"\\\1", name)
 
 
 def quoted(path: str) -> str:
@@ -124,7 +127,8 @@ def _parse(pattern: str) -> list[_Segment]:
 def _parse_segment(text: str) -> _Segment:
     base = _ORDINAL.sub("", text)
     ordinal = _ORDINAL.search(text)
-    name = plain_name(_ESCAPED.sub(r"\1", _STAR.sub(_ANY, base)))
+    plain = base[1:] if _DOT.fullmatch(base) else _ESCAPED.sub(r"\1", _STAR.sub(_ANY, base))
+    name = plain_name(plain)
     return _Segment(text, name, int(ordinal[1]) if ordinal and base else 0)
 
 

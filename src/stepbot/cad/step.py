@@ -15,6 +15,7 @@ from OCP.Interface import Interface_Static
 from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Reader
 from OCP.TCollection import TCollection_AsciiString, TCollection_ExtendedString
 from OCP.TDocStd import TDocStd_Document
+from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
 from ..spatial import Array
 
@@ -66,6 +67,7 @@ def read_model(path: Path, codepage: str) -> StepModel:
         StepUnreadable: The kernel cannot make sense of the file.
     """
     STEPCAFControl_Controller.Init_s()
+    XCAFDoc_ShapeTool.SetAutoNaming_s(False)  # names are the file's, whoever used the kernel in this process before
     for name, value in {**_SETTINGS, "read.step.codepage": codepage}.items():
         if not Interface_Static.SetCVal_s(name, value):
             raise AssertionError(f"the kernel has no setting {name} = {value}")

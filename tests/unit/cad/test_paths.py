@@ -1,7 +1,7 @@
 """Component paths and globs bind to what the sidecar's grammar says, or tell why not."""
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from stepbot.cad.assembly import Component
@@ -202,6 +202,7 @@ _NAME = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_
 
 
 @given(st.lists(_NAME, min_size=1, max_size=5))
+@example([".", "\\.", "..", "\\/"])
 def test_escaped_names_bind_to_themselves(names: list[str]) -> None:
     """Whatever a name holds, its escaped form names it and nothing else."""
     plain = list(dict.fromkeys(filter(None, map(plain_name, names))))
