@@ -16,6 +16,7 @@ from .axis_faces import axis_faces
 from .exact import has_rational_faces, integrate, integrate_adaptively, volume_properties
 from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
+from .parting import parted
 from .source import BodySource
 from .step import MILLIMETRES_PER_METRE
 from .stitching import Stitched, is_watertight, merged_by_position
@@ -172,7 +173,7 @@ def _triangles_only(source: BodySource, shape: object) -> ReadBody:
     """A body that came as triangles: joined where they have points in common, turned outwards if it closes."""
     body = unhealed(shape)
     found, _ = faceted_faces(faces_of(shape))
-    stitched = merged_by_position(found)
+    stitched = parted(merged_by_position(found))
     watertight = is_watertight(stitched.faces)
     findings = []
     if watertight and stitched.signed_volume < 0.0:

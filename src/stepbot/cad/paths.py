@@ -6,8 +6,8 @@
     **/M3x8*                    ``*`` within a name, ``**`` across names; globs match from the root
 
 A name is that of the product or of the occurrence. Fusion's save counter, `` v12`` in ``arm v12`` and ``arm v12:1``,
-counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash, as does a name that is a single dot; every
-other character stands for itself.
+counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash, as does a name that is a single dot;
+every other character stands for itself.
 A path that does not bind is a value too, :class:`Binding`, because many are looked up and all faults are told at once.
 """
 

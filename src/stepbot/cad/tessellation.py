@@ -15,6 +15,7 @@ from OCP.BRepTools import BRepTools
 from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
 
 from .assembly import MeshTolerance
+from .parting import parted
 from .step import MILLIMETRES_PER_METRE
 from .stitching import Stitched, is_watertight, stitched
 from .straightening import straighten
@@ -124,4 +125,4 @@ def _meshed(shape: Any, faces: list[Any], wanted: Fineness, algorithm: IMeshTool
     BRepTools.Clean_s(shape)
     BRepMesh_IncrementalMesh(shape, parameters)
     found, missing = faceted_faces(faces)
-    return Tessellation(stitched(found, edge_uses(faces)), wanted, missing)
+    return Tessellation(parted(stitched(found, edge_uses(faces))), wanted, missing)
