@@ -14,7 +14,7 @@ from pathlib import Path
 from robot_library.moments import NOTHING, Array, Moments, mirror, pose, total, turn
 from robot_library.step_file import Assembly, LengthUnit, Occurrence, Part, write_step
 
-from .solids import Solid, box, compound, cone, cylinder, faces, joined, sphere
+from .solids import Solid, box, compound, cone, cylinder, faces, joined, sphere, triangles
 
 STEEL, ALUMINIUM = 7850.0, 2700.0
 """[kg/m^3]."""
@@ -186,6 +186,12 @@ def write_open_solid(path: Path) -> Drawing:
     builder.MakeSolid(solid)
     builder.Add(solid, shell)
     return draw(path, Drawn("open box", solid))
+
+
+def write_tessellated(path: Path, closed: bool = True) -> Drawing:
+    """A box of twelve triangles without any exact geometry, or, not closed, of eleven: those enclose nothing."""
+    block = box(30, 40, 50)
+    return draw(path, Drawn("scan", triangles(30, 40, 50, closed), bodies=(block.moments,) if closed else ()))
 
 
 def write_colored_faces(path: Path) -> Drawing:

@@ -6,6 +6,7 @@ A :class:`Solid` is a shape of the kernel next to its integrals, so that a cut i
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from robot_library import moments
@@ -76,6 +77,30 @@ def joined(first: Solid, *others: Solid) -> Solid:
     for other in others:
         first += other
     return first
+
+
+def triangles(x: float, y: float, z: float, closed: bool = True) -> Any:
+    """A box around the origin as a solid of triangles, without surfaces; not closed, it lacks one."""
+    from OCP.BRep import BRep_Builder
+    from OCP.gp import gp_Pnt
+    from OCP.Poly import Poly_Triangle, Poly_Triangulation
+    from OCP.TopoDS import TopoDS_Face, TopoDS_Shell, TopoDS_Solid
+
+    corners = list(product((-x / 2, x / 2), (-y / 2, y / 2), (-z / 2, z / 2)))
+    quads = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
+    drawn = [corner for a, b, c, d in quads for corner in ((a, b, c), (a, c, d))][: 12 if closed else 11]
+    mesh = Poly_Triangulation(len(corners), len(drawn), False)
+    for i, corner in enumerate(corners, start=1):
+        mesh.SetNode(i, gp_Pnt(*corner))
+    for i, triangle in enumerate(drawn, start=1):
+        mesh.SetTriangle(i, Poly_Triangle(*triangle))
+    builder, face, shell, solid = BRep_Builder(), TopoDS_Face(), TopoDS_Shell(), TopoDS_Solid()
+    builder.MakeFace(face, mesh)
+    builder.MakeShell(shell)
+    builder.Add(shell, face)
+    builder.MakeSolid(solid)
+    builder.Add(solid, shell)
+    return solid
 
 
 def compound(*shapes: Any) -> Any:

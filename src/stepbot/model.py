@@ -77,8 +77,13 @@ class MassProperties:
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
-    """Mass properties of several bodies as one; all in the same frame, as is the result."""
+    """Mass properties of several bodies as one; all in the same frame, as is the result.
+
+    One body alone stays what it is, bit for bit.
+    """
     parts = [body for body in bodies if body.mass != 0.0]
+    if len(parts) == 1:
+        return parts[0]
     mass = sum(body.mass for body in parts)
     if mass == 0.0:
         return MassProperties()

@@ -300,9 +300,14 @@ def start(desk: Desk, *options: str) -> "subprocess.Popen[bytes]":
     )
 
 
+def workers(command: "subprocess.Popen[bytes]", module: bytes) -> list[int]:
+    """Processes below a command that run a module."""
+    return [pid for pid in children(command.pid) if module in command_of(pid)]
+
+
 def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
     """The kernel's process below a command."""
-    return [pid for pid in children(command.pid) if b"stepbot.cad.worker" in command_of(pid)]
+    return workers(command, b"stepbot.cad.worker")
 
 
 @ON_LINUX
@@ -345,6 +350,27 @@ def test_body_that_kills_the_kernel(desk: Desk) -> None:
     assert place == STEP
     assert "SIGKILL" in message
     desk.assert_untouched(before)
+
+
+@ON_LINUX
+@pytest.mark.mujoco
+def test_engine_that_dies(desk: Desk) -> None:
+    """What is not proven does not replace what is: it goes to a folder of its own; file and engine are named."""
+    before = snapshot(desk.folder)
+    with start(desk) as command:
+        os.kill(wait_for(lambda: workers(command, b"stepbot.simulators.mujoco"), command)[0], signal.SIGKILL)
+        out, err = command.communicate(timeout=120)
+    assert command.returncode == 1, err.decode()
+    assert b"Traceback" not in err
+    assert re.search(rb"^arm2\.(urdf|xml): error\[SB802\]: mujoco: killed by SIGKILL", err, re.MULTILINE)
+    assert re.search(rb"mujoco +failed", out)
+    after = snapshot(desk.folder)
+    assert {name: after[name] for name in before} == before
+    written = {name for name in after if name not in before}
+    assert {name.split("/")[0] for name in written} == {"out.failed"}
+    assert {name.removeprefix("out.failed/") for name in written} == {
+        name.removeprefix("out/") for name in before if name.startswith("out/")
+    }
 
 
 @ON_LINUX

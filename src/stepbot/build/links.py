@@ -116,7 +116,8 @@ class Links:
         """Mass properties of a component in its link's frame."""
         weighing = self._weighings[self._binder.assembly.components[part.index].body]
         assert weighing.properties is not None  # only what has a volume has a mass
-        density = 1.0 if by_volume else self._masses[part.index].mass / weighing.properties.volume
+        known = self._masses[part.index]
+        density = 1.0 if by_volume else known.density or known.mass / weighing.properties.volume
         return weighing.properties.unit_density.scaled(density).moved(part.X_LC)
 
     def _source(self, index: int) -> MassSource:

@@ -24,6 +24,7 @@ from .assembly import Assembly, Body, BodyKind, Component, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
 from .claims import definition_tolerances
 from .definitions import Definitions
+from .integrity import check_integrity
 from .kernel_errors import KERNEL_ERRORS
 from .length_unit import LengthUnit, read_length_unit
 from .materials import Materials
@@ -108,6 +109,8 @@ def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> 
 def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *, take_out: bool) -> _Content | None:
     decode: Any = str if part21.encoding else partial(reinterpret, encoding=_FALLBACK_ENCODING)
     model = read_model(Path(path), "UTF8" if part21.encoding else "iso8859-1")
+    if not check_integrity(model.session, Path(path), place, found):
+        return None
     unit = read_length_unit(model.session, place, found)
     if unit is None:
         return None

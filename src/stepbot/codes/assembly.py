@@ -156,4 +156,30 @@ CODES = (
         "Solids that belong to no product are left out on purpose by every program; one that the kernel could not build is lost.",
         "Compare the number of solids in `stepbot inspect` with the CAD; export again what is missing.",
     ),
+    Code(
+        "SB221",
+        "error",
+        "broken text",
+        "A statement of the file does not follow the grammar of ISO 10303-21, or two entities have the same number.",
+        "Programs skip what they cannot read; what is skipped can be any part, or where it lies.",
+        "Export the assembly again, or copy the file again: text as this comes from interrupted writing, failing disks, "
+        "transfers in text mode, and editing by hand.",
+    ),
+    Code(
+        "SB222",
+        "error",
+        "shape or place incomplete",
+        "Something that draws or places a shape refers to an entity that the file does not have, or to one of the wrong kind.",
+        "Programs go on without it: a part is then missing, open, or lies at the origin, and every number is wrong.",
+        "Export the assembly again, or copy the file again.",
+    ),
+    Code(
+        "SB223",
+        "warning",
+        "entities not read",
+        "Styles, notes, properties or other entities beside the shapes refer to what the file does not have, "
+        "or a shape holds something of a kind that the geometry kernel does not know.",
+        "Colours, names, materials or densities can be missing, or a body of an unusual kind.",
+        "Compare `stepbot inspect` with the CAD; export as AP214 if something is missing.",
+    ),
 )
