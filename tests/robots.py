@@ -35,6 +35,7 @@ from stepbot.model import (
     Visual,
 )
 from stepbot.spatial import Pose, rotation_about
+from tests.mechanisms import MECHANISMS
 from tests.workshop import GLASS, ORANGE, STEEL, Workshop, at
 
 
@@ -410,4 +411,10 @@ ROBOTS: dict[str, Callable[[], Robot]] = {
         odd_names,
         primitives,
     )
-}
+} | MECHANISMS
+
+_ONE_FREEDOM = {JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC}
+SINGLE_FREEDOMS = tuple(
+    name for name, build in ROBOTS.items() if {joint.kind for joint in build().joints} <= _ONE_FREEDOM
+)
+"""Robots whose every joint turns or slides, which every format and reader knows by itself."""

@@ -42,8 +42,8 @@ def equations_of_motion(
     X = tree.frames(np.array([full[name] for name in tree.joints]))
     M = np.zeros((len(tree.joints),) * 2)
     g = np.zeros(len(tree.joints))
-    for i, link in enumerate(robot.links):
-        body = link.mass_properties
+    for link in robot.links:
+        i, body = tree.link_index[link.name], link.mass_properties
         R_WL, p_WL = X[i, :3, :3], X[i, :3, 3]
         J = tree.jacobian(X, i, p_WL + R_WL @ np.array(body.com))
         M += J[:3].T @ turn_inertia(R_WL, body.inertia) @ J[:3] + body.mass * J[3:].T @ J[3:]

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from .freedoms import ball_coordinates
 from .kinematics import configurations, initial_configuration
 from .loops import driven_joints, held_by_a_point, loop_ways
 from .model import Base, Robot
@@ -76,6 +77,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
             ways=loops.ways,
             held_by_a_point=loops.held_by_a_point,
             driven=loops.driven,
+            balls=ball_coordinates(moved),
             mimics={joint.name: joint.mimic for joint in moved.joints if joint.mimic is not None},
         )
     return asked

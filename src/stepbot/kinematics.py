@@ -1,8 +1,9 @@
 """Where the links of a robot are, how they move with its joints, and where its joints may be.
 
-A configuration maps names of joints to positions [rad] or [m]. The root link's frame is the world's. Joints of one
-degree of freedom are this module's subject: fixed joints hold, revolute and continuous ones turn about their axis,
-prismatic ones slide along it.
+A configuration maps names of coordinates to positions [rad] or [m]. The root link's frame is the world's. A joint of
+one degree of freedom is its own coordinate: revolute and continuous ones turn about their axis, prismatic ones slide
+along it, screws do both. Joints of several freedoms have those of the chain that they unfold to
+(:mod:`stepbot.freedoms`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -10,13 +11,15 @@ from math import pi
 
 import numpy as np
 
+from .freedoms import unfolded
 from .model import Joint, JointKind, Robot
-from .spatial import Array, Pose, cross_matrix
+from .spatial import Array, Pose, cross_matrix, rotation_about
 
 Configuration = Mapping[str, float]
 
 TURNING = frozenset({JointKind.REVOLUTE, JointKind.CONTINUOUS})
-MOVING = TURNING | {JointKind.PRISMATIC}
+MOVING = TURNING | {JointKind.PRISMATIC, JointKind.SCREW}
+"""Kinds of joints that have one coordinate."""
 
 WIDEST_ANGLE = pi
 """Angle [rad] to either side within which a turning joint without limits is sampled."""
@@ -27,15 +30,8 @@ NO_BOUND = 1e6
 
 
 def moving_joints(robot: Robot) -> tuple[Joint, ...]:
-    """The joints of one degree of freedom, in tree order: the coordinates of every Jacobian and mass matrix here.
-
-    Raises:
-        ValueError: A joint has more than one degree of freedom, or a screw.
-    """
-    for joint in robot.joints:
-        if joint.kind not in MOVING and joint.kind is not JointKind.FIXED:
-            raise ValueError(f"joint '{joint.name}': no kinematics for {joint.kind} joints")
-    return tuple(joint for joint in robot.joints if joint.kind in MOVING)
+    """The coordinates of every Jacobian and mass matrix here, in tree order: joints of one freedom, once unfolded."""
+    return tuple(joint for joint in unfolded(robot).joints if joint.kind in MOVING)
 
 
 def independent_joints(robot: Robot) -> tuple[Joint, ...]:
@@ -51,6 +47,8 @@ def mimic_relation(robot: Robot, name: str) -> tuple[str, float, float]:
         ValueError: The chain ends in itself.
     """
     multiplier, offset = 1.0, 0.0
+    if name not in robot.joint_by_name:
+        robot = unfolded(robot)
     leader = robot.joint_by_name[name]
     for _ in robot.joints:
         if leader.mimic is None:
@@ -67,6 +65,7 @@ def complete(robot: Robot, q: Configuration) -> dict[str, float]:
     Raises:
         KeyError: ``q`` names something that is not a moving joint.
     """
+    robot = unfolded(robot)
     joints = moving_joints(robot)
     unknown = sorted(set(q) - {joint.name for joint in joints})
     if unknown:
@@ -86,10 +85,12 @@ def initial_configuration(robot: Robot) -> dict[str, float]:
 class Tree:
     """A robot's tree laid out in arrays: built once, then asked at many configurations.
 
-    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`.
+    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. Chains that
+    joints of several freedoms unfold to have links of their own in :attr:`links`.
     """
 
     def __init__(self, robot: Robot) -> None:
+        robot = unfolded(robot)
         self.links = tuple(link.name for link in robot.links)
         self.joints = tuple(joint.name for joint in moving_joints(robot))
         self.independent = tuple(joint.name for joint in independent_joints(robot))
@@ -100,7 +101,8 @@ class Tree:
     def _lay_out_joints(self, robot: Robot) -> None:
         column = {name: i for i, name in enumerate(self.joints)}
         moving = [robot.joint_by_name[name] for name in self.joints]
-        self._turning = np.array([joint.kind in TURNING for joint in moving], dtype=bool)
+        self._turn = np.array([joint.kind is not JointKind.PRISMATIC for joint in moving], dtype=np.float64)
+        self._advance = np.array([advance(joint) for joint in moving], dtype=np.float64)
         self._axis = np.array([joint.axis for joint in moving], dtype=np.float64).reshape(-1, 3)
         self._K = np.array([cross_matrix(joint.axis) for joint in moving]).reshape(-1, 3, 3)
         self._child = np.array([self.link_index[joint.child] for joint in moving], dtype=int)
@@ -139,10 +141,10 @@ class Tree:
     def frames(self, q: Array) -> Array:
         """Homogeneous X_WL, shape (links, 4, 4)."""
         motion = np.tile(np.eye(4), (len(self.joints), 1, 1))
-        angle = np.where(self._turning, q, 0.0)[:, None, None]
+        angle = (self._turn * q)[:, None, None]
         # Rodrigues; 1 - cos as 2 sin^2 of half the angle keeps its digits at small angles.
         motion[:, :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * (self._K @ self._K)
-        motion[:, :3, 3] = self._axis * np.where(self._turning, 0.0, q)[:, None]
+        motion[:, :3, 3] = self._axis * (self._advance * q)[:, None]
         X = np.empty((len(self.links), 4, 4))
         X[0] = np.eye(4)
         for i in range(1, len(self.links)):
@@ -166,9 +168,22 @@ class Tree:
         a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
         arm = p_WQ - frames[:, :3, 3]
         swept = a_W[:, [1, 2, 0]] * arm[:, [2, 0, 1]] - a_W[:, [2, 0, 1]] * arm[:, [1, 2, 0]]
-        turning = self._turning[:, None]
-        rows = np.hstack([np.where(turning, a_W, 0.0), np.where(turning, swept, a_W)])
+        turn, slide = self._turn[:, None], self._advance[:, None]
+        rows = np.hstack([turn * a_W, turn * swept + slide * a_W])
         return np.asarray(np.where(self._above[link][:, None], rows, 0.0).T)
+
+
+def advance(joint: Joint) -> float:
+    """How far [m] a joint of one freedom slides along its axis for each unit of its coordinate."""
+    return {JointKind.PRISMATIC: 1.0, JointKind.SCREW: joint.pitch}.get(joint.kind, 0.0)
+
+
+def displacement(joint: Joint, q: float) -> Pose:
+    """Pose of the child link at ``q`` in its own frame at q = 0, for joints of one freedom or none."""
+    if joint.kind not in MOVING:
+        return Pose()
+    turned = 0.0 if joint.kind is JointKind.PRISMATIC else q
+    return Pose.of(rotation_about(joint.axis, turned), np.array(joint.axis) * (advance(joint) * q))
 
 
 def link_poses(robot: Robot, q: Configuration) -> dict[str, Pose]:
@@ -180,7 +195,7 @@ def link_poses(robot: Robot, q: Configuration) -> dict[str, Pose]:
     tree = Tree(robot)
     full = complete(robot, q)
     X = tree.frames(np.array([full[name] for name in tree.joints]))
-    return {name: Pose.from_matrix(X[i]) for i, name in enumerate(tree.links)}
+    return {link.name: Pose.from_matrix(X[tree.link_index[link.name]]) for link in robot.links}
 
 
 def sampling_range(joint: Joint) -> tuple[float, float]:
@@ -202,6 +217,7 @@ def leader_range(robot: Robot, name: str) -> tuple[float, float]:
 
     Where no position satisfies all of them, the joint's own bounds.
     """
+    robot = unfolded(robot)
     own = sampling_range(robot.joint_by_name[name])
     lower, upper = own
     for follower in moving_joints(robot):
@@ -218,6 +234,7 @@ def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, 
 
     The numbers are those of numpy's PCG64 with the given seed, so everyone draws the same ones.
     """
+    robot = unfolded(robot)
     random = np.random.Generator(np.random.PCG64(seed))
     ranges = {joint.name: leader_range(robot, joint.name) for joint in independent_joints(robot)}
     drawn = []

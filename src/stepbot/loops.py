@@ -11,6 +11,7 @@ from math import atan2
 
 import numpy as np
 
+from .freedoms import unfolded
 from .kinematics import TURNING, Configuration, Tree, initial_configuration, leader_range, within_limits
 from .model import JointKind, LoopClosure, Robot
 from .spatial import Array, Pose, cross_matrix, perpendicular_frame
@@ -100,7 +101,7 @@ class Loops:
     """The closures of a robot over its tree: built once, then asked at many configurations."""
 
     def __init__(self, robot: Robot) -> None:
-        self.robot, self.tree = robot, Tree(robot)
+        self.robot, self.tree = unfolded(robot), Tree(robot)
         self._ends = [
             (
                 self.tree.link_index[closure.link_a],
@@ -330,7 +331,7 @@ def _next(loops: Loops, guess: Array, former: Array, free: Sequence[int]) -> Arr
 
 def _stride(robot: Robot, name: str) -> float:
     """Longest way [rad] or [m] of a driven joint between two closed configurations."""
-    if robot.joint_by_name[name].kind in TURNING:
+    if robot.joint_by_name[name].kind is not JointKind.PRISMATIC:
         return LARGEST_STEP
     low, high = leader_range(robot, name)
     return LARGEST_STEP * max(high - low, 1e-9)

@@ -11,7 +11,7 @@ from math import isfinite, isnan
 import numpy as np
 
 from .diagnostics import Diagnostics, Span
-from .kinematics import MOVING, initial_configuration, link_poses, mimic_relation
+from .kinematics import initial_configuration, link_poses, mimic_relation
 from .loops import closure_gap
 from .model import (
     Actuator,
@@ -44,7 +44,6 @@ CLOSURE_DISTANCE = 1e-6
 CLOSURE_ANGLE = 1e-3
 """How far turned [rad] a closure may be as drawn; CAD puts parallel pins no better."""
 
-_SUPPORTED = MOVING | {JointKind.FIXED}
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
@@ -120,6 +119,7 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
             report("SB414", f"{who}: a number is not finite")
             sound = False
     axes = [(f"joint '{joint.name}'", joint.axis) for joint in robot.joints if joint.kind is not JointKind.FIXED]
+    axes += [(f"joint '{j.name}', axis2", j.axis2) for j in robot.joints if j.kind is JointKind.UNIVERSAL]
     axes += [(f"closure '{closure.name}'", closure.axis) for closure in robot.closures]
     for who, axis in axes:
         if abs(float(np.linalg.norm(axis)) - 1.0) > _UNIT_SLACK:
@@ -246,7 +246,7 @@ def _check_mimics(robot: Robot, report: Report) -> bool:
 
 def _check_closures(robot: Robot, report: Report) -> None:
     """Both sides of each closure meet in the pose that the CAD drew."""
-    if not robot.closures or not all(joint.kind in _SUPPORTED for joint in robot.joints):
+    if not robot.closures:
         return
     poses = link_poses(robot, initial_configuration(robot))
     for closure in robot.closures:
@@ -271,9 +271,7 @@ def _check_scale(robot: Robot, report: Report, unit: str) -> None:
 
 
 def _size(robot: Robot) -> float:
-    """Longest edge [m] of the box around the robot as drawn; 0 where nothing is seen, or poses are not known."""
-    if not all(joint.kind in _SUPPORTED for joint in robot.joints):
-        return 0.0
+    """Longest edge [m] of the box around the robot as drawn; 0 where nothing is seen."""
     poses = link_poses(robot, initial_configuration(robot))
     extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
     boxes = [

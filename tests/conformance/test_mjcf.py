@@ -27,10 +27,10 @@ from stepbot.model import (
 from stepbot.spatial import Pose, rotation_from_rpy
 from stepbot.writers import render
 from tests.conformance.conftest import Write
-from tests.robots import ROBOTS, four_bar, one_link, pendulum
+from tests.robots import SINGLE_FREEDOMS, four_bar, one_link, pendulum
 
 pytestmark = pytest.mark.mujoco
-every_robot = pytest.mark.parametrize("name", ROBOTS)
+every_robot = pytest.mark.parametrize("name", SINGLE_FREEDOMS)
 
 
 def compiled(file: Path) -> Any:

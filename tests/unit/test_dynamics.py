@@ -66,7 +66,8 @@ def test_gravity_is_the_slope_of_the_potential(name: str) -> None:
     def potential(q: np.ndarray) -> float:
         X = layout.frames(q)
         energy = 0.0
-        for i, link in enumerate(robot.links):
+        for link in robot.links:
+            i = layout.link_index[link.name]
             com = X[i, :3, :3] @ np.array(link.mass_properties.com) + X[i, :3, 3]
             energy -= link.mass_properties.mass * float(np.array(GRAVITY) @ com)
         return energy
@@ -88,8 +89,8 @@ def test_mass_matrix_is_that_of_the_kinetic_energy(name: str) -> None:
     v = np.linspace(0.5, -0.8, len(q))
     ahead, here, behind = (layout.frames(q + step * v) for step in (1e-6, 0.0, -1e-6))
     energy = 0.0
-    for i, link in enumerate(robot.links):
-        body = link.mass_properties
+    for link in robot.links:
+        i, body = layout.link_index[link.name], link.mass_properties
         com = np.array([*body.com, 1.0])
         velocity = (ahead[i] @ com - behind[i] @ com)[:3] / 2e-6
         spin = (ahead[i, :3, :3] - behind[i, :3, :3]) @ here[i, :3, :3].T / 2e-6

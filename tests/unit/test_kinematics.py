@@ -121,10 +121,54 @@ def test_an_unknown_joint_is_an_error() -> None:
         complete(tree(), {"base_to_post": 1.0})
 
 
-def test_joints_of_more_freedom_are_an_error() -> None:
-    """What has no kinematics here must not be taken for fixed."""
-    with pytest.raises(ValueError, match="ball"):
-        moving_joints(_chain(Joint("hip", JointKind.BALL, "base", "leg")))
+@pytest.mark.parametrize("q", [(0.3, -0.7, 1.1), (-2.0, 1.4, 3.0)])
+def test_joints_of_several_freedoms_in_closed_form(q: tuple[float, float, float]) -> None:
+    """Poses of the child by the textbook's rotations, not by a chain of links."""
+    yaw, pitch, roll = q
+    ball = link_poses(_chain(Joint("b", JointKind.BALL, "base", "c")), {"b_yaw": yaw, "b_pitch": pitch, "b_roll": roll})
+    assert ball["c"].distance_to(Pose.from_xyz_rpy((0, 0, 0), (roll, pitch, yaw))) == pytest.approx((0, 0), abs=1e-14)
+
+    cross = _chain(Joint("u", JointKind.UNIVERSAL, "base", "c", axis=(0.0, 0.0, 1.0), axis2=(1.0, 0.0, 0.0)))
+    expected = rotation_about((0, 0, 1), yaw) @ rotation_about((1, 0, 0), pitch)
+    np.testing.assert_allclose(link_poses(cross, {"u_1": yaw, "u_2": pitch})["c"].R, expected, atol=1e-15)
+
+    sleeve = _chain(Joint("s", JointKind.CYLINDRICAL, "base", "c", axis=(0.6, 0.0, 0.8)))
+    X = link_poses(sleeve, {"s_slide": pitch, "s_turn": yaw})["c"]
+    np.testing.assert_allclose(X.p, (0.6 * pitch, 0, 0.8 * pitch), atol=1e-15)
+    np.testing.assert_allclose(X.R, rotation_about((0.6, 0, 0.8), yaw), atol=1e-15)
+
+    table = _chain(Joint("t", JointKind.PLANAR, "base", "c", axis=(0.0, 0.0, 1.0)))
+    X = link_poses(table, {"t_x": pitch, "t_y": roll, "t_turn": yaw})["c"]
+    np.testing.assert_allclose(X.p, (pitch, roll, 0), atol=1e-15)
+    np.testing.assert_allclose(X.R, rotation_about((0, 0, 1), yaw), atol=1e-15)
+
+
+def test_a_screw_advances_as_it_turns() -> None:
+    """By its pitch along its axis, and its Jacobian says so at any point of the link."""
+    spindle = _chain(Joint("s", JointKind.SCREW, "base", "nut", axis=(0.0, 0.0, 1.0), pitch=0.003))
+    X = link_poses(spindle, {"s": 2.5})["nut"]
+    np.testing.assert_allclose(X.p, (0, 0, 0.0075), atol=1e-16)
+    np.testing.assert_allclose(X.R, rotation_about((0, 0, 1), 2.5), atol=1e-15)
+    layout = Tree(spindle)
+    J = layout.jacobian(layout.frames(np.array([2.5])), 1, np.array([0.1, 0.0, 0.5]))
+    np.testing.assert_allclose(J[:, 0], (0, 0, 1, 0, 0.1, 0.003), atol=1e-15)
+
+
+def test_a_universal_joint_turns_unevenly() -> None:
+    """Cardan's formula: of shafts at an angle beta, tan(driven) = tan(driving) / cos(beta)."""
+    beta, driving = 0.5, 0.8
+    # The driving yoke turns about x and holds the cross on its y, in the plane of the shafts; the driven one on its z.
+    cross = _chain(
+        Joint("one", JointKind.REVOLUTE, "base", "yoke", axis=(1.0, 0.0, 0.0)),
+        Joint("u", JointKind.UNIVERSAL, "yoke", "out", axis=(0.0, 1.0, 0.0), axis2=(0.0, 0.0, 1.0)),
+    )
+    shaft = np.array([np.cos(beta), np.sin(beta), 0.0])
+    in_yoke = rotation_about((1, 0, 0), -driving) @ shaft
+    q = {"one": driving, "u_2": float(np.arcsin(in_yoke[1])), "u_1": float(np.arctan2(-in_yoke[2], in_yoke[0]))}
+    R = link_poses(cross, q)["out"].R
+    np.testing.assert_allclose(R[:, 0], shaft, atol=1e-14)
+    turned = np.arctan2(np.cross(shaft, (0.0, 0.0, 1.0)) @ R[:, 2], R[2, 2])
+    assert np.tan(turned) == pytest.approx(np.tan(driving) / np.cos(beta), rel=1e-14)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

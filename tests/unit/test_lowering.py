@@ -103,12 +103,15 @@ def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
     assert sum(link.mass_properties.mass for link in said.links) == pytest.approx(
         sum(link.mass_properties.mass for link in robot.links), rel=1e-15
     )
-    renamed = dict(zip([j.name for j in robot.joints], [j.name for j in said.joints], strict=False))
-    shift = {
-        j.name: robot.joints[i].drawn_position - j.drawn_position for i, j in enumerate(said.joints[: len(renamed)])
-    }
+    # Names may differ and zeros move, but not the joint above a link.
+    above = {joint.child: joint for joint in said.joints}
+    renamed = {joint.name: above[joint.child] for joint in robot.joints}
     for q in (initial_configuration(robot), *configurations(robot, 3)):
-        q_said = {renamed[joint]: value - shift[renamed[joint]] for joint, value in q.items()}
+        q_said = dict(q)
+        for name, joint in renamed.items():
+            if name in q:
+                shift = robot.joint_by_name[name].drawn_position - joint.drawn_position
+                q_said[joint.name] = q_said.pop(name) - shift
         poses = link_poses(said, complete(said, q_said))
         for link, X_WL in link_poses(robot, q).items():
             assert poses[link].distance_to(X_WL) == pytest.approx((0, 0), abs=1e-12)
@@ -191,15 +194,48 @@ def test_loop_zeros_move_only_in_loops() -> None:
     assert said.joint_by_name["turntable"].drawn_position == 0.25
 
 
-@every_format
-@pytest.mark.parametrize("kind", [JointKind.BALL, JointKind.SCREW, JointKind.FLOATING])
-def test_kinds_that_are_not_written_yet_are_errors(kind: JointKind, format_: str, found: ReadDiagnostics) -> None:
-    """No file is better than a file of another robot."""
+@pytest.mark.parametrize(
+    ("format_", "kind", "chain"),
+    [
+        ("urdf", JointKind.BALL, {"_yaw": "continuous", "_pitch": "continuous", "_roll": "continuous"}),
+        ("urdf", JointKind.UNIVERSAL, {"_1": "continuous", "_2": "continuous"}),
+        ("urdf", JointKind.CYLINDRICAL, {"_slide": "prismatic", "_turn": "continuous"}),
+        ("urdf", JointKind.SCREW, {"_slide": "prismatic", "": "continuous"}),
+        ("urdf", JointKind.PLANAR, {"_x": "prismatic", "_y": "prismatic", "_turn": "continuous"}),
+        ("sdf", JointKind.CYLINDRICAL, {"_slide": "prismatic", "_turn": "continuous"}),
+        ("sdf", JointKind.FLOATING, {"_x": "prismatic", "_y": "prismatic", "_z": "prismatic", "_turn": "ball"}),
+    ],
+)
+def test_joints_of_several_freedoms_are_split(
+    format_: str, kind: JointKind, chain: dict[str, str], found: ReadDiagnostics
+) -> None:
+    """Into joints of one freedom; the links between have neither mass nor shape, and a warning says so."""
     robot = pendulum()
-    robot = replace(robot, joints=(replace(robot.joints[0], kind=kind),))
-    assert render(robot, format_, found) == {}
-    assert "SB713" in found.codes()
-    assert found.has_errors
+    said = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
+    assert {joint.name: joint.kind for joint in said.joints} == {f"swing{end}": k for end, k in chain.items()}
+    between = [link for link in said.links if link.name not in robot.link_by_name]
+    assert between == [Link(f"swing{end}_link") for end in list(chain)[:-1]]
+    assert [joint.child for joint in said.joints] == [*(link.name for link in between), "bob"]
+    assert "SB720" in found.codes()
+
+
+@pytest.mark.parametrize("format_", ["sdf", "mjcf"])
+def test_formats_keep_the_joints_that_they_have(format_: str, found: ReadDiagnostics) -> None:
+    """Ball, universal and screw as they are."""
+    for kind in (JointKind.BALL, JointKind.UNIVERSAL, JointKind.SCREW):
+        robot = replace(pendulum(), joints=(replace(pendulum().joints[0], kind=kind, pitch=0.001),))
+        assert lower(robot, FORMATS[format_], found).joints[0].kind is kind
+    assert "SB720" not in found.codes()
+
+
+@pytest.mark.parametrize(("format_", "forces"), [("sdf", False), ("mjcf", True)])
+def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, found: ReadDiagnostics) -> None:
+    """A limit of effort in both formats, damping in SDFormat; each with a warning."""
+    robot = ROBOTS["ball"]()
+    said = lower(robot, FORMATS[format_], found).joints[0]
+    assert said.limit == Limit()
+    assert (said.dynamics.damping == robot.joints[0].dynamics.damping) is forces
+    assert found.codes().count("SB721") == (1 if forces else 2)
 
 
 @pytest.mark.parametrize("format_", ["sdf", "mjcf"])

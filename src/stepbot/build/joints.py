@@ -94,9 +94,11 @@ def _joint(document: Document, frames: Frames, name: str) -> Joint | None:
         section.child,
         tidy(X_WP.inverse() @ X_WJ),  # at q = 0 the child's frame C is the joint's frame J
         axis=section.axis,
+        axis2=section.axis2 or Joint.axis2,
         limit=joint_limits(document, name),
         dynamics=joint_dynamics(document, name),
         mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier, mimic.offset.value),
+        pitch=section.pitch or 0.0,
         drawn_position=section.zero.value,
     )
 

@@ -5,8 +5,6 @@ from ..sidecar.document import CollisionShape, MergedCollision
 from ..sidecar.tree import Keys
 from .binder import Binder
 
-JOINTS = (JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
-"""Kinds of joints that are built."""
 CLOSURES = (JointKind.REVOLUTE,)
 """Kinds of closures that are built."""
 
@@ -14,9 +12,6 @@ CLOSURES = (JointKind.REVOLUTE,)
 def report_unsupported(binder: Binder) -> None:
     """Report everything that is parsed but not built."""
     document = binder.document
-    for name, joint in document.joints.items():
-        if joint.type not in JOINTS:
-            _report(binder, ("joints", name, "type"), f"joints of type {joint.type}", f"use {_words(JOINTS)}")
     for name, closure in document.closures.items():
         if closure.type not in CLOSURES:
             _report(binder, ("closures", name, "type"), f"closures of type {closure.type}", f"use {_words(CLOSURES)}")

@@ -107,10 +107,10 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB713",
         "error",
-        "kind of joint not written yet",
-        "The robot has a joint or closure of a kind that stepbot does not write to this format yet.",
-        "Without the joint the file would describe another robot.",
-        "Model it with joints that the format has, or leave the format out with `-f`.",
+        "kind of closure not written",
+        "The robot has a closure of a kind that stepbot does not write to this format.",
+        "Without the closure the file would describe another robot.",
+        "Close the loop at another of its joints, or leave the format out with `-f`.",
     ),
     Code(
         "SB714",
@@ -144,5 +144,25 @@ CODES: tuple[Code, ...] = (
         "A collision mesh is not convex, or not closed, and the engine of the format fills it up to its convex hull.",
         "What should fit into a hole or between two fingers does not.",
         "Give the component several convex shapes: split it into parts in the CAD, or list primitives under `collision`.",
+    ),
+    Code(
+        "SB720",
+        "warning",
+        "joint split into several",
+        "The format has no joint of this kind, or its readers do not agree on it. Several joints of one freedom stand "
+        "for it, with links between them that have neither mass nor shape.",
+        "Positions, masses and equations of motion are the same, but the joint has other names and more of them, three "
+        "joints for a ball lock where pitch is ±90 deg, parent and child no longer count as neighbours that do not "
+        "touch, and MuJoCo refuses moving links without mass when it reads URDF (its own MJCF has none of them).",
+        "Use a format that has the joint (`docs/mapping.md`), or describe it by joints of one freedom yourself, with "
+        "the masses that are really between them.",
+    ),
+    Code(
+        "SB721",
+        "warning",
+        "limit or passive force of a ball joint left out",
+        "The format's ball joint has no place for a limit of effort or velocity, or for damping, friction or a spring.",
+        "The joint moves more freely there than the robot's does.",
+        "Use a format that has it (`docs/mapping.md`), or add it in the simulator.",
     ),
 )

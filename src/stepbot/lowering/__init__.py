@@ -10,11 +10,19 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 from ..diagnostics import Diagnostics, Span
+from ..free_names import free_name
+from ..freedoms import (
+    ball_to_revolutes,
+    cylindrical_to_two,
+    floating_to_slides_and_ball,
+    planar_to_three,
+    screw_to_mimic,
+    universal_to_revolutes,
+)
 from ..model import Base, JointKind, Robot
 from .joints import (
     CLOSED,
     UNLIMITED,
-    WRITTEN,
     bound,
     bound_effort,
     chained_mimics,
@@ -23,15 +31,20 @@ from .joints import (
     each_joint,
     flatten_mimics,
     frames_as_links,
+    is_limited_ball,
+    is_loaded_ball,
     is_open,
+    joints_of,
     joints_where,
     lacks_effort,
     loop_zeros,
     move_loop_zeros,
     without_armature,
+    without_ball_force,
+    without_ball_limit,
     without_spring,
 )
-from .names import free_name, rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
+from .names import rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
 from .notions import Format, Level, Notion, Support, exact, lowered, refused, reported
 from .shapes import (
     concave_collisions,
@@ -91,7 +104,14 @@ def _root_if(base: Base) -> Callable[[Robot], list[str]]:
 _HANDLINGS: Mapping[Notion, _Handling] = {
     Notion.JOINT_NAME: _Handling(renamed_joints, rename_joints),
     Notion.FRAME_NAME: _Handling(renamed_frames, rename_frames),
-    Notion.OTHER_JOINT: _Handling(joints_where(lambda joint: joint.kind not in WRITTEN)),
+    Notion.FLOATING: _Handling(joints_of(JointKind.FLOATING), floating_to_slides_and_ball),
+    Notion.PLANAR: _Handling(joints_of(JointKind.PLANAR), planar_to_three),
+    Notion.CYLINDRICAL: _Handling(joints_of(JointKind.CYLINDRICAL), cylindrical_to_two),
+    Notion.SCREW: _Handling(joints_of(JointKind.SCREW), screw_to_mimic),
+    Notion.UNIVERSAL: _Handling(joints_of(JointKind.UNIVERSAL), universal_to_revolutes),
+    Notion.BALL: _Handling(joints_of(JointKind.BALL), ball_to_revolutes),
+    Notion.BALL_LIMIT: _Handling(joints_where(is_limited_ball), each_joint(without_ball_limit)),
+    Notion.BALL_FORCE: _Handling(joints_where(is_loaded_ball), each_joint(without_ball_force)),
     Notion.CLOSURE: _Handling(describe_closures(lambda closure: True), drop_closures),
     Notion.OTHER_CLOSURE: _Handling(describe_closures(lambda closure: closure.kind not in CLOSED)),
     Notion.LOOP_ZERO: _Handling(loop_zeros, move_loop_zeros),

@@ -4,18 +4,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isinf
 
-import numpy as np
-
-from ..kinematics import mimic_relation
+from ..free_names import free_name
+from ..kinematics import displacement, mimic_relation
 from ..model import Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Mimic, Robot
-from ..spatial import Pose, rotation_about
-from .names import free_name
 
 UNLIMITED = 1e9
 """What stands for `no limit` where a format wants a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
 
-WRITTEN = frozenset({JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC})
-"""Kinds of joints that every writer writes."""
 CLOSED = frozenset({JointKind.REVOLUTE, JointKind.BALL, JointKind.FIXED})
 """Kinds of closures that writers of loops write."""
 BOUNDED = frozenset({JointKind.REVOLUTE, JointKind.PRISMATIC})
@@ -25,6 +20,11 @@ BOUNDED = frozenset({JointKind.REVOLUTE, JointKind.PRISMATIC})
 def joints_where(condition: Callable[[Joint], bool]) -> Callable[[Robot], list[str]]:
     """Names of the joints that satisfy a condition."""
     return lambda robot: [f"'{joint.name}'" for joint in robot.joints if condition(joint)]
+
+
+def joints_of(kind: JointKind) -> Callable[[Robot], list[str]]:
+    """Names of the joints of a kind."""
+    return joints_where(lambda joint: joint.kind is kind)
 
 
 def each_joint(rewrite: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
@@ -65,6 +65,27 @@ def bound_effort(joint: Joint) -> Joint:
     return replace(joint, limit=limit)
 
 
+def is_limited_ball(joint: Joint) -> bool:
+    """Whether a ball joint has a limit of effort or velocity."""
+    return joint.kind is JointKind.BALL and joint.limit != Limit()
+
+
+def without_ball_limit(joint: Joint) -> Joint:
+    """The joint, a ball joint without limits."""
+    return replace(joint, limit=Limit()) if joint.kind is JointKind.BALL else joint
+
+
+def is_loaded_ball(joint: Joint) -> bool:
+    """Whether a ball joint has damping, friction or a spring."""
+    return joint.kind is JointKind.BALL and replace(joint.dynamics, armature=0.0) != JointDynamics()
+
+
+def without_ball_force(joint: Joint) -> Joint:
+    """The joint, a ball joint without passive forces."""
+    kept = JointDynamics(armature=joint.dynamics.armature)
+    return replace(joint, dynamics=kept) if joint.kind is JointKind.BALL else joint
+
+
 def without_spring(joint: Joint) -> Joint:
     """The joint without its spring."""
     return replace(joint, dynamics=replace(joint.dynamics, stiffness=0.0, spring_reference=0.0))
@@ -102,15 +123,6 @@ def describe_closures(condition: Callable[[LoopClosure], bool]) -> Callable[[Rob
 def drop_closures(robot: Robot) -> Robot:
     """The spanning tree."""
     return replace(robot, closures=())
-
-
-def displacement(joint: Joint, q: float) -> Pose:
-    """Pose of the child link at ``q`` in its own frame at q = 0, for joints of :data:`WRITTEN` kinds."""
-    if joint.kind is JointKind.PRISMATIC:
-        return Pose.of(position=np.array(joint.axis) * q)
-    if joint.kind is JointKind.FIXED:
-        return Pose()
-    return Pose.of(rotation_about(joint.axis, q))
 
 
 def loop_zeros(robot: Robot) -> list[str]:

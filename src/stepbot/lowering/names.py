@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from ..free_names import free_name
 from ..model import Joint, Robot
 
 
@@ -44,14 +45,6 @@ def rename_frames(robot: Robot) -> Robot:
     """The robot with a name of its own for every frame."""
     names = _frame_names(robot)
     return replace(robot, frames=tuple(replace(frame, name=names[frame.name]) for frame in robot.frames))
-
-
-def free_name(name: str, suffix: str, taken: set[str]) -> str:
-    """``name``, with as many suffixes as it takes to be like no other; it is taken from then on."""
-    while name in taken:
-        name += suffix
-    taken.add(name)
-    return name
 
 
 def _joint_names(robot: Robot) -> tuple[dict[str, str], dict[str, str]]:

@@ -74,20 +74,23 @@ def _closures_in_file(compiled: "Compiled") -> Iterator[ObservedClosure]:
 def _newton(compiled: "Compiled", request: Request, q: Mapping[str, float]) -> tuple[dict[str, float], Any]:
     """Joint positions that satisfy the equality rows, and the state there; the driven joints stay at ``q``."""
     engine, model = compiled.engine, compiled.model
-    following = {name: joint for name, joint in compiled.coordinates.items() if name not in request.driven}
-    rows = [int(model.jnt_dofadr[joint]) for joint in following.values()]
-    places = [int(model.jnt_qposadr[joint]) for joint in following.values()]
-    data = compiled.data({name: value + (NUDGE if name in following else 0.0) for name, value in q.items()})
+    names = compiled.coordinates.names
+    following = [i for i, name in enumerate(names) if name not in request.driven]
+    solved = {name: q.get(name, 0.0) + (NUDGE if i in following else 0.0) for i, name in enumerate(names)}
+    data = compiled.data(solved)
     for _ in range(50):
         residual, J = _equality_rows(compiled, data)
         if not residual.size:
             break
-        step = -np.linalg.lstsq(J[:, rows], residual, rcond=RANK_TOLERANCE)[0]
-        data.qpos[places] += step
+        rates = compiled.coordinates.rates(solved)[:, following]
+        step = -np.linalg.lstsq(J @ rates, residual, rcond=RANK_TOLERANCE)[0]
+        for i, change in zip(following, step.tolist(), strict=True):
+            solved[names[i]] += change
+        compiled.coordinates.place(data.qpos, solved)
         if np.abs(step).max(initial=0.0) < 1e-14:
             break
     engine.mj_kinematics(model, data)
-    return {name: float(data.qpos[place]) for name, place in zip(following, places, strict=True)}, data
+    return {names[i]: solved[names[i]] for i in following}, data
 
 
 def _equality_rows(compiled: "Compiled", data: Any) -> tuple[Array, Array]:

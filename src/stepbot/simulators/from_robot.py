@@ -14,12 +14,13 @@ from .observation import Dynamics, Observation, ObservedClosure, ObservedJoint, 
 
 NAME = "model"
 
+_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+
 
 def observe_robot(robot: Robot, request: Request) -> Observation:
     """Everything that a file of this robot should make an engine say.
 
     Raises:
-        ValueError: A joint has more than one degree of freedom.
         KeyError: A configuration names a joint that is not there.
     """
     tree = Tree(robot)
@@ -69,12 +70,15 @@ def _bounds(robot: Robot, shapes: Iterable[Visual | Collision]) -> Bounds | None
 
 def _joint(joint: Joint) -> ObservedJoint:
     fixed = joint.kind is JointKind.FIXED
+    axis = None if joint.kind in _WITHOUT_AXIS else joint.axis
     return ObservedJoint(
         joint.name,
         joint.kind.value,
         joint.parent,
         joint.child,
-        axis=None if fixed else joint.axis,
+        axis=axis,
+        axis2=joint.axis2 if joint.kind is JointKind.UNIVERSAL else None,
+        pitch=joint.pitch if joint.kind is JointKind.SCREW else None,
         limit=None if fixed else joint.limit,
         dynamics=None if fixed else joint.dynamics,
         dynamics_fields=("damping", "friction", "stiffness", "spring_reference", "armature"),

@@ -9,18 +9,20 @@ import importlib.util
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from math import inf, nan
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..dynamics import GRAVITY
-from ..model import Actuator, ActuatorKind, JointDynamics, Limit, Mimic
-from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia, vector3
+from ..model import Actuator, ActuatorKind
+from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia
+from ._mujoco_coordinates import Balls, Coordinates
+from ._mujoco_joints import observed_joints
 from ._mujoco_shapes import shape_bounds
 from ._resources import resolve
-from .observation import Dynamics, EngineRefused, Observation, ObservedJoint, ObservedLink, Quantity, Request
+from .observation import Dynamics, EngineRefused, Observation, ObservedLink, Quantity, Request
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -35,10 +37,10 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     "urdf": {Quantity.CLOSURES: "URDF holds no loops"},
     "mjcf": {},
 }
+_FOR_COMPILING = 1e-6
+"""Mass [kg] and moments of inertia [kg m^2] of moving links that weigh nothing, while MuJoCo compiles them."""
 HOME = "home"
 """Name of the keyframe that holds the initial pose."""
-VELOCITY = "/velocity"
-"""End of the name of the custom number that holds a joint's velocity limit, which MJCF has no attribute for."""
 
 
 def available() -> str | None:
@@ -64,13 +66,14 @@ def observe(request: Request) -> Observation:
     from ._mujoco_motion import close_by_newton, simulate
 
     with _warnings(engine) as warnings:
-        compiled = Compiled(engine, _compile(engine, request))
+        model, notes = _compile(engine, request)
+        compiled = Compiled(engine, model, request.balls)
         observation = _static(compiled, request)
         if request.format == "mjcf":
             observation = replace(observation, closures=close_by_newton(compiled, request))
         if request.simulate:
             observation = replace(observation, simulation_finite=simulate(compiled, request))
-    return replace(observation, warnings=tuple(dict.fromkeys(warnings)))
+    return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
 
 
 @contextmanager
@@ -85,18 +88,39 @@ def _warnings(engine: Any) -> Iterator[list[str]]:
         engine.set_mju_user_warning(former)
 
 
-def _compile(engine: Any, request: Request) -> Any:
+def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
+    """The compiled model, and what was done to have it compiled."""
     path = Path(request.file)
     try:
         if request.format == "urdf":
             spec = engine.MjSpec.from_string(_urdf_copy(path))
             for mesh in spec.meshes:  # URDF gives every mass itself, so a flat mesh is no fault
                 mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
-            return spec.compile()
-        return engine.MjModel.from_xml_path(str(path))
+            return _with_weightless_links(engine, spec)
+        return engine.MjModel.from_xml_path(str(path)), ()
     except ValueError as error:
         # Folders of this machine have no place in a message that may end in a report.
         raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+
+
+def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]]:
+    """The compiled model of a spec whose moving bodies may weigh nothing, and a note on them.
+
+    MuJoCo compiles no moving body without mass, although it computes with such bodies: they weigh something while it
+    compiles, and nothing from then on.
+    """
+    weightless = [body.name for body in spec.bodies if body.name != "world" and body.joints and body.mass == 0.0]
+    for name in weightless:
+        body = spec.body(name)
+        body.mass, body.inertia = _FOR_COMPILING, [_FOR_COMPILING] * 3
+    model = spec.compile()
+    if not weightless:
+        return model, ()
+    for name in weightless:
+        index = engine.mj_name2id(model, engine.mjtObj.mjOBJ_BODY, name)
+        model.body_mass[index], model.body_inertia[index] = 0.0, 0.0
+    engine.mj_setConst(model, engine.MjData(model))
+    return model, (f"compiled with a mass for moving links that have none: {', '.join(weightless)}",)
 
 
 def _urdf_copy(path: Path) -> str:
@@ -128,6 +152,8 @@ class Compiled:
 
     engine: Any
     model: Any
+    balls: Balls
+    """For each ball joint the names of its coordinates."""
 
     def name(self, kind: str, index: int) -> str:
         """Name of an element; empty where it has none. ``kind`` as in ``mjOBJ_<kind>``."""
@@ -138,11 +164,10 @@ class Compiled:
         """Indices of the links: every body but the world."""
         return range(1, self.model.nbody)
 
-    @property
-    def coordinates(self) -> dict[str, int]:
-        """Index of each joint of one degree of freedom, by name, in MuJoCo's order."""
-        kinds = (self.engine.mjtJoint.mjJNT_HINGE, self.engine.mjtJoint.mjJNT_SLIDE)
-        return {self.name("JOINT", j): j for j in range(self.model.njnt) if self.joint_type(j) in kinds}
+    @cached_property
+    def coordinates(self) -> Coordinates:
+        """What the joints are moved by."""
+        return Coordinates(self, self.balls)
 
     def joint_type(self, joint: int) -> Any:
         """MuJoCo's word for the kind of a joint."""
@@ -151,8 +176,7 @@ class Compiled:
     def data(self, q: Mapping[str, float]) -> Any:
         """State at a configuration, at rest, with the kinematics computed."""
         data = self.engine.MjData(self.model)
-        for name, joint in self.coordinates.items():
-            data.qpos[self.model.jnt_qposadr[joint]] = q.get(name, 0.0)
+        self.coordinates.place(data.qpos, q)
         self.engine.mj_kinematics(self.model, data)
         self.engine.mj_comPos(self.model, data)
         return data
@@ -177,8 +201,8 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         format=request.format,
         base=_base(compiled) if mjcf else None,
         links=tuple(_link(compiled, body) for body in compiled.bodies),
-        joints=tuple(joint for body in compiled.bodies for joint in _joints(compiled, body, mjcf)),
-        coordinates=tuple(compiled.coordinates),
+        joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
+        coordinates=compiled.coordinates.names,
         poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
         dynamics=tuple(_dynamics(compiled, q) for q in request.configurations),
         frames=_frames(compiled) if mjcf else None,
@@ -210,93 +234,10 @@ def _link(compiled: Compiled, body: int) -> ObservedLink:
     )
 
 
-def _joints(compiled: Compiled, body: int, mjcf: bool) -> Iterator[ObservedJoint]:
-    """The joints above a body; a body without one is fixed to its parent, under no name."""
-    engine, model = compiled.engine, compiled.model
-    parent, child = (compiled.name("BODY", index) for index in (model.body_parentid[body], body))
-    above = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
-    if not above and model.body_parentid[body] > 0:
-        yield ObservedJoint("", "fixed", parent, child)
-    for joint in above:
-        kind = compiled.joint_type(joint)
-        if kind in (engine.mjtJoint.mjJNT_HINGE, engine.mjtJoint.mjJNT_SLIDE):
-            yield _moving_joint(compiled, joint, parent, child, mjcf)
-        elif kind == engine.mjtJoint.mjJNT_BALL:
-            yield ObservedJoint(compiled.name("JOINT", joint), "ball", parent, child)
-        elif model.body_parentid[body] > 0:
-            yield ObservedJoint(compiled.name("JOINT", joint), "floating", parent, child)
-
-
-def _moving_joint(compiled: Compiled, joint: int, parent: str, child: str, mjcf: bool) -> ObservedJoint:
-    model, name = compiled.model, compiled.name("JOINT", joint)
-    dof, position = model.jnt_dofadr[joint], model.jnt_qposadr[joint]
-    limited, forced = bool(model.jnt_limited[joint]), bool(model.jnt_actfrclimited[joint])
-    kind = "prismatic"
-    if compiled.joint_type(joint) == compiled.engine.mjtJoint.mjJNT_HINGE:
-        kind = "revolute" if limited else "continuous"
-    velocities = _velocity_limits(compiled)
-    lower, upper = model.jnt_range[joint].tolist() if limited else (-inf, inf)
-    limit = Limit(lower, upper, velocities.get(name, inf), _effort(*model.jnt_actfrcrange[joint]) if forced else inf)
-    return ObservedJoint(
-        name,
-        kind,
-        parent,
-        child,
-        axis=vector3(model.jnt_axis[joint]),
-        limit=limit,
-        limit_fields=("lower", "upper", *(("velocity",) if velocities else ()), "effort"),
-        dynamics=JointDynamics(
-            damping=float(model.dof_damping[dof]),
-            friction=float(model.dof_frictionloss[dof]),
-            stiffness=float(model.jnt_stiffness[joint]),
-            spring_reference=float(model.qpos_spring[position]),
-            armature=float(model.dof_armature[dof]),
-        ),
-        dynamics_fields=("damping", "friction", *(("stiffness", "spring_reference", "armature") if mjcf else ())),
-        mimic=_mimic(compiled, joint),
-        mimic_read=True,
-    )
-
-
-def _effort(lower: float, upper: float) -> float:
-    """The effort limit that a range of forces means; not a number where it is not the same in both directions."""
-    return float(upper) if lower == -upper else nan
-
-
-def _velocity_limits(compiled: Compiled) -> dict[str, float]:
-    """Velocity limits [rad/s] or [m/s] that are kept as custom numbers, by joint."""
-    model = compiled.model
-    names = {compiled.name("NUMERIC", i): int(model.numeric_adr[i]) for i in range(model.nnumeric)}
-    return {
-        name.removesuffix(VELOCITY): float(model.numeric_data[address])
-        for name, address in names.items()
-        if name.endswith(VELOCITY)
-    }
-
-
-def _mimic(compiled: Compiled, joint: int) -> Mimic | None:
-    """The relation of an equality of two joints, carried over from MuJoCo's reference positions to q = 0."""
-    engine, model = compiled.engine, compiled.model
-    for e in range(model.neq):
-        if (
-            engine.mjtEq(model.eq_type[e]) != engine.mjtEq.mjEQ_JOINT
-            or model.eq_obj1id[e] != joint
-            or not model.eq_active0[e]
-        ):
-            continue
-        leader = int(model.eq_obj2id[e])
-        offset, multiplier = model.eq_data[e][:2].tolist()
-        if leader < 0:
-            return None
-        reference = [float(model.qpos0[model.jnt_qposadr[j]]) for j in (joint, leader)]
-        return Mimic(compiled.name("JOINT", leader), multiplier, offset + reference[0] - multiplier * reference[1])
-    return None
-
-
 def _dynamics(compiled: Compiled, q: Mapping[str, float]) -> Dynamics:
-    """Mass matrix without armature, and gravity forces, over the joints of one degree of freedom."""
+    """Mass matrix without armature, and gravity forces, over the coordinates."""
     engine, model = compiled.engine, compiled.model
-    columns = [int(model.jnt_dofadr[joint]) for joint in compiled.coordinates.values()]
+    E = compiled.coordinates.rates(q)
     kept = model.dof_armature.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
     model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = 0.0, GRAVITY, 0
     try:
@@ -310,7 +251,7 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float]) -> Dynamics:
         gravity: Array = np.array(data.qfrc_bias)
     finally:
         model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = kept
-    return Dynamics(M[np.ix_(columns, columns)], gravity[columns])
+    return Dynamics(E.T @ M @ E, E.T @ gravity)
 
 
 def _frames(compiled: Compiled) -> dict[str, tuple[str, Pose]]:
@@ -344,5 +285,4 @@ def _initial(compiled: Compiled) -> dict[str, float] | None:
     keys = [k for k in range(model.nkey) if compiled.name("KEY", k) == HOME]
     if not keys:
         return None
-    qpos = model.key_qpos[keys[0]]
-    return {name: float(qpos[model.jnt_qposadr[joint]]) for name, joint in compiled.coordinates.items()}
+    return compiled.coordinates.read(model.key_qpos[keys[0]])

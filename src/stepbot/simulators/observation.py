@@ -74,7 +74,11 @@ class ObservedJoint:
     parent: str
     child: str
     axis: Vector3 | None = None
-    """Unit axis in the child's frame; None for fixed joints."""
+    """Unit axis in the child's frame; None for joints without one."""
+    axis2: Vector3 | None = None
+    """Second axis of a universal joint, in the child's frame."""
+    pitch: float | None = None
+    """Advance [m/rad] of a screw joint."""
     limit: Limit | None = None
     """Infinite entries where the file sets no limit."""
     limit_fields: tuple[str, ...] = ("lower", "upper", "velocity", "effort")
@@ -127,7 +131,8 @@ class Observation:
     links: tuple[ObservedLink, ...] = ()
     joints: tuple[ObservedJoint, ...] = ()
     coordinates: tuple[str, ...] = ()
-    """Names of the joints with one degree of freedom, in the order of the rows of every mass matrix."""
+    """Names of the coordinates, in the order of the rows of every mass matrix: joints of one freedom, or those that
+    stand for a joint of several (:mod:`stepbot.freedoms`)."""
     poses: tuple[Mapping[str, Pose], ...] = ()
     """For each configuration the pose of every link with respect to the root link."""
     dynamics: tuple[Dynamics, ...] = ()
@@ -176,6 +181,8 @@ class Request:
     """Joints that are held where a way has them while an engine closes the loops; the others follow."""
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     """Mimicking joints, for an engine that does not read them and has to stand in for them."""
+    balls: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
+    """For each ball joint, those that are part of floating joints too, its coordinates: yaw, pitch, roll."""
 
 
 class EngineRefused(Exception):

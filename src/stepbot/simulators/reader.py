@@ -6,7 +6,7 @@ over what was read, so they prove the text and not an engine.
 """
 
 from dataclasses import replace
-from math import inf
+from math import inf, nan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,6 +43,8 @@ FORMATS = ("sdf",)
 
 NO_LIMIT = 1e15
 """Limits beyond this are the format's word for none, 1e16."""
+_MOVED = MOVING | {JointKind.FIXED, JointKind.BALL, JointKind.UNIVERSAL}
+"""Kinds of joints of the format that the model has too."""
 _NOTE = "read back by stepbot's own parser, with stepbot's own kinematics"
 
 
@@ -133,26 +135,36 @@ def _kind(joint: Element) -> str:
 
 def _joint(joint: Element, frames: Frames) -> ObservedJoint:
     parent, child = (frames.link_of(name) for name in ends(joint))
-    name, axis = joint.get("name", ""), joint.find("axis")
+    name, axis, second = joint.get("name", ""), joint.find("axis"), joint.find("axis2")
     if axis is None:
         return ObservedJoint(name, _kind(joint), parent, child, mimic_read=True)
     a_C = frames.X_M(child).inverse().turn(unit(frames.axis(joint, axis)))
+    b_C = None if second is None else vector3(frames.X_M(child).inverse().turn(unit(frames.axis(joint, second))))
+    limit, dynamics = _limit(axis), _dynamics(axis)
+    if second is not None and (_limit(second), _dynamics(second)) != (limit, dynamics):
+        limit = Limit(nan, nan, nan, nan)  # no joint of the model has two
     return ObservedJoint(
         name,
         _kind(joint),
         parent,
         child,
         axis=vector3(a_C),
-        limit=_limit(axis),
-        dynamics=JointDynamics(
-            damping=_number(axis, "dynamics/damping", 0.0),
-            friction=_number(axis, "dynamics/friction", 0.0),
-            stiffness=_number(axis, "dynamics/spring_stiffness", 0.0),
-            spring_reference=_number(axis, "dynamics/spring_reference", 0.0),
-        ),
+        axis2=b_C,
+        pitch=_number(joint, "screw_thread_pitch", 0.0) / (2.0 * pi) if _kind(joint) == "screw" else None,
+        limit=limit,
+        dynamics=dynamics,
         dynamics_fields=("damping", "friction", "stiffness", "spring_reference"),
         mimic=_mimic(axis),
         mimic_read=True,
+    )
+
+
+def _dynamics(axis: Element) -> JointDynamics:
+    return JointDynamics(
+        damping=_number(axis, "dynamics/damping", 0.0),
+        friction=_number(axis, "dynamics/friction", 0.0),
+        stiffness=_number(axis, "dynamics/spring_stiffness", 0.0),
+        spring_reference=_number(axis, "dynamics/spring_reference", 0.0),
     )
 
 
@@ -199,7 +211,7 @@ def _frame(frame: Element, frames: Frames) -> tuple[str, Pose]:
 
 def _with_motion(observation: Observation, tree: list[Element], frames: Frames, request: Request) -> Observation:
     """The observation with poses and equations of motion, by stepbot's kinematics over what was read."""
-    strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in MOVING | {JointKind.FIXED}})
+    strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in _MOVED})
     if strange:
         reason = f"stepbot has no kinematics for {', '.join(strange)} joints"
         not_run = dict.fromkeys((Quantity.POSES, Quantity.MASS_MATRIX, Quantity.GRAVITY), reason)
@@ -254,7 +266,9 @@ def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> R
             name,
             X_MJ(seen.parent).inverse() @ X_MJ(name),
             vector3(X_LJ[name].inverse().turn(seen.axis or (0.0, 0.0, 1.0))),
+            vector3(X_LJ[name].inverse().turn(seen.axis2 or (1.0, 0.0, 0.0))),
             limit=seen.limit or Limit(),
+            pitch=seen.pitch or 0.0,
         )
 
     bodies = []

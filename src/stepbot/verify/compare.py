@@ -98,15 +98,19 @@ def _by_child(observation: Observation) -> dict[str, ObservedJoint]:
 
 
 def _moving_pairs(reference: Observation, observed: Observation) -> list[tuple[ObservedJoint, ObservedJoint]]:
-    """Joints with an axis on both sides."""
+    """Joints that move on both sides."""
     theirs = _by_child(observed)
     pairs = [(joint, theirs[joint.child]) for joint in reference.joints if joint.child in theirs]
-    return [(a, b) for a, b in pairs if a.axis is not None and b.axis is not None]
+    return [(a, b) for a, b in pairs if a.kind != "fixed" and b.kind != "fixed"]
 
 
 def _compare_axes(gauge: Gauge, reference: Observation, observed: Observation) -> None:
     for a, b in _moving_pairs(reference, observed):
-        gauge.off(_angle(a.axis or (0, 0, 0), b.axis or (0, 0, 0)), f"axis of joint '{a.name}'", "rad")
+        for words, expected, found in (("axis", a.axis, b.axis), ("second axis", a.axis2, b.axis2)):
+            if expected is not None and found is not None:
+                gauge.off(_angle(expected, found), f"{words} of joint '{a.name}'", "rad")
+        if a.pitch is not None and b.pitch is not None:
+            gauge.near(b.pitch, a.pitch, f"pitch of joint '{a.name}'", "m/rad", abs(a.pitch))
 
 
 def _angle(a: Vector3, b: Vector3) -> float:
@@ -310,6 +314,10 @@ _COMPARISONS: Mapping[Quantity, Comparison] = {
 }
 
 
+def _moves(observation: Observation) -> bool:
+    return any(joint.kind != "fixed" for joint in observation.joints)
+
+
 def _has_axes(observation: Observation) -> bool:
     return any(joint.axis is not None for joint in observation.joints)
 
@@ -322,11 +330,11 @@ def _has_shapes(observation: Observation) -> bool:
 
 _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.AXES: _has_axes,
-    Quantity.LIMITS: _has_axes,
-    Quantity.DYNAMICS: _has_axes,
+    Quantity.LIMITS: _moves,
+    Quantity.DYNAMICS: _moves,
     Quantity.MIMIC: lambda observation: any(joint.mimic for joint in observation.joints),
-    Quantity.MASS_MATRIX: _has_axes,
-    Quantity.GRAVITY: _has_axes,
+    Quantity.MASS_MATRIX: _moves,
+    Quantity.GRAVITY: _moves,
     Quantity.CLOSURES: lambda observation: bool(observation.closures),
     Quantity.MESHES: _has_shapes,
     Quantity.FRAMES: lambda observation: bool(observation.frames),

@@ -1,6 +1,7 @@
 """MJCF, MuJoCo's own format: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
 
 Joints sit at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
+A body may have several joints, which act one after the other: that is how joints of several freedoms are written.
 Closures hold sites together: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
 ``connect``, at F and at a second point of its axis: six rows, of which five are independent, two in a planar loop.
 Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
@@ -11,6 +12,7 @@ from math import isfinite, isinf
 
 import numpy as np
 
+from ..freedoms import steps_by_child
 from ..kinematics import initial_configuration, neighbours
 from ..lowering import Notion, exact, free_name, lowered, refused, reported
 from ..model import (
@@ -55,7 +57,14 @@ EXPRESSES = {
     Notion.REVOLUTE: exact("`hinge` with `range`"),
     Notion.CONTINUOUS: exact("`hinge`"),
     Notion.PRISMATIC: exact("`slide`"),
-    Notion.OTHER_JOINT: refused("SB713", "joints of this kind are not written yet"),
+    Notion.BALL: exact("`ball`"),
+    Notion.UNIVERSAL: exact("two `hinge` in one body"),
+    Notion.CYLINDRICAL: exact("`slide` and `hinge` in one body"),
+    Notion.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
+    Notion.PLANAR: exact("two `slide` and a `hinge` in one body"),
+    Notion.FLOATING: exact("three `slide` and a `ball` in one body"),
+    Notion.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
+    Notion.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
     Notion.OPEN_POSITION: exact("infinite `range`, or none"),
     Notion.OPEN_EFFORT: exact("no attribute"),
     Notion.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
@@ -125,7 +134,7 @@ def _assets(top: Element, robot: Robot) -> None:
 def _bodies(top: Element, robot: Robot) -> None:
     parents = {robot.root.name: element(top, "worldbody")}
     joint_of = {joint.child: joint for joint in robot.joints}
-    names = _GeomNames()
+    names, steps = _GeomNames(), steps_by_child(robot)
     for link in robot.links:
         joint = joint_of.get(link.name)
         above = parents[joint.parent] if joint else parents[robot.root.name]
@@ -133,7 +142,8 @@ def _bodies(top: Element, robot: Robot) -> None:
         parents[link.name] = body
         _inertial(body, link.mass_properties)
         if joint is not None:
-            _joint(body, joint)
+            for step in steps[link.name]:
+                _joint(body, step)
         elif robot.base is Base.FLOATING:
             taken = set(robot.joint_by_name)
             element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
@@ -183,8 +193,10 @@ def _joint(body: Element, joint: Joint) -> None:
         "armature": dynamics.armature,
     }
     optional.update({name: value for name, value in given.items() if value})
-    kind = "slide" if joint.kind is JointKind.PRISMATIC else "hinge"
-    element(body, "joint", name=joint.name, type=kind, axis=joint.axis, **optional)
+    if joint.kind is not JointKind.BALL:
+        optional = {"axis": joint.axis, **optional}
+    kind = {JointKind.PRISMATIC: "slide", JointKind.BALL: "ball"}.get(joint.kind, "hinge")
+    element(body, "joint", name=joint.name, type=kind, **optional)
 
 
 def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **more: Value) -> None:
@@ -238,7 +250,8 @@ def _contact(top: Element, robot: Robot) -> None:
 
 
 def _equality(top: Element, robot: Robot) -> None:
-    mimics = [(joint.name, joint.mimic) for joint in robot.joints if joint.mimic is not None]
+    steps = [step for chain in steps_by_child(robot).values() for step in chain]
+    mimics = [(step.name, step.mimic) for step in steps if step.mimic is not None]
     if not (mimics or robot.closures):
         return
     equality = element(top, "equality")
@@ -297,7 +310,8 @@ def _keyframe(top: Element, robot: Robot) -> None:
     if not (robot.closures or any(drawn.values())):
         return
     base = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0] if robot.base is Base.FLOATING else []
-    qpos = base + [drawn[name] for name in _depth_first(robot) if name in drawn]
+    steps = steps_by_child(robot)
+    qpos = base + [value for link in _depth_first(robot) for step in steps[link] for value in _drawn(step)]
     control = [
         drawn[actuator.joint] * actuator.gear if actuator.kind is ActuatorKind.POSITION else 0.0
         for actuator in robot.actuators
@@ -305,8 +319,15 @@ def _keyframe(top: Element, robot: Robot) -> None:
     element(element(top, "keyframe"), "key", name=HOME, qpos=qpos, **({"ctrl": control} if any(control) else {}))
 
 
+def _drawn(step: Joint) -> list[float]:
+    """MuJoCo's coordinates of a joint as drawn; joints of several freedoms are drawn at 0."""
+    if step.kind is JointKind.BALL:
+        return [1.0, 0.0, 0.0, 0.0]
+    return [] if step.kind is JointKind.FIXED else [step.drawn_position]
+
+
 def _depth_first(robot: Robot) -> list[str]:
-    """Names of the joints in the order of MuJoCo's coordinates: that of the nested bodies."""
+    """Names of the links below the root in the order of MuJoCo's coordinates: that of the nested bodies."""
     below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
     for joint in robot.joints:
         below[joint.parent].append(joint)
@@ -314,7 +335,7 @@ def _depth_first(robot: Robot) -> list[str]:
     stack = list(reversed(below[robot.root.name]))
     while stack:
         joint = stack.pop()
-        order.append(joint.name)
+        order.append(joint.child)
         stack += reversed(below[joint.child])
     return order
 

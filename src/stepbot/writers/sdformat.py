@@ -5,7 +5,7 @@ understand them. A closed loop is a joint more than a tree has: its frame is giv
 where the pose of the file puts it, so a loop must close at q = 0 (:data:`Notion.LOOP_ZERO`).
 """
 
-from math import isfinite, isinf
+from math import isfinite, isinf, pi
 
 from ..lowering import Notion, exact, free_name, lowered, refused, reported
 from ..model import (
@@ -37,6 +37,8 @@ TITLE = "SDFormat"
 VERSION = "1.9"
 MIMIC_VERSION = "1.11"
 """The first version that has ``<mimic>``."""
+SCREW_VERSION = "1.10"
+"""The first version that has ``<screw_thread_pitch>``, whose sign and unit all readers agree on."""
 
 EXPRESSES = {
     Notion.FIXED_BASE: exact("fixed joint to `world`"),
@@ -53,7 +55,14 @@ EXPRESSES = {
     Notion.REVOLUTE: exact("`revolute`"),
     Notion.CONTINUOUS: exact("`continuous`"),
     Notion.PRISMATIC: exact("`prismatic`"),
-    Notion.OTHER_JOINT: refused("SB713", "joints of this kind are not written yet"),
+    Notion.BALL: exact("`ball`"),
+    Notion.UNIVERSAL: exact("`universal`"),
+    Notion.CYLINDRICAL: lowered("SB720", "a prismatic and a continuous joint stand for a cylindrical one"),
+    Notion.SCREW: exact("`screw` with `<screw_thread_pitch>`, of version 1.10"),
+    Notion.PLANAR: lowered("SB720", "two prismatic joints and a continuous one stand for a planar one"),
+    Notion.FLOATING: lowered("SB720", "three prismatic joints and a ball joint stand for a floating one"),
+    Notion.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
+    Notion.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are left out"),
     Notion.OPEN_POSITION: exact("±1e16, which the format defines as no limit"),
     Notion.OPEN_EFFORT: exact("no element"),
     Notion.EFFORT: exact("`<effort>`"),
@@ -85,8 +94,7 @@ def reserves(name: str) -> bool:
 
 def render(robot: Robot) -> bytes:
     """The SDFormat of a lowered robot."""
-    mimics = any(joint.mimic is not None for joint in robot.joints)
-    top = root("sdf", robot.source, version=MIMIC_VERSION if mimics else VERSION)
+    top = root("sdf", robot.source, version=_version(robot))
     model = element(top, "model", name=robot.name)
     X_ML = _link_poses(robot)
     for link in robot.links:
@@ -100,6 +108,13 @@ def render(robot: Robot) -> bytes:
     for frame in robot.frames:
         _pose(element(model, "frame", name=frame.name, attached_to=frame.link), frame.X_LF)
     return document(top)
+
+
+def _version(robot: Robot) -> str:
+    """The first version that has everything that the robot needs: older readers read older files."""
+    if any(joint.mimic is not None for joint in robot.joints):
+        return MIMIC_VERSION
+    return SCREW_VERSION if any(joint.kind is JointKind.SCREW for joint in robot.joints) else VERSION
 
 
 def _link_poses(robot: Robot) -> dict[str, Pose]:
@@ -172,11 +187,17 @@ def _joint_head(model: Element, name: str, kind: str, parent: str, child: str) -
 
 def _joint(model: Element, joint: Joint) -> None:
     xml = _joint_head(model, joint.name, joint.kind.value, joint.parent, joint.child)
-    if joint.kind is JointKind.FIXED:
+    if joint.kind is JointKind.SCREW:
+        element(xml, "screw_thread_pitch", joint.pitch * 2.0 * pi)
+    if joint.kind in (JointKind.FIXED, JointKind.BALL):
         return
-    axis = _axis(xml, joint.axis)
+    axis = _axis(xml, "axis", joint.axis)
     _limit(axis, joint.kind, joint.limit)
     _dynamics(axis, joint.dynamics)
+    if joint.kind is JointKind.UNIVERSAL:
+        second = _axis(xml, "axis2", joint.axis2)
+        _limit(second, joint.kind, joint.limit)
+        _dynamics(second, joint.dynamics)
     if joint.mimic is not None:
         mimic = element(axis, "mimic", joint=joint.mimic.joint)
         element(mimic, "multiplier", joint.mimic.multiplier)
@@ -192,17 +213,17 @@ def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
     xml = _joint_head(model, closure.name, closure.kind.value, parent, child)
     _pose(xml, X_CF)
     if closure.kind is JointKind.REVOLUTE:
-        _limit(_axis(xml, closure.axis), JointKind.REVOLUTE, Limit())
+        _limit(_axis(xml, "axis", closure.axis), JointKind.REVOLUTE, Limit())
 
 
-def _axis(joint: Element, axis: Vector3) -> Element:
-    xml = element(joint, "axis")
+def _axis(joint: Element, tag: str, axis: Vector3) -> Element:
+    xml = element(joint, tag)
     element(xml, "xyz", axis)
     return xml
 
 
 def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
-    bounded = kind is not JointKind.CONTINUOUS
+    bounded = kind not in (JointKind.CONTINUOUS, JointKind.UNIVERSAL)
     if not (bounded or isfinite(limit.effort) or isfinite(limit.velocity)):
         return
     xml = element(axis, "limit")

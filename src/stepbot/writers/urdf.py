@@ -32,7 +32,14 @@ EXPRESSES = {
     Notion.REVOLUTE: exact("`revolute`"),
     Notion.CONTINUOUS: exact("`continuous`"),
     Notion.PRISMATIC: exact("`prismatic`"),
-    Notion.OTHER_JOINT: refused("SB713", "joints of this kind are not written yet"),
+    Notion.BALL: lowered("SB720", "yaw, pitch and roll stand for a ball joint, locked at pitch = ±90°"),
+    Notion.UNIVERSAL: lowered("SB720", "two continuous joints stand for a universal one"),
+    Notion.CYLINDRICAL: lowered("SB720", "a prismatic and a continuous joint stand for a cylindrical one"),
+    Notion.SCREW: lowered("SB720", "a revolute joint and a prismatic one that follows it stand for a screw"),
+    Notion.PLANAR: lowered("SB720", "two prismatic joints and a continuous one stand for a planar one"),
+    Notion.FLOATING: lowered("SB720", "three prismatic joints and a ball joint stand for a floating one"),
+    Notion.BALL_LIMIT: exact("limits of yaw, pitch and roll"),
+    Notion.BALL_FORCE: exact("forces on yaw, pitch and roll"),
     Notion.OPEN_POSITION: lowered(
         "SB704", "1e9 stands for a missing position limit; a revolute joint without any is continuous"
     ),

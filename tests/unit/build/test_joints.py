@@ -1,6 +1,6 @@
 """Joints, closures and actuators: poses at q = 0 from what the CAD drew, checked by moving the robot."""
 
-from math import cos, pi, radians, sin
+from math import cos, inf, pi, radians, sin
 from pathlib import Path
 
 import numpy as np
@@ -193,10 +193,10 @@ def test_what_is_not_built_is_an_error(tmp_path: Path, found: ReadDiagnostics) -
         + """
     parts: {base: {collision: decompose}}
     joints:
-      a: {type: ball, parent: base, child: upper, origin: {xyz: [0, 0, 0]}}
+      a: {type: fixed, parent: base, child: upper, origin: {xyz: [0, 0, 0]}}
       b: {type: fixed, parent: upper, child: lower, origin: {xyz: [0, 0, 0]}}
     closures:
-      c: {type: ball, link_a: base, link_b: lower, origin: {xyz: [0, 0, 0]}}
+      c: {type: prismatic, link_a: base, link_b: lower, origin: {xyz: [0, 0, 0]}}
     sensors:
       imu: {type: imu, link: base}
 """
@@ -204,7 +204,6 @@ def test_what_is_not_built_is_an_error(tmp_path: Path, found: ReadDiagnostics) -
     assert build(_chain(), tmp_path, text, found) is None
     assert set(found.codes()) == {"SB307"}
     assert [d.message.split(":")[0] for d in found] == [
-        "joint 'a'",
         "closure 'c'",
         "sensor 'imu'",
         "parts rule 'base'",
@@ -213,7 +212,53 @@ def test_what_is_not_built_is_an_error(tmp_path: Path, found: ReadDiagnostics) -
     assert all("parsed but not yet supported" in d.message and d.help for d in found)
     lines = (tmp_path / "test.robot.yaml").read_text(encoding="utf-8").splitlines()
     told = [lines[d.span.line - 1][d.span.column - 1 :] for d in found]
-    assert [text.split(",")[0].rstrip("}") for text in told] == ["ball", "ball", "imu", "decompose", "decompose"]
+    assert [text.split(",")[0].rstrip("}") for text in told] == ["prismatic", "imu", "decompose", "decompose"]
+
+
+def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """With their axes, pitch and forces in SI."""
+    text = (
+        CHAIN
+        + """
+    joints:
+      a:
+        type: screw
+        parent: base
+        child: upper
+        origin: {xyz: [0, 0, 0]}
+        axis: x
+        pitch: 2 mm/rev
+        limits: {lower: -2 rev, upper: inf}
+      b:
+        type: universal
+        parent: upper
+        child: lower
+        origin: {xyz: [0, 0, 0]}
+        axis: y
+        axis2: -x
+        dynamics: {damping: 0.1}
+"""
+    )
+    robot = build(_chain(), tmp_path, text, found)
+    assert robot is not None
+    screw, cross = robot.joints
+    assert screw.pitch == pytest.approx(0.002 / (2 * pi), rel=1e-15)
+    assert screw.limit.lower == pytest.approx(-4 * pi, rel=1e-15)
+    assert screw.limit.upper == inf
+    assert (cross.axis, cross.axis2) == ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0))
+    assert cross.dynamics.damping == 0.1
+    for kind in ("ball", "planar", "cylindrical", "floating"):
+        of_kind = (
+            f"{CHAIN}\n    joints:\n      a: {{type: {kind}, parent: base, child: upper, origin: {{xyz: [0, 0, 0]}}}}\n"
+        )
+        built = build(
+            _chain(),
+            tmp_path,
+            of_kind + "      b: {type: fixed, parent: upper, child: lower, origin: {xyz: [0, 0, 0]}}\n",
+            found,
+        )
+        assert built is not None
+        assert built.joints[0].kind == kind
 
 
 def test_tidy_leaves_no_noise() -> None:

@@ -1,0 +1,79 @@
+"""Joints of several freedoms as chains of joints that have one each, with links between that weigh nothing.
+
+One file for each kind, and one function in it: Robot to Robot. The names of the joints in a chain are the names of the
+coordinates of the joint that it stands for, so that a configuration of a robot reads the same whether a format can say
+the joint or not.
+
+| kind | chain, from the parent on |
+| --- | --- |
+| ball | ``_yaw`` about z, ``_pitch`` about y, ``_roll`` about x: fixed-axis roll, pitch, yaw |
+| universal | ``_1`` about the axis, ``_2`` about the second one |
+| cylindrical | ``_slide`` and ``_turn``, along and about the axis |
+| planar | ``_x`` and ``_y`` in the plane, ``_turn`` about its normal |
+| floating | ``_x``, ``_y``, ``_z``, then the ball ``_turn`` |
+| screw | ``_slide``, which follows the turning joint of the screw's own name |
+"""
+
+from dataclasses import replace
+
+from ..model import Joint, JointKind, Limit, Robot
+from .ball import ball_to_revolutes
+from .cylindrical import cylindrical_to_two
+from .floating import floating_to_slides_and_ball
+from .planar import planar_to_three
+from .screw import screw_to_mimic
+from .universal import universal_to_revolutes
+
+SEVERAL_FREEDOMS = frozenset(
+    {JointKind.BALL, JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.PLANAR, JointKind.FLOATING}
+)
+"""Kinds of joints that have more than one coordinate."""
+
+
+def unfolded(robot: Robot) -> Robot:
+    """The robot with joints of one freedom only: fixed, revolute, continuous, prismatic and screw."""
+    if not any(joint.kind in SEVERAL_FREEDOMS for joint in robot.joints):
+        return robot
+    robot = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
+    return ball_to_revolutes(floating_to_slides_and_ball(robot))
+
+
+def ball_coordinates(robot: Robot) -> dict[str, tuple[str, str, str]]:
+    """For each ball joint, those within floating joints too, the names of its coordinates: yaw, pitch, roll."""
+    folded = floating_to_slides_and_ball(robot)
+    names = iter(joint.name for joint in ball_to_revolutes(folded).joints if joint.name not in folded.joint_by_name)
+    balls = [joint.name for joint in folded.joints if joint.kind is JointKind.BALL]
+    return {ball: (next(names), next(names), next(names)) for ball in balls}
+
+
+def steps_by_child(robot: Robot) -> dict[str, tuple[Joint, ...]]:
+    """For each link but the root what is between it and its parent: joints of one freedom, or balls, one by one.
+
+    What follows a screw has no limits of its own: the screw's turning joint has them.
+    """
+    split = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
+    split = screw_to_mimic(floating_to_slides_and_ball(split))
+    screws = {joint.name for joint in robot.joints if joint.kind is JointKind.SCREW}
+    steps: dict[str, tuple[Joint, ...]] = {}
+    chain: list[Joint] = []
+    for joint in split.joints:
+        follows = joint.name not in robot.joint_by_name and joint.mimic is not None and joint.mimic.joint in screws
+        chain.append(replace(joint, limit=Limit()) if follows else joint)
+        if joint.child in robot.link_by_name:
+            steps[joint.child] = tuple(chain)
+            chain = []
+    return steps
+
+
+__all__ = [
+    "SEVERAL_FREEDOMS",
+    "ball_coordinates",
+    "ball_to_revolutes",
+    "cylindrical_to_two",
+    "floating_to_slides_and_ball",
+    "planar_to_three",
+    "screw_to_mimic",
+    "steps_by_child",
+    "unfolded",
+    "universal_to_revolutes",
+]
