@@ -35,6 +35,7 @@ from stepbot.model import (
     Visual,
 )
 from stepbot.spatial import Pose, rotation_about
+from tests.closed_mechanisms import CLOSED, COUPLER, CRANK, GROUND, ROCKER, four_bar_angles
 from tests.mechanisms import MECHANISMS
 from tests.workshop import GLASS, ORANGE, STEEL, Workshop, at
 
@@ -112,21 +113,6 @@ def two_link_arm() -> Robot:
         meshes=shop.sorted_meshes(),
         source="two_link_arm.step",
     )
-
-
-GROUND, CRANK, COUPLER, ROCKER = 0.3, 0.1, 0.28, 0.2
-"""Lengths [m] of the four-bar's links between their pins; the crank turns fully (Grashof)."""
-
-
-def four_bar_angles(crank: float) -> tuple[float, float]:
-    """Angles [rad] of coupler and rocker from the ground line, for the angle of the crank; the open assembly."""
-    x, y = GROUND - CRANK * math.cos(crank), -CRANK * math.sin(crank)
-    diagonal = math.hypot(x, y)
-    at_coupler = math.acos((COUPLER**2 + diagonal**2 - ROCKER**2) / (2 * COUPLER * diagonal))
-    coupler = math.atan2(y, x) + at_coupler
-    tip_x = CRANK * math.cos(crank) + COUPLER * math.cos(coupler) - GROUND
-    tip_y = CRANK * math.sin(crank) + COUPLER * math.sin(coupler)
-    return coupler, math.atan2(tip_y, tip_x)
 
 
 def _four_bar(name: str, zeros: bool) -> Robot:
@@ -396,22 +382,26 @@ def primitives() -> Robot:
     return Robot("primitives", (base, turret), (turn,), meshes=meshes, source="primitives.step")
 
 
-ROBOTS: dict[str, Callable[[], Robot]] = {
-    build.__name__: build
-    for build in (
-        one_link,
-        pendulum,
-        two_link_arm,
-        four_bar,
-        four_bar_with_zeros,
-        gripper_with_mimic,
-        slider,
-        tree,
-        floating_biped,
-        odd_names,
-        primitives,
-    )
-} | MECHANISMS
+ROBOTS: dict[str, Callable[[], Robot]] = (
+    {
+        build.__name__: build
+        for build in (
+            one_link,
+            pendulum,
+            two_link_arm,
+            four_bar,
+            four_bar_with_zeros,
+            gripper_with_mimic,
+            slider,
+            tree,
+            floating_biped,
+            odd_names,
+            primitives,
+        )
+    }
+    | MECHANISMS
+    | CLOSED
+)
 
 _ONE_FREEDOM = {JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC}
 SINGLE_FREEDOMS = tuple(

@@ -17,7 +17,7 @@ from stepbot.writers import render
 from tests.conformance.conftest import Write
 from tests.robots import ROBOTS, four_bar, four_bar_with_zeros
 
-UNKNOWN_TO_PYBULLET = ("ball", "universal", "screw", "left_screw", "floating")
+UNKNOWN_TO_PYBULLET = ("ball", "universal", "screw", "left_screw", "floating", "stewart", "delta")
 """Robots with joints that PyBullet does not read in SDFormat."""
 
 every_robot = pytest.mark.parametrize("name", ROBOTS)

@@ -1,20 +1,13 @@
 """What version 1 of the sidecar can say and this stepbot cannot build yet: an error each, never left out."""
 
-from ..model import JointKind
 from ..sidecar.document import CollisionShape, MergedCollision
 from ..sidecar.tree import Keys
 from .binder import Binder
-
-CLOSURES = (JointKind.REVOLUTE,)
-"""Kinds of closures that are built."""
 
 
 def report_unsupported(binder: Binder) -> None:
     """Report everything that is parsed but not built."""
     document = binder.document
-    for name, closure in document.closures.items():
-        if closure.type not in CLOSURES:
-            _report(binder, ("closures", name, "type"), f"closures of type {closure.type}", f"use {_words(CLOSURES)}")
     for name, sensor in document.sensors.items():
         _report(binder, ("sensors", name, "type"), f"{sensor.type} sensors", "leave the sensor out for now")
     for pattern, rule in document.parts.items():
@@ -33,7 +26,3 @@ def _report_decompose(binder: Binder, keys: Keys) -> None:
 
 def _report(binder: Binder, keys: Keys, what: str, remedy: str) -> None:
     binder.report("SB307", keys, f"{what}: parsed but not yet supported", help=(remedy,))
-
-
-def _words(kinds: tuple[JointKind, ...]) -> str:
-    return ", ".join(kinds[:-1]) + f" or {kinds[-1]}" if len(kinds) > 1 else str(kinds[0])

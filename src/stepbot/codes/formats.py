@@ -165,4 +165,14 @@ CODES: tuple[Code, ...] = (
         "The joint moves more freely there than the robot's does.",
         "Use a format that has it (`docs/mapping.md`), or add it in the simulator.",
     ),
+    Code(
+        "SB722",
+        "note",
+        "loop cut at another joint",
+        "A prismatic joint closes a loop, and the format has no such constraint. The loop is cut at a pin, a ball or a "
+        "weld of it instead, which has neither limits nor forces nor a drive; the prismatic joint is part of the tree.",
+        "The mechanism is the same. Links on the way between the two joints hang the other way round, and have the "
+        "frames of the joints that are above them now.",
+        "Nothing needs to be done; to have the same tree in all formats, close the loop at the pin in the sidecar.",
+    ),
 )

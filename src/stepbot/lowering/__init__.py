@@ -21,7 +21,6 @@ from ..freedoms import (
 )
 from ..model import Base, JointKind, Robot
 from .joints import (
-    CLOSED,
     UNLIMITED,
     bound,
     bound_effort,
@@ -46,6 +45,7 @@ from .joints import (
 )
 from .names import rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
 from .notions import Format, Level, Notion, Support, exact, lowered, refused, reported
+from .recut import recut_loops, sliding_closures
 from .shapes import (
     concave_collisions,
     drop_flat_collisions,
@@ -113,7 +113,8 @@ _HANDLINGS: Mapping[Notion, _Handling] = {
     Notion.BALL_LIMIT: _Handling(joints_where(is_limited_ball), each_joint(without_ball_limit)),
     Notion.BALL_FORCE: _Handling(joints_where(is_loaded_ball), each_joint(without_ball_force)),
     Notion.CLOSURE: _Handling(describe_closures(lambda closure: True), drop_closures),
-    Notion.OTHER_CLOSURE: _Handling(describe_closures(lambda closure: closure.kind not in CLOSED)),
+    Notion.SLIDING_CLOSURE: _Handling(sliding_closures, recut_loops),
+    Notion.STUCK_CLOSURE: _Handling(describe_closures(lambda closure: closure.kind is JointKind.PRISMATIC)),
     Notion.LOOP_ZERO: _Handling(loop_zeros, move_loop_zeros),
     Notion.INITIAL_POSE: _Handling(joints_where(lambda joint: joint.drawn_position != 0.0)),
     Notion.OPEN_POSITION: _Handling(joints_where(is_open), each_joint(bound)),

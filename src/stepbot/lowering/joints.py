@@ -11,8 +11,6 @@ from ..model import Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, M
 UNLIMITED = 1e9
 """What stands for `no limit` where a format wants a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
 
-CLOSED = frozenset({JointKind.REVOLUTE, JointKind.BALL, JointKind.FIXED})
-"""Kinds of closures that writers of loops write."""
 BOUNDED = frozenset({JointKind.REVOLUTE, JointKind.PRISMATIC})
 """Kinds of joints that have position limits."""
 

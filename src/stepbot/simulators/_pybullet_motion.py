@@ -17,12 +17,17 @@ if TYPE_CHECKING:
 
 STEP = 1e-3
 """Step [s] of all simulations here."""
+SWEEPS = 200
+"""Iterations of the solver in each step where loops share joints: it takes the constraints one by one, and its default,
+50, leaves loops that depend on each other open four to eight times as wide."""
 SPEED = 1.0
 """Speed of a driven joint [rad/s]."""
 SLIDING_SPEED = 0.1
 """Speed of a driven prismatic joint [m/s]."""
 SECOND_POINT = 0.05
 """Distance [m] along the axis of a revolute closure at which a second point is held, so that the axes stay aligned."""
+_HELD_BY_FRAMES = frozenset({JointKind.FIXED, JointKind.PRISMATIC})
+"""Kinds of closures that PyBullet has constraints of their own for; the others are held by points."""
 STRENGTH = 1e3
 """Force [N], [N m] that motors and constraints may use, per newton of weight: enough to start at once, and little
 enough not to jam a loop whose pins are not exactly parallel."""
@@ -78,6 +83,8 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
     """
     engine = body.engine
     engine.setTimeStep(STEP)
+    if len(request.closures) > 1:
+        engine.setPhysicsEngineParameter(numSolverIterations=SWEEPS)
     for index in body.coordinates.values():
         engine.changeDynamics(body.id, index, jointDamping=0.0)
     held = [_Held(body, closure, _points(closure, request)) for closure in request.closures]
@@ -99,12 +106,15 @@ class _Held:
     def __init__(self, body: "Body", closure: LoopClosure, points: Sequence[Array]) -> None:
         self.observed = ObservedClosure(closure.name, closure.kind.value, closure.link_a, closure.link_b)
         self.widest = 0.0
-        self._body = body
+        self._body, self._closure = body, closure
         self._ends = []
         for link, X_LF in ((closure.link_a, closure.X_AF), (closure.link_b, closure.X_BF)):
             index = body.links.index(link) - 1
             self._ends.append((index, body.X_LI[index + 1].inverse() @ X_LF))
         (a, X_IF), (b, X_JF) = self._ends
+        if closure.kind in _HELD_BY_FRAMES:
+            self._hold_frames(closure)
+            return
         for p_F in points:
             point = body.engine.createConstraint(
                 body.id,
@@ -118,6 +128,19 @@ class _Held:
             )
             body.engine.changeConstraint(point, maxForce=strength(body))
 
+    def _hold_frames(self, closure: LoopClosure) -> None:
+        """Hold by a constraint of the closure's own kind."""
+        engine = self._body.engine
+        (a, X_IF), (b, X_JF) = self._ends
+        # PyBullet slides along the axis of the first link's inertial frame.
+        turned = [(x, y, z, w) for w, x, y, z in (X_IF.quaternion, X_JF.quaternion)]
+        kind = engine.JOINT_FIXED if closure.kind is JointKind.FIXED else engine.JOINT_PRISMATIC
+        axis = X_IF.turn(closure.axis).tolist()
+        held = engine.createConstraint(
+            self._body.id, a, self._body.id, b, kind, axis, X_IF.position, X_JF.position, *turned
+        )
+        engine.changeConstraint(held, maxForce=strength(self._body))
+
     def measure(self) -> None:
         """Keep the gap if it is the widest so far."""
         engine, ends = self._body.engine, []
@@ -127,15 +150,18 @@ class _Held:
             else:
                 frame = engine.getLinkState(self._body.id, index, computeForwardKinematics=1)[:2]
             ends.append(engine.multiplyTransforms(*frame, X_IF.position, (0.0, 0.0, 0.0, 1.0))[0])
-        self.widest = max(self.widest, dist(*ends))
+        gap = dist(*ends)
+        if self._closure.kind is JointKind.PRISMATIC:  # along its axis it is free
+            (a, X_IF), _ = self._ends
+            axis_W = (self._body.X_WI(a) @ X_IF).turn(self._closure.axis)
+            gap = float(np.linalg.norm(np.cross(axis_W, np.subtract(*ends))))
+        self.widest = max(self.widest, gap)
 
 
 def _points(closure: LoopClosure, request: Request) -> list[Array]:
     """Points of F that hold what the closure holds."""
     if closure.kind is JointKind.BALL or closure.name in request.held_by_a_point:
         return [np.zeros(3)]
-    if closure.kind is JointKind.FIXED:
-        return [np.zeros(3), *(SECOND_POINT * np.eye(3))]
     return [np.zeros(3), SECOND_POINT * np.array(closure.axis)]
 
 

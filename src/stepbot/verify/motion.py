@@ -6,7 +6,7 @@ from ..dynamics import GRAVITY
 from ..simulators.observation import Observation, ObservedClosure
 from ..spatial import Array
 from .gauge import Gauge
-from .tolerances import DRIVEN_ANGLE, Tolerance
+from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
 
 NO_GRAVITY = 1e-6
 """Share of weight times reach below which gravity forces count as zero: planar mechanisms feel none."""
@@ -93,7 +93,8 @@ def compare_closures(gauge: Gauge, reference: Observation, observed: Observation
             found = _turned(found)
         links = (found.link_a, found.link_b) == (ours.link_a, ours.link_b)
         gauge.equal(links, f"closure '{ours.name}' holds '{found.link_a}' to '{found.link_b}'")
-        _compare_closure(gauge, ours, found, observed.engine)
+        several = SEVERAL_LOOPS.get(observed.engine) if len(reference.closures) > 1 else None
+        _compare_closure(gauge, ours, found, observed.engine, several or gauge.tolerance)
 
 
 def _turned(closure: ObservedClosure) -> ObservedClosure:
@@ -111,7 +112,9 @@ def _turned(closure: ObservedClosure) -> ObservedClosure:
     )
 
 
-def _compare_closure(gauge: Gauge, ours: ObservedClosure, found: ObservedClosure, engine: str) -> None:
+def _compare_closure(
+    gauge: Gauge, ours: ObservedClosure, found: ObservedClosure, engine: str, open_by: Tolerance
+) -> None:
     name = f"closure '{ours.name}'"
     for side, X, Y in (("a", ours.X_AF, found.X_AF), ("b", ours.X_BF, found.X_BF)):
         if X is None or Y is None:
@@ -125,7 +128,7 @@ def _compare_closure(gauge: Gauge, ours: ObservedClosure, found: ObservedClosure
     own = ours.residual or 0.0
     reach = max((float(np.linalg.norm(X.p)) for X in (ours.X_AF, ours.X_BF) if X is not None), default=0.0)
     if found.residual is not None:
-        gauge.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach)
+        gauge.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
     if found.angle_error is not None:
         allowed = Tolerance(DRIVEN_ANGLE.get(engine, gauge.tolerance.absolute), relative=10.0)
         where = f"following joints of {name}"

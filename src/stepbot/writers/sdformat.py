@@ -73,7 +73,8 @@ EXPRESSES = {
     Notion.MIMIC: lowered("SB715", "`<mimic>` takes version 1.11 (Gazebo Harmonic) in place of 1.9"),
     Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
     Notion.CLOSURE: exact("a second joint to the child, after all joints of the tree"),
-    Notion.OTHER_CLOSURE: refused("SB713", "closures of this kind are not written yet"),
+    Notion.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
+    Notion.STUCK_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
     Notion.LOOP_ZERO: lowered("SB711", "a loop closes at q = 0, so zeros are moved to the drawn pose"),
     Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
     Notion.FRAME: exact("`<frame>` attached to its link"),
@@ -212,8 +213,8 @@ def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
         parent, child, X_CF = closure.link_b, closure.link_a, closure.X_AF
     xml = _joint_head(model, closure.name, closure.kind.value, parent, child)
     _pose(xml, X_CF)
-    if closure.kind is JointKind.REVOLUTE:
-        _limit(_axis(xml, "axis", closure.axis), JointKind.REVOLUTE, Limit())
+    if closure.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC):
+        _limit(_axis(xml, "axis", closure.axis), closure.kind, Limit())
 
 
 def _axis(joint: Element, tag: str, axis: Vector3) -> Element:
