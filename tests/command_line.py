@@ -55,7 +55,7 @@ class Conversion:
 
     def file(self, suffix: str) -> Path:
         """The file with a suffix: ``.urdf``, ``.sdf`` or ``.xml``."""
-        (path,) = self.folder.glob(f"*{suffix}")
+        (path,) = (path for path in self.folder.glob(f"*{suffix}") if not path.name.endswith(".drake.sdf"))
         return path
 
 

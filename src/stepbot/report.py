@@ -14,6 +14,7 @@ from typing import Any
 
 import stepbot
 
+from .closure_snippet import pybullet_snippet
 from .diagnostics import Diagnostic
 from .kinematics import initial_configuration, link_poses
 from .model import Joint, JointKind, Link, LoopClosure, MassProperties, Robot, combined
@@ -214,6 +215,7 @@ def _robot(report: Report, robot: Robot) -> Json:
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint) for joint in robot.joints],
         "closures": [_closure(closure) for closure in robot.closures],
+        "pybullet": pybullet_snippet(robot),
         "frames": [{"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF)} for frame in robot.frames],
         "actuators": [
             {"name": a.name, "joint": a.joint, "kind": a.kind.value, "kp": a.kp, "kv": a.kv, "gear": a.gear}

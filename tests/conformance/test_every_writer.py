@@ -102,7 +102,8 @@ def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
     """The file refers to exactly the meshes that come with it, by relative paths."""
     robot = ROBOTS[name]()
     files = render(robot, format_, Diagnostics())
-    main, *meshes = files
+    main, *others = files
+    meshes = [path for path in others if path.startswith("meshes/")]
     top = etree.fromstring(files[main])
     attributes = {element.get(key) for element in top.iter("mesh") for key in ("filename", "file")}
     referred = attributes | {element.text for element in top.iter("uri")}

@@ -1,8 +1,9 @@
 """Robot to files: one module per format, found by looking, all with the same names.
 
 A module of this package that has a ``NAME`` is a format. It also has ``ALIASES``, ``SUFFIX``, ``TITLE``,
-``EXPRESSES`` (what the format can say, see :mod:`stepbot.lowering`), ``reserves`` and ``render``, which turns a robot
-that :func:`stepbot.lowering.lower` has prepared into the bytes of its main file. Nothing here touches the disk.
+``EXPRESSES`` (what the format can say, see :mod:`stepbot.lowering`), ``reserves``, ``render``, which turns a robot
+that :func:`stepbot.lowering.lower` has prepared into the bytes of its main file, and ``companions``, for readers that
+need another one beside it. Nothing here touches the disk.
 """
 
 from collections.abc import Mapping
@@ -27,6 +28,9 @@ class Writer(Format, Protocol):
 
     def render(self, robot: Robot) -> bytes:
         """The main file of a lowered robot."""
+
+    def companions(self, robot: Robot) -> dict[str, bytes]:
+        """Files for readers that cannot do with the main one, by path."""
 
 
 def _discover() -> dict[str, Writer]:
@@ -75,8 +79,8 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
 
 
 def files_of(lowered: Robot, writer: Writer) -> dict[str, bytes]:
-    """The files of a robot that is lowered for the writer already: the main file, then its meshes."""
-    files = {main_file(lowered, writer): writer.render(lowered)}
+    """The files of a robot that is lowered for the writer already: the main file, its companions, then its meshes."""
+    files = {main_file(lowered, writer): writer.render(lowered), **writer.companions(lowered)}
     for asset in used_meshes(lowered):
         if asset not in _OBJ:
             _OBJ[asset] = obj_bytes(asset.mesh, asset.name)

@@ -1,6 +1,6 @@
 """XML of the written formats: elements, numbers, the document around them; imports lxml when something is written."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isnan
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -47,11 +47,18 @@ def element(parent: Element, tag: str, text: Value | None = None, /, **attribute
     return child
 
 
-def root(tag: str, source: str, /, **attributes: Value) -> Element:
-    """The top element of a document, below a comment that says who wrote it from which STEP file."""
+def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, **attributes: Value) -> Element:
+    """The top element of a document, below a comment that says who wrote it from which STEP file.
+
+    Args:
+        tag: Its tag.
+        source: Name of the STEP file; empty where there is none.
+        namespaces: For each prefix of the document what it stands for.
+        attributes: Its attributes.
+    """
     from lxml import etree
 
-    top = etree.Element(tag, {name: text_of(value) for name, value in attributes.items()})
+    top = etree.Element(tag, {name: text_of(value) for name, value in attributes.items()}, nsmap=dict(namespaces or {}))
     origin = f" from {source}" if source else ""
     remark = f" Written by stepbot {__version__}{origin}. "
     while "--" in remark:  # XML ends a comment there

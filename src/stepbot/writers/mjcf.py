@@ -113,6 +113,11 @@ def render(robot: Robot) -> bytes:
     return document(top)
 
 
+def companions(_robot: Robot) -> dict[str, bytes]:
+    """No files beside the main one and its meshes."""
+    return {}
+
+
 def _defaults(top: Element) -> None:
     default = element(top, "default")
     visual = element(default, "default", class_="visual")

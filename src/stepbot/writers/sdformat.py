@@ -8,6 +8,7 @@ where the pose of the file puts it, so a loop must close at q = 0 (:data:`Notion
 from math import isfinite, isinf, pi
 
 from ..lowering import Notion, exact, free_name, lowered, refused, reported
+from ..lowering.recut import recut_loops
 from ..model import (
     Base,
     Box,
@@ -27,6 +28,7 @@ from ..model import (
     Visual,
 )
 from ..spatial import IDENTITY, Pose, Vector3
+from . import _drake
 from ._xml import Element, document, element, root
 
 NAME = "sdf"
@@ -72,9 +74,9 @@ EXPRESSES = {
     Notion.ARMATURE: reported("SB703", "armatures are left out"),
     Notion.MIMIC: lowered("SB715", "`<mimic>` takes version 1.11 (Gazebo Harmonic) in place of 1.9"),
     Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
-    Notion.CLOSURE: exact("a second joint to the child, after all joints of the tree"),
+    Notion.CLOSURE: exact("a second joint to the child; `drake:ball_constraint` in `<robot>.drake.sdf`"),
     Notion.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
-    Notion.STUCK_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
+    Notion.STUCK_CLOSURE: exact("a second joint to the child; there is no file for Drake"),
     Notion.LOOP_ZERO: lowered("SB711", "a loop closes at q = 0, so zeros are moved to the drawn pose"),
     Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
     Notion.FRAME: exact("`<frame>` attached to its link"),
@@ -96,6 +98,24 @@ def reserves(name: str) -> bool:
 def render(robot: Robot) -> bytes:
     """The SDFormat of a lowered robot."""
     top = root("sdf", robot.source, version=_version(robot))
+    model = _tree(top, robot)
+    for closure in robot.closures:
+        _closure(model, closure, robot)
+    return document(top)
+
+
+def companions(robot: Robot) -> dict[str, bytes]:
+    """A file for Drake, where there are loops that its constraints can close: it refuses joints that close one."""
+    cut = _drake.for_drake(recut_loops(robot))
+    if not cut.closures or any(closure.kind is JointKind.PRISMATIC for closure in cut.closures):
+        return {}
+    top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=_version(cut))
+    _drake.constrain(_tree(top, cut), cut)
+    return {f"{robot.name}.drake{SUFFIX}": document(top)}
+
+
+def _tree(top: Element, robot: Robot) -> Element:
+    """The model with its links, the joints of its tree, and its frames."""
     model = element(top, "model", name=robot.name)
     X_ML = _link_poses(robot)
     for link in robot.links:
@@ -104,11 +124,9 @@ def render(robot: Robot) -> bytes:
         _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
     for joint in robot.joints:
         _joint(model, joint)
-    for closure in robot.closures:
-        _closure(model, closure, robot)
     for frame in robot.frames:
         _pose(element(model, "frame", name=frame.name, attached_to=frame.link), frame.X_LF)
-    return document(top)
+    return model
 
 
 def _version(robot: Robot) -> str:

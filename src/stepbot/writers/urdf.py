@@ -79,6 +79,11 @@ def render(robot: Robot) -> bytes:
     return document(top)
 
 
+def companions(_robot: Robot) -> dict[str, bytes]:
+    """No files beside the main one and its meshes."""
+    return {}
+
+
 def _link(top: Element, link: Link, robot: Robot) -> None:
     xml = element(top, "link", name=link.name)
     mass = link.mass_properties
