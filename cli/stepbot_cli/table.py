@@ -74,6 +74,10 @@ def _remarks(report: "Report", width: int) -> list[str]:
     for row in report.rows():
         if row.why and row.compared:
             lines += _wrapped(f"{printable(row.file) or 'robot'} in {row.engine}: {printable(row.why)}", width)
+    if report.driven:
+        several = "s" if report.degrees_of_freedom != 1 else ""
+        driven = ", ".join(printable(name) for name in report.driven)
+        lines += ["", *_wrapped(f"{report.degrees_of_freedom} degree{several} of freedom, driven by {driven}", width)]
     statuses = [check.status.value for check in report.checks]
     counts = ", ".join(f"{statuses.count(status)} {status}" for status in _COLORS)
     return [*lines, "", f"{len(statuses)} checks: {counts}"]
