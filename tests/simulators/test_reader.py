@@ -167,15 +167,15 @@ def test_boxes_of_shapes_and_missing_meshes(tmp_path: Path) -> None:
 
 
 def test_joints_without_kinematics_are_told_but_not_moved(tmp_path: Path) -> None:
-    """A ball joint is read; poses are not run, with the reason."""
+    """A gearbox is read; poses are not run, with the reason."""
     seen = read(
         tmp_path,
         f'<link name="a">{LINK}</link><link name="b">{LINK}</link>'
-        '<joint name="j" type="ball"><parent>a</parent><child>b</child></joint>',
+        '<joint name="j" type="gearbox"><parent>a</parent><child>b</child></joint>',
         configurations=({},),
     )
-    assert seen.joints[0].kind == "ball"
-    assert seen.not_run[Quantity.POSES] == "stepbot has no kinematics for ball joints"
+    assert seen.joints[0].kind == "gearbox"
+    assert seen.not_run[Quantity.POSES] == "stepbot has no kinematics for gearbox joints"
 
 
 @pytest.mark.parametrize(
