@@ -5,8 +5,8 @@ BIN := $(VENV)/bin
 # Python 3.11 first: the newest that PyBullet has wheels for.
 PYTHON := $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
 	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
-# One process per core pays from a minute of tests on.
-JOBS := auto
+# One process per core pays from a minute of tests on; tests of a group share what one of them has read.
+JOBS := auto --dist loadgroup
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 

@@ -1,8 +1,8 @@
 """Runs one function over many inputs in forked processes, so that a crash costs one input and every core works.
 
 A forked process shares what its parent has read; nothing is sent to it but numbers of inputs. Each takes the next
-number from a pipe, says so, and writes its results to a file of its own; when it dies, the parent knows over which
-input. Where there is no fork, or only one core, the function runs in this process.
+number from a pipe, says so, and writes its results to a file of its own; when it dies, or is stopped because it takes
+too long, the parent knows over which input. Where there is no fork, the function runs in this process.
 """
 
 import ctypes
@@ -51,7 +51,10 @@ class _Bug:
 class _Child(Generic[T]):
     """A forked process that works through the shared pipe of numbers."""
 
-    def __init__(self, function: Callable[[int], T], numbers: int, failures: tuple[type[Exception], ...]) -> None:
+    def __init__(
+        self, function: Callable[[int], T], numbers: int, failures: tuple[type[Exception], ...], seconds: float
+    ) -> None:
+        self._seconds = seconds
         self._results: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - read after the process has ended
         sys.stdout.flush()
         sys.stderr.flush()
@@ -63,7 +66,7 @@ class _Child(Generic[T]):
             status = 1
             try:
                 _end_with_parent()
-                _work(function, numbers, self._results, failures)
+                _work(function, numbers, self._results, failures, seconds)
                 status = 0
             finally:  # a forked process must never return into its parent's code
                 os._exit(status)
@@ -79,7 +82,7 @@ class _Child(Generic[T]):
                 length = file.read(_LENGTH.size)
                 payload = file.read(_LENGTH.unpack(length)[0]) if len(length) == _LENGTH.size else b""
                 if len(length) < _LENGTH.size or len(payload) < _LENGTH.unpack(length)[0]:
-                    results[number] = Died(_reason(code))
+                    results[number] = Died(_reason(code, self._seconds))
                     return
                 results[number] = pickle.loads(payload)
 
@@ -90,6 +93,7 @@ def run(
     *,
     processes: int | None = None,
     failures: tuple[type[Exception], ...] = (),
+    seconds: float = 0.0,
 ) -> dict[int, T | Died | Raised]:
     """Call ``function`` for every number of ``order``, the first ones first.
 
@@ -98,9 +102,10 @@ def run(
         order: The numbers, each once, the ones that take longest first.
         processes: How many to use; None for one per core.
         failures: Errors that are a result: given back as :class:`Raised`, where others end the program.
+        seconds: Processor time [s] that one input may take, where processes can be forked; 0 for any.
     """
     count = min(processes if processes is not None else core_count(), len(order))
-    if count < 2 or not can_fork():
+    if not can_fork() or (count < 2 and not seconds):
         return {number: _call(function, number, failures) for number in order}
     results: dict[int, T | Died | Raised | _Bug] = {}
     left = list(order)
@@ -110,7 +115,7 @@ def run(
         reading, writing = os.pipe()
         os.write(writing, b"".join(map(_NUMBER.pack, batch)))
         os.close(writing)
-        children = [_Child(function, reading, failures) for _ in range(min(count, len(batch)))]
+        children = [_Child(function, reading, failures, seconds) for _ in range(min(count, len(batch)))]
         for child in children:
             child.collect(results)
         os.close(reading)
@@ -146,11 +151,19 @@ def _call(function: Callable[[int], T], number: int, failures: tuple[type[Except
         return Raised(type(error).__name__, str(error))
 
 
-def _work(function: Callable[[int], T], numbers: int, results: BinaryIO, failures: tuple[type[Exception], ...]) -> None:
+def _work(
+    function: Callable[[int], T],
+    numbers: int,
+    results: BinaryIO,
+    failures: tuple[type[Exception], ...],
+    seconds: float,
+) -> None:
     while head := os.read(numbers, _NUMBER.size):
         number = _NUMBER.unpack(head)[0]
         results.write(head)
         results.flush()
+        # The signal of this timer ends the process even within native code that never comes back.
+        signal.setitimer(signal.ITIMER_PROF, seconds)
         payload = _payload(function, number, failures)
         results.write(_LENGTH.pack(len(payload)))
         results.write(payload)
@@ -172,7 +185,9 @@ def _end_with_parent() -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _reason(code: int) -> str:
+def _reason(code: int, seconds: float) -> str:
+    if code == -signal.SIGPROF:
+        return f"it took more than {seconds:g} s of processor time"
     if code >= 0:
         return f"exit code {code}"
     try:

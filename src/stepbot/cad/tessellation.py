@@ -1,10 +1,12 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
-Where the mesher leaves holes it is asked again: after its stumbling blocks are cleared (:mod:`.straightening`), then
-finer.
+Where the mesher leaves holes it is asked again: where it left out a face, after its stumbling blocks are cleared
+(:mod:`.straightening`), then by its other algorithm and finer. Elsewhere they are cleared last, since that sends it
+into an endless loop on some faces that it meshes well as they are.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,8 +29,6 @@ MAX_FACES = 200_000
 _DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
 """Divide and conquer: as good as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
 _WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
-_OTHER_WAYS = ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
-"""Algorithms and factors on the tolerance to try on a body that comes out incomplete."""
 _COARSEST_ANGLE = math.pi / 2
 _COARSEST_DEFLECTION = 0.1
 
@@ -93,16 +93,27 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
     """Mesh a shape, in several ways if need be until no face is missing and the mesh is as closed as the shape."""
     faces = faces_of(shape)
     best = _meshed(shape, faces, wanted, _DELABELLA)
-    if best.is_complete:
-        return best
-    ways = ((_DELABELLA, 1.0), *_OTHER_WAYS) if straighten(faces) else _OTHER_WAYS
-    for algorithm, factor in ways:
+    for algorithm, factor in () if best.is_complete else _ways(faces, bool(best.missing)):
         other = _meshed(shape, faces, wanted.scaled(factor), algorithm)
         if other.is_complete:
             return other
         if len(other.missing) < len(best.missing):
             best = other
     return best
+
+
+def tessellated_once(shape: Any, wanted: Fineness) -> Tessellation:
+    """Mesh a shape in the usual way only, complete or not."""
+    return _meshed(shape, faces_of(shape), wanted, _DELABELLA)
+
+
+def _ways(faces: list[Any], is_lacking: bool) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:
+    """Algorithms and factors on the tolerance to try on a body that came out incomplete; straightens it on the way."""
+    if is_lacking and straighten(faces):
+        yield _DELABELLA, 1.0
+    yield from ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+    if straighten(faces):
+        yield from ((_DELABELLA, 1.0), (_WATSON, 1.0))
 
 
 def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:

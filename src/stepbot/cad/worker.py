@@ -40,6 +40,8 @@ from .step import StepUnreadable, read_model, transfer
 from .strings import reinterpret
 from .tree import Tree, grow
 
+_BODY_SECONDS = 120.0
+"""Processor time that a body may take; a large one takes a few seconds."""
 _FALLBACK_ENCODING = "cp1252"
 """What bytes above 127 are shown as where nothing tells."""
 
@@ -191,7 +193,7 @@ class _Bodies:
 
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
-        results = run(make, order, failures=KERNEL_ERRORS)
+        results = run(make, order, failures=KERNEL_ERRORS, seconds=_BODY_SECONDS)
         bodies = []
         for number in range(len(self._sources)):
             result = results[number]

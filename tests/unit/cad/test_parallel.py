@@ -1,5 +1,6 @@
 """Functions in forked processes: same results as here, and a crash costs one input."""
 
+import itertools
 import os
 import signal
 import time
@@ -52,6 +53,18 @@ def test_a_crash_costs_one_input() -> None:
 def test_an_exit_is_a_death() -> None:
     """A process that leaves without a word is dead too."""
     assert run(lambda n: os._exit(7) if n == 0 else n, [0, 1], processes=2) == {0: Died("exit code 7"), 1: 1}
+
+
+@FORKS
+@pytest.mark.parametrize("numbers", [[0], [0, 1, 2]], ids=["alone", "among others"])
+def test_an_endless_loop_costs_one_input(numbers: list[int]) -> None:
+    """What takes too long is stopped, be it in native code, and named; each input has its own time."""
+
+    def count_for_ever(number: int) -> int:
+        return sum(itertools.repeat(0)) if number == 0 else number
+
+    results = run(count_for_ever, numbers, processes=2, seconds=0.2)
+    assert results == {0: Died("it took more than 0.2 s of processor time")} | {n: n for n in numbers if n}
 
 
 def fail(number: int) -> int:

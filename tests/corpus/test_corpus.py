@@ -1,0 +1,255 @@
+"""Real assemblies of many CAD programs: read and measured right, converted, or refused with the one right diagnostic.
+
+The oracles: the index of the corpus, a plain reading by the kernel without any of stepbot's own, trimesh on meshes fine
+enough, and the volumes that CAD programs wrote into their own files.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.build import build_robot
+from stepbot.cad.assembly import Assembly, BodyKind
+from stepbot.diagnostics import Diagnostics
+from stepbot.model import MassProperties, Robot
+from stepbot.passes import run_passes
+from stepbot.rules import check_robot
+from stepbot.writers import FORMATS, render
+from tests.corpus.files import FILES, READABLE, CorpusFile, index_row
+from tests.corpus.plain_kernel import PlainSolid, plain_solids
+from tests.corpus.reading import ACCURACY, DEVIATIONS, ReadFile
+from tests.unit.build.workshop import sidecar
+from tests.unit.cad.here import by_path
+
+pytestmark = pytest.mark.slow
+
+Read = Callable[[CorpusFile], ReadFile]
+
+
+def each(files: tuple[CorpusFile, ...]) -> pytest.MarkDecorator:
+    """A parameter ``file``; what reads the same file runs in the same process, so that it is read once."""
+    return pytest.mark.parametrize(
+        "file", [pytest.param(file, id=file.stem, marks=pytest.mark.xdist_group(file.stem)) for file in files]
+    )
+
+
+UNITS = {"box_sides_inch.step": "inch", "dm1_ideas_inch.step": "inch", "s1_autocad_foot.step": "foot"}
+DENSITY = 1000.0
+"""[kg/m^3]."""
+ONE_LINK = 'defaults: {density: 1000}\nparts: {"**": {density: 1000}}\nmass: %s\nlinks: {all: {rest: true}}\n'
+INDEX_TOLERANCE = 2e-5
+"""Share of a volume by which the index, made by another version of the kernel, may be off without a reason."""
+
+
+def assembly_of(file: CorpusFile, read: Read) -> Assembly:
+    """What was read of a file that can be read."""
+    assembly = read(file).assembly
+    assert assembly is not None
+    return assembly
+
+
+def solids(assembly: Assembly) -> list[int]:
+    """For each occurrence of a solid the index of its body."""
+    return [c.body for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind == BodyKind.SOLID]
+
+
+@each(FILES)
+def test_reading(file: CorpusFile, read: Read, corpus: Path) -> None:
+    """As many solids as the index has, of the volume that it gives or of one that is explained; all watertight."""
+    reading = read(file)
+    assert tuple(d.code for d in reading.findings if d.severity != "note") == file.findings
+    assert (reading.assembly is None) == any(d.severity == "error" for d in reading.findings)
+    if reading.assembly is None:
+        return
+    assembly = reading.assembly
+    by_path(assembly)
+    count, volume = index_row(corpus, file.name)
+    assert assembly.unit == UNITS.get(file.name, "mm")
+    assert len(solids(assembly)) == count
+    assert all(assembly.bodies[body].watertight for body in solids(assembly))
+    exact = [assembly.bodies[body].exact for body in solids(assembly)]
+    total = 1e9 * sum(properties.volume for properties in exact if properties is not None)
+    assert None not in exact
+    assert (abs(total - volume) > INDEX_TOLERANCE * volume) == bool(file.index_is_off)
+    assert total == pytest.approx(file.volume or volume, rel=INDEX_TOLERANCE)
+
+
+@each(READABLE)
+def test_mass_properties(
+    file: CorpusFile, read: Read, corpus: Path, record_property: Callable[[str, object], None]
+) -> None:
+    """By trimesh alone every solid comes within a thousandth of its exact B-rep; what is further off is not taken."""
+    reading = read(file)
+    assembly = assembly_of(file, read)
+    paths = {c.body: c.path for c in reversed(assembly.components)}
+    rows = []
+    for number, (body, measure) in enumerate(zip(assembly.bodies, reading.measures, strict=True)):
+        if body.kind != BodyKind.SOLID:
+            continue
+        assert body.exact is not None
+        assert body.refined is not None
+        assert measure is not None
+        written, measuring = measure.deviation_from(body.exact), body.refined.deviation_from(body.exact)
+        assert measuring[0] <= ACCURACY
+        rows.append((file.name, paths[number], *written, *measuring, "mesh" if written[0] <= ACCURACY else "exact"))
+    record_property(DEVIATIONS, rows)
+
+
+@each(READABLE)
+def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: Path) -> None:
+    """Bit for bit what GProp says of a plain reading; where that is wrong, what ever finer meshes tend to."""
+    plain = plain_solids(corpus / file.name)
+    known = {solid.volume for solid in plain}
+    bodies = [body for body in assembly_of(file, read).bodies if body.kind == BodyKind.SOLID]
+    assert len(bodies) == len(plain)
+    for body in bodies:
+        assert body.exact is not None
+        if body.exact.volume not in known:
+            other = min(plain, key=lambda solid: abs(solid.volume - body.exact.volume))  # type: ignore[union-attr]
+            assert_better(body.exact.unit_density, other)
+
+
+def assert_better(ours: MassProperties, plain: PlainSolid) -> None:
+    """Of two volumes that differ, meshes decide for the first."""
+    limit = plain.volume_without_integration()
+    assert ours.mass == pytest.approx(limit, rel=ACCURACY)
+    assert abs(ours.mass - limit) < abs(plain.volume - limit)
+
+
+def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> tuple[Robot | None, Diagnostics]:
+    """A robot that is the whole assembly as one link, and what was said about it."""
+    found = Diagnostics()
+    loaded = sidecar(folder, ONE_LINK % mass)
+    robot = build_robot(assembly, loaded, reading.measures, found)
+    if robot is not None:
+        robot = run_passes(robot, found)
+        check_robot(robot, found, loaded.span(), assembly.unit)
+    return robot, found
+
+
+@each(READABLE)
+@pytest.mark.parametrize("mass", ["auto", "mesh", "exact"])
+def test_one_link(file: CorpusFile, mass: str, read: Read, tmp_path: Path) -> None:
+    """Every file becomes a robot of one link in every format; its mass, com and inertia are the exact ones."""
+    assembly, reading = assembly_of(file, read), read(file)
+    robot, found = one_link(assembly, reading, mass, tmp_path)
+    assert robot is not None
+    assert not found.has_errors, "\n".join(map(str, found))
+    for name in FORMATS:
+        assert render(robot, name, Diagnostics())
+    expected = [
+        properties.unit_density.scaled(DENSITY).moved(component.X_WC)
+        for component in assembly.components
+        if component.body >= 0 and (properties := assembly.bodies[component.body].exact) is not None
+    ]
+    total = sum(part.mass for part in expected)
+    link = robot.root.mass_properties
+    assert link.mass == pytest.approx(total, rel=1e-12 if mass == "exact" else ACCURACY)
+    if not total:
+        assert "SB506" in [d.code for d in found]
+        return
+    com = np.sum([part.mass * np.array(part.com) for part in expected], axis=0) / total
+    size = np.linalg.norm(np.subtract(*assembly.bounds(0)))  # type: ignore[misc]
+    assert np.abs(np.array(link.com) - com).max() < ACCURACY * size
+    inertia = sum(about(part, com) for part in expected)
+    assert np.abs(np.array(link.inertia) - inertia).max() < ACCURACY * np.linalg.eigvalsh(inertia)[-1]
+
+
+def about(
+    part: MassProperties, point: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Inertia (3, 3) [kg m^2] about a point, by the parallel axis theorem."""
+    d = np.array(part.com) - point
+    moved: np.ndarray[tuple[int, ...], np.dtype[np.float64]] = np.array(part.inertia) + part.mass * (
+        d @ d * np.eye(3) - np.outer(d, d)
+    )
+    return moved
+
+
+def test_references_to_other_files(read: Read) -> None:
+    """An assembly whose parts are other files is refused, and the files are named."""
+    reading = read(next(file for file in FILES if file not in READABLE))
+    (fault,) = reading.findings
+    assert (fault.code, fault.severity) == ("SB203", "error")
+    assert fault.help
+
+
+VALIDATION_VOLUMES = {  # [mm^3] as the CAD programs wrote them into their files
+    "as1-oc-214": {
+        "rod-assembly/nut_1": 664.37422,
+        "rod-assembly/rod": 15708.3738,
+        "l-bracket-assembly_1/nut-bolt-assembly_1/bolt": 3200.71724,
+        "l-bracket-assembly_1/l-bracket": 96858.571,
+        "plate": 530574.967,
+    },
+    "dm1_ideas_inch": {"nut_6": 664.380773, "bolt_3": 3436.11607, "l-bracket": 96858.3852},
+    "s1_autocad_foot": {
+        "MAINBODY/MAIN_BODY_BACK": 5.58333381e10,
+        "FOOT_1/FOOT_FRONT": 68064039.7,
+        "HEAD/HEAD_FRONT": 629896515.0,
+        "TAIL/TAIL_MIDDLE": 571752818.0,
+        "TAIL/TAIL_TURBINE_1": 7.49922464e09,
+    },
+}
+
+
+def named(stem: str) -> CorpusFile:
+    """The file of a name."""
+    return next(file for file in FILES if file.stem == stem)
+
+
+@pytest.mark.parametrize("stem", VALIDATION_VOLUMES)
+def test_validation_properties_of_the_file(stem: str, read: Read) -> None:
+    """Volumes that the CAD programs themselves computed are those that are read."""
+    assembly = assembly_of(named(stem), read)
+    components = by_path(assembly)
+    for path, volume in VALIDATION_VOLUMES[stem].items():
+        exact = assembly.bodies[components[path].body].exact
+        assert exact is not None
+        assert exact.volume * 1e9 == pytest.approx(volume, rel=2.5e-4 if stem.startswith("dm1") else 2e-5)
+
+
+def test_materials_in_pounds_and_inches(read: Read) -> None:
+    """A part that is made from a raw material has its name and its density, whatever units that is in."""
+    bolt = by_path(assembly_of(named("dm1_ideas_inch"), read))["bolt_3"]
+    assert bolt.material == "Greek Ascoloy"
+    assert bolt.density == pytest.approx(0.285230375059732 * 0.4536 / 0.0254**3, rel=1e-9)
+
+
+def test_body_beside_components(read: Read) -> None:
+    """A product that holds a solid and components at once: the solid is a component called body."""
+    assembly = assembly_of(named("so101_upper_arm"), read)
+    assert [c.path for c in assembly.components] == [".", "Wiring_holder", "Wiring_holder v1 (1)", "body"]
+
+
+def test_names_of_the_follower(read: Read) -> None:
+    """Fusion's save counters are left out, bodies of one part are numbered, the one default density is there."""
+    assembly = assembly_of(named("low_cost_robot_follower"), read)
+    components = by_path(assembly)
+    assert {"XL-430_new:1/DC11_A01_DUMMY/body#2", "XL,XC-330:6/DC15_A01_HORN_DUMMY", "gripper/moving side"} <= set(
+        components
+    )
+    assert components["XL-430_new:1"].product == "XL-430_new v1"
+    assert components["XL-430_new:1"].occurrence == "XL-430_new v1:1"
+    assert {c.density for c in assembly.components if c.body >= 0} == {7850.0}
+    assert {c.material for c in assembly.components if c.body >= 0} == {"Steel"}
+
+
+def test_several_roots(read: Read) -> None:
+    """Roots become children of a root without a name, and equal names are numbered."""
+    assembly = assembly_of(named("eight_cylinders_multi_root"), read)
+    assert assembly.components[0].path == "."
+    assert assembly.components[0].product == ""
+    assert [c.path for c in assembly.components if c.parent == 0] == [f"8Cylinders#{n}" for n in range(1, 9)]
+
+
+def test_triangles_without_a_solid(read: Read) -> None:
+    """Tessellated AP242 geometry is drawn; whether it has a volume its triangles tell."""
+    reading = read(named("tessellated_only_ap242"))
+    assert reading.assembly is not None
+    (body,) = reading.assembly.bodies
+    assert (body.kind, body.exact) == (BodyKind.TESSELLATED, None)
+    assert len(body.mesh.faces) == 128
+    assert (reading.measures[0] is not None) == body.watertight
