@@ -98,7 +98,7 @@ def write_document(path: Path, document: Any, unit: LengthUnit = "mm", name: str
     from OCP.STEPControl import STEPControl_StepModelType
 
     content = BytesIO()
-    with _quiet(), _file_unit(unit):
+    with _quiet(), _settings(unit):
         writer = STEPCAFControl_Writer()
         for switch in (writer.SetColorMode, writer.SetNameMode, writer.SetMaterialMode):
             switch(True)
@@ -213,20 +213,26 @@ def _trsf(X_AB: Array) -> Any:
 
 
 @contextmanager
-def _file_unit(unit: LengthUnit) -> Iterator[None]:
-    """The kernel keeps the unit to write in a global of the process: set it, and put it back."""
+def _settings(unit: LengthUnit) -> Iterator[None]:
+    """The kernel keeps what it writes by in globals of the process: set them, and put them back.
+
+    Curves in the parameters of both faces of every edge would make a file of curved shells more than twice as large;
+    a reader that wants them computes them.
+    """
     from OCP.Interface import Interface_Static
     from OCP.STEPCAFControl import STEPCAFControl_Controller
 
     STEPCAFControl_Controller.Init_s()
-    key = "write.step.unit"
-    before = Interface_Static.CVal_s(key)
-    if not Interface_Static.SetCVal_s(key, _KERNEL_UNIT[unit]):
-        raise OSError(f"the kernel cannot write STEP in {unit}")
+    wanted = {"write.step.unit": _KERNEL_UNIT[unit], "write.surfacecurve.mode": "0"}
+    before = {key: Interface_Static.CVal_s(key) for key in wanted}
+    for key, value in wanted.items():
+        if not Interface_Static.SetCVal_s(key, value):
+            raise OSError(f"the kernel cannot write STEP with {key} = {value}")
     try:
         yield
     finally:
-        Interface_Static.SetCVal_s(key, before)
+        for key, value in before.items():
+            Interface_Static.SetCVal_s(key, value)
 
 
 @contextmanager
