@@ -7,6 +7,8 @@ import click
 from stepbot.diagnostics import Diagnostics
 
 from .command import Command, concise_option, json_option
+from .encodings import encoding_option
+from .engines import limit_options
 from .progress import progress_bar
 from .terminal import show_diagnostics, write_json
 
@@ -37,23 +39,38 @@ class CheckCommand(Command):
     "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."
 )
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
+@encoding_option
+@limit_options
 @json_option
 @concise_option
-def command(sidecars: tuple[Path, ...], step: str | None, strict: bool, as_json: bool, concise: bool) -> int:
+def command(
+    sidecars: tuple[Path, ...],
+    step: str | None,
+    strict: bool,
+    encoding: str,
+    timeout: float,
+    memory_limit: int | None,
+    as_json: bool,
+    concise: bool,
+) -> int:
     """Check sidecars; all faults of a file at once.
 
     Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
     """
-    from stepbot.pipeline import check
+    from stepbot.pipeline import Options, check
 
+    options = Options(
+        output=Path(),
+        step=None if step in (None, _NAMED) else Path(str(step)),
+        encoding=encoding,
+        timeout=timeout,
+        memory_limit=memory_limit,
+    )
     found = Diagnostics()
     with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if step is None:
-                check(sidecar, found)
-            else:
-                check(sidecar, found, open_step=True, step=None if step == _NAMED else Path(step))
+            check(sidecar, options, found, open_step=step is not None)
     if strict:
         found.make_strict()
     if as_json:

@@ -9,6 +9,7 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .command import Command, concise_option, json_option
+from .encodings import encoding_option
 from .engines import limit_options, require_option
 from .progress import progress_bar
 from .table import show_table
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 @click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
 @click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
 @require_option
+@encoding_option
 @limit_options
 @json_option
 @concise_option
@@ -52,6 +54,7 @@ def command(
     no_verify: bool,
     strict: bool,
     require: tuple[str, ...],
+    encoding: str,
     timeout: float,
     memory_limit: int | None,
     as_json: bool,
@@ -68,6 +71,7 @@ def command(
         output=output or default_output(sidecar),
         formats=_format_names(formats),
         step=step,
+        encoding=encoding,
         verify=not no_verify,
         strict=strict,
         require=require,

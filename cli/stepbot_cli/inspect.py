@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .command import Command, concise_option, json_option
+from .encodings import encoding_option
 from .engines import limit_options
 from .progress import progress_bar
 from .terminal import show_diagnostics, write_json, write_result
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     metavar="A B",
     help="Show only the axis lines that two components share, and those up to 2 mm apart.",
 )
+@encoding_option
 @limit_options
 @json_option
 @concise_option
@@ -32,6 +34,7 @@ def command(
     step: Path,
     features: bool,
     between: tuple[str, str] | None,
+    encoding: str,
     timeout: float,
     memory_limit: int | None,
     as_json: bool,
@@ -45,7 +48,8 @@ def command(
 
     with progress_bar(("read",)) as progress:
         progress("read")
-        inspection = inspect(step, Options(output=Path(), timeout=timeout, memory_limit=memory_limit))
+        options = Options(output=Path(), encoding=encoding, timeout=timeout, memory_limit=memory_limit)
+        inspection = inspect(step, options)
     found = inspection.diagnostics
     if as_json:
         write_json({**_document(inspection, between, features), "diagnostics": found, "exit_code": found.exit_code})

@@ -45,6 +45,8 @@ class Options:
     formats: tuple[str, ...] = ("urdf", "sdf", "mjcf")
     step: Path | None = None
     """STEP file to read in place of the one that the sidecar names."""
+    encoding: str = ""
+    """Code page of the names in the STEP, in place of the one that the sidecar declares; empty for that one."""
     verify: bool = True
     strict: bool = False
     """Whether warnings, and so every loss, are errors."""
@@ -103,7 +105,7 @@ def _convert(path: Path, options: Options, found: Diagnostics, progress: Callabl
     sidecar = _load(path, found)
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
-        reading = running.enter_context(closing(_start(step, read_options(sidecar.document), options, found)))
+        reading = running.enter_context(closing(_start(step, _what(sidecar, options), options, found)))
         # The engines import while the kernel works.
         formats = [writer.NAME for writer in writers] if options.verify else []
         provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit))
@@ -151,14 +153,13 @@ def _prove(
         return verify(robot, written, provers, found, require=options.require, timeout=options.timeout)
 
 
-def check(sidecar: Path, found: Diagnostics, *, open_step: bool = False, step: Path | None = None) -> None:
-    """Check a sidecar on its own or, with ``open_step``, against its STEP file or ``step``; writes nothing."""
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> None:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
     try:
         loaded = _load(sidecar, found)
         if open_step:
-            options = Options(output=Path())
-            source = step or _named_step(loaded, found)
-            assembly, measures = _read(source, read_options(loaded.document), options, found)
+            source = options.step or _named_step(loaded, found)
+            assembly, measures = _read(source, _what(loaded, options), options, found)
             robot = build_robot(assembly, loaded, measures, found)
             if robot is not None:
                 check_robot(run_passes(robot, found), found, loaded.span(), assembly.unit)
@@ -172,12 +173,17 @@ def inspect(path: Path, options: Options) -> Inspection:
     try:
         sidecar = _load(path, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or _named_step(sidecar, found)
-        what = ReadOptions() if sidecar is None else read_options(sidecar.document)
-        assembly, measures = _read(step, what, options, found)
+        assembly, measures = _read(step, _what(sidecar, options), options, found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Inspection(found, None)
     return Inspection(found, assembly, measures, {} if sidecar is None else link_components(assembly, sidecar, found))
+
+
+def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
+    """What to read of a STEP file, which may come without a sidecar."""
+    what = ReadOptions() if sidecar is None else read_options(sidecar.document)
+    return replace(what, encoding=options.encoding) if options.encoding else what
 
 
 def _load(path: Path, found: Diagnostics) -> Sidecar:

@@ -18,6 +18,7 @@ def read_options(document: Document) -> ReadOptions:
             if link.mesh is not None
             for pattern in link.parts
         ),
+        encoding=document.step_encoding or "",
         refine_mass_to=MASS_TOLERANCE if document.mass == MassMode.MESH else 0.0,
     )
 

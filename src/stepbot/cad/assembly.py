@@ -42,6 +42,8 @@ class ReadOptions:
     """Component path or glob (see :mod:`stepbot.cad.paths`) and its own tolerance; the nearest claim wins."""
     refine_mass_to: float = 0.0
     """Relative deviation from the exact mass properties to refine a measuring mesh to; 0 for no such mesh."""
+    encoding: str = ""
+    """Code page that names are declared to be in, where they are neither ASCII nor UTF-8; empty for none."""
     geometry: bool = True
     """Whether bodies are meshed and measured; False gives the tree alone."""
 

@@ -38,16 +38,14 @@ class _Claims:
 class Materials:
     """Materials of the product definitions of one file."""
 
-    def __init__(self, session: Any, place: str, found: Diagnostics, decode: Any = str) -> None:
+    def __init__(self, session: Any, place: str, found: Diagnostics) -> None:
         """Read them all.
 
         Args:
             session: The reader's work session.
             place: What diagnostics call the file.
             found: Receives what is wrong with densities.
-            decode: Turns a string of the model into its text.
         """
-        self._decode = decode
         self._claims: dict[
             int, tuple[Any, _Claims]
         ] = {}  # by identity; the entity is kept, so that its id stays its own
@@ -57,7 +55,7 @@ class Materials:
         for designation in entities(session, StepRepr_MaterialDesignation):
             definition = _product_definition(designation.OfDefinition().Value())
             if definition is not None:
-                self._of(definition).names.append(decode(text(designation.Name())))
+                self._of(definition).names.append(text(designation.Name()))
         for usage in entities(session, StepRepr_MakeFromUsageOption):
             self._read_raw_material(usage)
         if strange:
@@ -102,7 +100,7 @@ class Materials:
         for item in items(relation.UsedRepresentation()):
             if isinstance(item, StepRepr_DescriptiveRepresentationItem):
                 if "material" in title and text(item.Name()).strip():
-                    self._of(definition).names.append(self._decode(text(item.Name())))
+                    self._of(definition).names.append(text(item.Name()))
             elif (measure := _measure(item)) is not None:
                 self._read_measure(definition, measure, "density" in title, strange)
 
@@ -128,7 +126,7 @@ class Materials:
         product = formation.OfProduct() if formation is not None else None
         name = (text(product.Name()) or text(product.Id())) if product is not None else ""
         claims = self._of(part)
-        claims.names += [*self._claims[id(raw)][1].names, self._decode(name)]
+        claims.names += [*self._claims[id(raw)][1].names, name]
         claims.densities += self._claims[id(raw)][1].densities
 
 

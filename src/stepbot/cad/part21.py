@@ -12,17 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..diagnostics import Diagnostics, Span
+from .encodings import FALLBACK, Text, check_encoding, line_of
 from .strings import decode_string
-
-Text = bytes | mmap.mmap
 
 _START = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:/\*.*?\*/\s*)*ISO-10303-21\s*;", re.DOTALL)
 _DATA = re.compile(rb"\bDATA\s*[;(]")
 _FIRST_ENTITY = re.compile(rb"#\s*\d+\s*=")
 _HEADER_TOKEN = re.compile(rb"/\*.*?\*/|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
 _DOCUMENT_FILE = re.compile(rb"DOCUMENT_FILE\s*\(\s*'((?:[^']|'')*)'\s*,\s*'((?:[^']|'')*)'", re.DOTALL)
-_NOT_ASCII = re.compile(rb"[\x80-\xff]+")
-_CHUNK = 1 << 20
 _HEADER_LIMIT = 1 << 20
 
 _GEOMETRY = (
@@ -76,20 +73,22 @@ class Part21:
 
     header: Header
     encoding: str
-    """``ascii`` or ``utf-8``; empty where names are neither."""
+    """``ascii``, ``utf-8``, or a declared code page; empty where names are neither and nobody tells."""
 
 
-def check_step(path: Path, place: str, found: Diagnostics) -> Part21 | None:
+def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -> Part21 | None:
     """Look at a STEP file; None, with the reason in ``found``, where the kernel need not even try.
 
     Args:
         path: The file.
         place: What diagnostics call it.
+        found: Receives what is wrong with it.
+        encoding: Code page that names are declared to be in; empty for none.
     """
     span = Span(place)
     try:
         with _opened(path) as data:
-            return _check(data, place, found)
+            return _check(data, encoding, place, found)
     except IsADirectoryError:
         found.add("SB001", "is a folder, not a STEP file", span)
     except FileNotFoundError:
@@ -112,7 +111,7 @@ def _opened(path: Path) -> Iterator[Text]:
             yield data
 
 
-def _check(data: Text, place: str, found: Diagnostics) -> Part21 | None:
+def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 | None:
     start = _START.match(data[:_HEADER_LIMIT])
     if start is None:
         _report_not_step(bytes(data[:1024]), place, found)
@@ -123,7 +122,10 @@ def _check(data: Text, place: str, found: Diagnostics) -> Part21 | None:
         end = Span(place, line_of(data, len(data)), 1)
         found.add("SB204", "the file ends in the middle", end, help=["export or copy it again"])
         return None
-    header = _read_header(bytes(data[start.end() : min(section.start(), start.end() + _HEADER_LIMIT)]))
+    encoding = check_encoding(data, declared, place, found)
+    if encoding is None:
+        return None
+    header = _read_header(bytes(data[start.end() : min(section.start(), start.end() + _HEADER_LIMIT)]), encoding)
     if header.schema.startswith("IFC"):
         message = f"is a building model ({header.schema}), not a product"
         found.add("SB208", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
@@ -132,9 +134,9 @@ def _check(data: Text, place: str, found: Diagnostics) -> Part21 | None:
         span = Span(place, line_of(data, section.start()), 1)
         found.add("SB202", "the DATA section is empty", span, help=["export the assembly again"])
         return None
-    if not _has_geometry(data, section.end(), place, found):
+    if not _has_geometry(data, section.end(), encoding, place, found):
         return None
-    return Part21(header, _check_encoding(data, place, found))
+    return Part21(header, encoding)
 
 
 def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
@@ -151,9 +153,9 @@ def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
     found.add("SB201", what, Span(place, 1, 1), help=[remedy])
 
 
-def _has_geometry(data: Text, start: int, place: str, found: Diagnostics) -> bool:
+def _has_geometry(data: Text, start: int, encoding: str, place: str, found: Diagnostics) -> bool:
     """Whether shapes are in the file itself, and all of them."""
-    names = (decode_string(match[1] or match[2], "utf-8") for match in _DOCUMENT_FILE.finditer(data, start))
+    names = (_decoded(match[1] or match[2], encoding) for match in _DOCUMENT_FILE.finditer(data, start))
     documents = list(dict.fromkeys(names))
     geometry = any(data.find(word, start) >= 0 for word in _GEOMETRY)
     elsewhere = [name for name in documents if _CAD_FILE.search(name)] if geometry else documents
@@ -173,39 +175,7 @@ def _has_geometry(data: Text, start: int, place: str, found: Diagnostics) -> boo
     return False
 
 
-def _check_encoding(data: Text, place: str, found: Diagnostics) -> str:
-    encoding = "ascii"
-    for offset, run in _non_ascii_runs(data):
-        try:
-            run.decode("utf-8")
-            encoding = "utf-8"
-        except UnicodeDecodeError:
-            line = line_of(data, offset)
-            found.add(
-                "SB210",
-                "names are neither ASCII nor UTF-8; they are shown as if they were Western European",
-                Span(place, line, 1),
-                help=["export with UTF-8 or with \\X2\\ escapes, or name components by their ASCII names or by globs"],
-            )
-            return ""
-    return encoding
-
-
-def _non_ascii_runs(data: Text) -> Iterator[tuple[int, bytes]]:
-    """Every run of bytes above 127 with its offset, whole also where it crosses a chunk."""
-    start = 0
-    while start < len(data):
-        end = min(start + _CHUNK, len(data))
-        while end < len(data) and data[end] > 127:
-            end += 1
-        chunk = bytes(data[start:end])
-        if not chunk.isascii():
-            for match in _NOT_ASCII.finditer(chunk):
-                yield start + match.start(), match[0]
-        start = end
-
-
-def _read_header(text: bytes) -> Header:
+def _read_header(text: bytes, encoding: str) -> Header:
     """The header's three entities; what is missing or malformed stays empty."""
     values: dict[str, list[bytes | list[bytes]]] = {}
     arguments: list[bytes | list[bytes]] | None = None
@@ -230,26 +200,19 @@ def _read_header(text: bytes) -> Header:
         elif token[:1] in (b"'", b"$") and arguments is not None:
             (arguments if inner is None else inner).append(token)
     name, schema = values.get("FILE_NAME", []), values.get("FILE_SCHEMA", [])
-    texts = [_text(argument) for argument in name] + [""] * 7
+    texts = [_text(argument, encoding) for argument in name] + [""] * 7
     listed = schema[0] if schema and isinstance(schema[0], list) else []
-    return Header(texts[0], texts[1], texts[4], texts[5].strip() or texts[4].strip(), tuple(map(_text, listed)))
+    schemas = tuple(_text(argument, encoding) for argument in listed)
+    return Header(texts[0], texts[1], texts[4], texts[5].strip() or texts[4].strip(), schemas)
 
 
-def _text(argument: bytes | list[bytes]) -> str:
-    if isinstance(argument, list) or argument == b"$":
-        return ""
-    try:
-        return decode_string(argument[1:-1], "utf-8")
-    except UnicodeDecodeError:
-        return decode_string(argument[1:-1], "latin-1")
+def _text(argument: bytes | list[bytes], encoding: str) -> str:
+    return "" if isinstance(argument, list) or argument == b"$" else _decoded(argument[1:-1], encoding)
 
 
-def line_of(data: Text, offset: int) -> int:
-    """Line, from 1, of a byte of the file."""
-    lines = 1
-    for start in range(0, offset, _CHUNK):
-        lines += bytes(data[start : min(start + _CHUNK, offset)]).count(b"\n")
-    return lines
+def _decoded(raw: bytes, encoding: str) -> str:
+    """The text of a string between its quotes, whatever the file is in."""
+    return decode_string(raw, encoding) if encoding else decode_string(raw, FALLBACK, "replace")
 
 
 def _listed(names: list[str]) -> str:

@@ -6,7 +6,7 @@ come back as names of labels, and lead to the entities and to their true names.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,25 +49,24 @@ class Occurrence:
 class Products:
     """The product definitions of a file and their occurrences in each other, in file order."""
 
-    def __init__(self, session: Any, decode: Callable[[str], str], *, take_out: bool = True) -> None:
+    def __init__(self, session: Any, *, take_out: bool = True) -> None:
         """Collect them, and mark each in the model.
 
         Args:
             session: The reader's work session.
-            decode: Turns a string of the model into its text.
             take_out: Whether occurrences that repeat many times are kept from the kernel.
         """
         definitions = entities(session, StepBasic_ProductDefinition)
         precisions = _precisions(session)
         self.products = [
-            Product(entity, decode(_product_name(entity)), precisions.get(id(entity), DEFAULT_PRECISION))
+            Product(entity, _product_name(entity), precisions.get(id(entity), DEFAULT_PRECISION))
             for entity in definitions
         ]
         index_of = {id(entity): index for index, entity in enumerate(definitions)}
         usages = entities(session, StepRepr_NextAssemblyUsageOccurrence)
         self.occurrences = [
             Occurrence(
-                decode(_occurrence_name(usage)),
+                _occurrence_name(usage),
                 index_of.get(id(usage.RelatingProductDefinition()), NONE),
                 index_of.get(id(usage.RelatedProductDefinition()), NONE),
             )

@@ -77,7 +77,7 @@ def start_reading(path: Path, options: ReadOptions, *, memory_limit: int | None 
     found = Diagnostics()
     place = str(path)
     worker = Worker(_FUNCTION, memory_limit=memory_limit)
-    part21 = check_step(path, place, found)
+    part21 = check_step(path, place, found, options.encoding)
     if part21 is None:
         worker.close()
         return Reading(None, place, found)

@@ -24,6 +24,7 @@ MILLIMETRES_PER_METRE = 1000.0
 
 _SETTINGS = {
     "xstep.cascade.unit": "MM",
+    "read.step.codepage": "UTF8",
     # A part that has both an exact shape and triangles would come twice.
     "read.step.tessellated": "OnNoBRep",
 }
@@ -56,19 +57,15 @@ class StepModel:
     """Its work session, which holds the entities."""
 
 
-def read_model(path: Path, codepage: str) -> StepModel:
-    """Read the entities of a file.
-
-    Args:
-        path: The file.
-        codepage: The kernel's name of what bytes above 127 mean: ``UTF8`` or ``iso8859-1``.
+def read_model(path: Path) -> StepModel:
+    """Read the entities of a file in UTF-8.
 
     Raises:
         StepUnreadable: The kernel cannot make sense of the file.
     """
     STEPCAFControl_Controller.Init_s()
     XCAFDoc_ShapeTool.SetAutoNaming_s(False)  # names are the file's, whoever used the kernel in this process before
-    for name, value in {**_SETTINGS, "read.step.codepage": codepage}.items():
+    for name, value in _SETTINGS.items():
         if not Interface_Static.SetCVal_s(name, value):
             raise AssertionError(f"the kernel has no setting {name} = {value}")
     reader = STEPCAFControl_Reader()

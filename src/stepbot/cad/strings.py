@@ -9,12 +9,13 @@ _DIRECTIVE = re.compile(
 _LINE_BREAK = re.compile(r"\s*[\r\n]+\s*")
 
 
-def decode_string(raw: bytes, encoding: str) -> str:
+def decode_string(raw: bytes, encoding: str, errors: str = "strict") -> str:
     """The text of a string between its quotes.
 
     Args:
         raw: Bytes as they stand in the file.
         encoding: What bytes above 127 mean.
+        errors: What becomes of bytes that are not of this encoding: ``strict`` or ``replace``.
 
     Raises:
         UnicodeDecodeError: The bytes are not of this encoding.
@@ -37,11 +38,4 @@ def decode_string(raw: bytes, encoding: str) -> str:
             return ""
         return "\\" if backslash else "'"
 
-    return _DIRECTIVE.sub(replacement, _LINE_BREAK.sub("", raw.decode(encoding)))
-
-
-def reinterpret(text: str, encoding: str) -> str:
-    """Text whose raw bytes were read as ISO 8859-1, read as ``encoding``; characters from escapes stay."""
-    if not any("\x80" <= c <= "\xff" for c in text):
-        return text
-    return re.sub(r"[\x00-\xff]+", lambda run: run[0].encode("latin-1").decode(encoding, "replace"), text)
+    return _DIRECTIVE.sub(replacement, _LINE_BREAK.sub("", raw.decode(encoding, errors)))

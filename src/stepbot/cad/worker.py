@@ -8,9 +8,7 @@ The modules that this one imports are the only ones that see the geometry kernel
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
@@ -24,6 +22,7 @@ from .assembly import Assembly, Body, BodyKind, Component, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
 from .claims import definition_tolerances
 from .definitions import Definitions
+from .encodings import as_utf8, encoding_fact
 from .integrity import check_integrity
 from .kernel_errors import KERNEL_ERRORS
 from .length_unit import LengthUnit, read_length_unit
@@ -37,13 +36,10 @@ from .repetition import MisplacedOccurrence
 from .selection import entities
 from .source import NONE, BodySource, Definition, StepMaterial
 from .step import StepUnreadable, read_model, transfer
-from .strings import reinterpret
 from .tree import Tree, grow
 
 _BODY_SECONDS = 120.0
 """Processor time that a body may take; a large one takes a few seconds."""
-_FALLBACK_ENCODING = "cp1252"
-"""What bytes above 127 are shown as where nothing tells."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,15 +105,15 @@ def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> 
 
 
 def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *, take_out: bool) -> _Content | None:
-    decode: Any = str if part21.encoding else partial(reinterpret, encoding=_FALLBACK_ENCODING)
-    model = read_model(Path(path), "UTF8" if part21.encoding else "iso8859-1")
-    if not check_integrity(model.session, Path(path), place, found):
-        return None
+    with as_utf8(Path(path), part21.encoding) as text:
+        model = read_model(text)
+        if not check_integrity(model.session, text, place, found):
+            return None
     unit = read_length_unit(model.session, place, found)
     if unit is None:
         return None
-    materials = Materials(model.session, place, found, decode)
-    products = Products(model.session, decode, take_out=take_out)
+    materials = Materials(model.session, place, found)
+    products = Products(model.session, take_out=take_out)
     correct_operators(model.session)
     definitions = Definitions(transfer(model), products)
     _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
@@ -148,7 +144,7 @@ def _material(definition: Definition, materials: Materials, products: Products) 
 def _facts(part21: Part21, content: _Content) -> dict[str, str]:
     header = part21.header
     facts = {
-        "encoding": part21.encoding.upper() or f"unknown, shown as {_FALLBACK_ENCODING}",
+        "encoding": encoding_fact(part21.encoding),
         "written": header.time_stamp,
         "preprocessor": header.preprocessor,
         "further units": ", ".join(content.unit.others),

@@ -81,7 +81,8 @@ CODES = (
         "names in an unknown encoding",
         "Names in the file hold bytes that are neither ASCII nor UTF-8, and the file does not say what they mean.",
         "The names that you see may not be those in the CAD; bindings to them hold, but are hard to read.",
-        "Export with UTF-8 names or with `\\X2\\` escapes, or bind components by globs and by their ASCII names.",
+        "Find the code page whose reading of the names is right, and declare it, by `--encoding cp1251` or by "
+        "`step_encoding: cp1251` in the sidecar; or export with UTF-8 names or with `\\X2\\` escapes.",
     ),
     Code(
         "SB211",
@@ -181,5 +182,22 @@ CODES = (
         "or a shape holds something of a kind that the geometry kernel does not know.",
         "Colours, names, materials or densities can be missing, or a body of an unusual kind.",
         "Compare `stepbot inspect` with the CAD; export as AP214 if something is missing.",
+    ),
+    Code(
+        "SB224",
+        "error",
+        "names not in the declared encoding",
+        "The names in the file hold bytes that do not exist in the code page that `--encoding` or `step_encoding` declares.",
+        "Read in a code page that is not theirs, names come out as other names, and paths in the sidecar bind to nothing.",
+        "Declare the code page of the computer that wrote the file; the notes show how names would read in likely ones. "
+        "UTF-8 needs no declaration.",
+    ),
+    Code(
+        "SB225",
+        "warning",
+        "declared encoding is doubtful",
+        "Names are read in the declared code page, but all of them are valid UTF-8, which text in a code page seldom is.",
+        "If the file is in UTF-8, the names that you see are not those in the CAD.",
+        "Compare the two readings in the notes; take away `--encoding` or `step_encoding` if UTF-8 is right.",
     ),
 )

@@ -24,6 +24,7 @@ from .origins import (
 from .quantities import (
     Angle,
     AxisVector,
+    CodePage,
     Color,
     Density,
     Inertia,
@@ -327,6 +328,8 @@ class Document(Section):
     """Materials by name; parts without a density have that of the material which the STEP names."""
     defaults: Defaults = Defaults()
     """What counts where neither `parts` nor the STEP says anything."""
+    step_encoding: CodePage | None = None
+    """Code page of the names in the STEP, such as `cp1251` or `gbk`, where they are neither ASCII nor UTF-8."""
     step_density: StepDensity = StepDensity.USE
     """Whether densities in the STEP count. A CAD program's default density on every part is no measurement."""
     mass: MassMode = MassMode.AUTO

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from .. import units
+from ..codepages import UnknownCodePage, code_page
 from ..model import Rgba
 from ..spatial import Vector3, unit
 from ..units import Dimension, UnitError, read_quantity
@@ -184,6 +185,15 @@ def _color(value: Any) -> Rgba:
     return (red, green, blue, alpha)
 
 
+def _code_page(value: Any) -> str:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise fault("SB122", f"must be the name of a code page, not {described(value)}", "for example cp1251")
+    try:
+        return code_page(str(value))
+    except UnknownCodePage as failure:
+        raise fault("SB123", str(failure), *failure.hints) from None
+
+
 def _tolerance(value: Any) -> ToleranceValue:
     if isinstance(value, str) and value.strip().endswith("%"):
         return ToleranceValue(_finite(units.RATIO, above=0.0, high=1.0)(value), 0.0)
@@ -270,6 +280,11 @@ Color = Annotated[
             "examples": ["#e0e0e0"],
         }
     ),
+]
+CodePage = Annotated[
+    str,
+    PlainValidator(_code_page),
+    WithJsonSchema({"type": "string", "minLength": 1, "examples": ["cp1251", "gbk", "cp932"]}),
 ]
 RelativeOrLength = Annotated[
     ToleranceValue,

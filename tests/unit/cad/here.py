@@ -11,10 +11,11 @@ def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None
     """The assembly of a file, by the function that otherwise runs in the kernel's process."""
     from stepbot.cad.worker import read
 
-    part21 = check_step(path, path.name, found)
+    options = options or ReadOptions()
+    part21 = check_step(path, path.name, found, options.encoding)
     if part21 is None:
         return None
-    assembly, diagnostics = read(str(path), path.name, part21, options or ReadOptions())
+    assembly, diagnostics = read(str(path), path.name, part21, options)
     found.extend(diagnostics)
     return assembly
 

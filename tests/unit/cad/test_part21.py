@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.cad.part21 import check_step, line_of
+from stepbot.cad.encodings import line_of
+from stepbot.cad.part21 import check_step
 from tests.conftest import ReadDiagnostics
 
 HEADER = """ISO-10303-21;

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.cad.strings import decode_string, reinterpret
+from stepbot.cad.strings import decode_string
 
 
 @pytest.mark.parametrize(
@@ -29,9 +29,3 @@ def test_bytes_of_another_encoding_are_refused() -> None:
     """Bytes that are no UTF-8 never become other characters in silence."""
     with pytest.raises(UnicodeDecodeError):
         decode_string("Деталь".encode("cp1251"), "utf-8")
-
-
-def test_reinterpreting_raw_bytes() -> None:
-    """Text that was read byte by byte becomes what an encoding says, and characters from escapes stay."""
-    assert reinterpret("Деталь".encode("cp1251").decode("latin-1") + "螺", "cp1251") == "Деталь螺"
-    assert reinterpret("plain", "gbk") == "plain"
