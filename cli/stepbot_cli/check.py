@@ -6,6 +6,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
+from .caching import cache_options, opened, say_trouble
 from .command import Command, concise_option, json_option
 from .encodings import encoding_option
 from .engines import limit_options
@@ -41,6 +42,7 @@ class CheckCommand(Command):
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @encoding_option
 @limit_options
+@cache_options
 @json_option
 @concise_option
 def command(
@@ -50,6 +52,8 @@ def command(
     encoding: str,
     timeout: float,
     memory_limit: int | None,
+    cache: Path | None,
+    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -57,7 +61,8 @@ def command(
 
     Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
     """
-    from stepbot.pipeline import Options, check
+    from stepbot.conversion import Options
+    from stepbot.incremental import check
 
     options = Options(
         output=Path(),
@@ -65,6 +70,7 @@ def command(
         encoding=encoding,
         timeout=timeout,
         memory_limit=memory_limit,
+        cache=opened(cache, no_cache),
     )
     found = Diagnostics()
     with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
@@ -73,6 +79,7 @@ def command(
             check(sidecar, options, found, open_step=step is not None)
     if strict:
         found.make_strict()
+    say_trouble(options.cache, found)
     if as_json:
         write_json(
             {"files": [path.as_posix() for path in sidecars], "diagnostics": found, "exit_code": found.exit_code}

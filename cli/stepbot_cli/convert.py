@@ -8,6 +8,7 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 
+from .caching import cache_options, opened, say_trouble
 from .command import Command, concise_option, json_option
 from .encodings import encoding_option
 from .engines import limit_options, require_option
@@ -16,7 +17,7 @@ from .table import show_table
 from .terminal import show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.pipeline import Conversion
+    from stepbot.conversion import Conversion
 
 
 @click.command(cls=Command, short_help="Write and verify URDF, SDFormat and MJCF.")
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 @require_option
 @encoding_option
 @limit_options
+@cache_options
 @json_option
 @concise_option
 def command(
@@ -57,6 +59,8 @@ def command(
     encoding: str,
     timeout: float,
     memory_limit: int | None,
+    cache: Path | None,
+    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -65,7 +69,8 @@ def command(
     Each file is loaded in every engine that reads its format, and what the engine sees is compared with the CAD; the
     table shows the worst deviation. After an error the former files in DIR are still there, untouched.
     """
-    from stepbot.pipeline import Options, convert
+    from stepbot.conversion import Options
+    from stepbot.incremental import convert
 
     options = Options(
         output=output or default_output(sidecar),
@@ -77,9 +82,11 @@ def command(
         require=require,
         timeout=timeout,
         memory_limit=memory_limit,
+        cache=opened(cache, no_cache),
     )
     with progress_bar() as progress:
         conversion = convert(sidecar, options, progress)
+    say_trouble(options.cache, conversion.diagnostics)
     if as_json:
         write_json(_document(conversion, options.output))
     else:
@@ -120,13 +127,14 @@ def _format_names(given: tuple[str, ...]) -> tuple[str, ...]:
 
 def _document(conversion: "Conversion", output: Path) -> dict[str, object]:
     """What ``--json`` prints."""
-    from stepbot.pipeline import REPORT
+    from stepbot.conversion import REPORT
 
+    report = json.loads(conversion.files[REPORT]) if conversion.files else None
     return {
-        "robot": conversion.robot.name if conversion.robot else None,
+        "robot": report["robot"]["name"] if report else None,
         "output": written_to(conversion, output).as_posix() if conversion.files else None,
         "files": sorted(conversion.files),
-        "report": json.loads(conversion.files[REPORT]) if REPORT in conversion.files else None,
+        "report": report,
         "diagnostics": conversion.diagnostics,
         "exit_code": conversion.diagnostics.exit_code,
     }

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .caching import cache_options, opened, say_trouble
 from .command import Command, concise_option, json_option
 from .encodings import encoding_option
 from .engines import limit_options
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 )
 @encoding_option
 @limit_options
+@cache_options
 @json_option
 @concise_option
 def command(
@@ -37,6 +39,8 @@ def command(
     encoding: str,
     timeout: float,
     memory_limit: int | None,
+    cache: Path | None,
+    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -48,9 +52,16 @@ def command(
 
     with progress_bar(("read",)) as progress:
         progress("read")
-        options = Options(output=Path(), encoding=encoding, timeout=timeout, memory_limit=memory_limit)
+        options = Options(
+            output=Path(),
+            encoding=encoding,
+            timeout=timeout,
+            memory_limit=memory_limit,
+            cache=opened(cache, no_cache),
+        )
         inspection = inspect(step, options)
     found = inspection.diagnostics
+    say_trouble(options.cache, found)
     if as_json:
         write_json({**_document(inspection, between, features), "diagnostics": found, "exit_code": found.exit_code})
     else:

@@ -18,3 +18,13 @@ def size(text: str) -> int:
     if match is None:
         raise click.BadParameter(f"'{text}' is not a size such as 4G or 500M")
     return int(float(match["number"]) * _FACTORS[match["prefix"].upper()])
+
+
+def in_words(count: int) -> str:
+    """Bytes as people write them: ``1.4 GiB``."""
+    amount, unit = float(count), "B"
+    for larger in ("KiB", "MiB", "GiB", "TiB"):
+        if amount < 1024.0:
+            break
+        amount, unit = amount / 1024.0, larger
+    return f"{amount:.1f} {unit}" if unit != "B" else f"{count} B"

@@ -15,59 +15,28 @@ from tempfile import TemporaryDirectory
 
 from .build import build_robot, link_components
 from .build.reading import read_options
+from .cache import content_digest
 from .cad.assembly import Assembly, ReadOptions, VolumeProperties
-from .cad.reader import DEFAULT_TIMEOUT, Reading, start_reading
+from .conversion import REPORT, Conversion, Options, write
 from .diagnostics import Diagnostics, StepbotError, did_you_mean
+from .geometry import Geometry, Loading
 from .lowering import lower
-from .measure import measured, prepare
 from .model import Robot
-from .output import failed_output, write_atomically
+from .output import write_atomically
 from .passes import run_passes
 from .provenance import emitted_names, measured_bodies
 from .report import Report, report_bytes
 from .rules import check_robot
 from .sidecar.check import check_sidecar
 from .sidecar.load import Sidecar, load_sidecar
+from .simulators.memory import Memory
 from .simulators.workers import check_required
 from .verify import Provers, Written, verify
 from .writers import files_of, main_file, writer_of
 
-REPORT = "report.json"
+__all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce"]
+
 SIDECAR_SUFFIXES = (".yaml", ".yml")
-
-
-@dataclass(frozen=True)
-class Options:
-    """How to convert one sidecar."""
-
-    output: Path
-    """Folder that receives the files; made where it is missing."""
-    formats: tuple[str, ...] = ("urdf", "sdf", "mjcf")
-    step: Path | None = None
-    """STEP file to read in place of the one that the sidecar names."""
-    encoding: str = ""
-    """Code page of the names in the STEP, in place of the one that the sidecar declares; empty for that one."""
-    verify: bool = True
-    strict: bool = False
-    """Whether warnings, and so every loss, are errors."""
-    require: tuple[str, ...] = ()
-    """Engines whose absence is an error."""
-    timeout: float = DEFAULT_TIMEOUT
-    """Seconds that the kernel or an engine may take."""
-    memory_limit: int | None = None
-    """Address space [bytes] of the kernel's process; None for no limit."""
-
-
-@dataclass(frozen=True)
-class Conversion:
-    """What came of one sidecar."""
-
-    diagnostics: Diagnostics
-    robot: Robot | None = None
-    """None where errors ended the conversion before there was one."""
-    files: Mapping[str, bytes] = field(default_factory=dict)
-    """What was written, relative to the output folder."""
-    report: Report | None = None
 
 
 @dataclass(frozen=True)
@@ -83,16 +52,21 @@ class Inspection:
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
-    """Convert one sidecar and the STEP that it names, write the files, and prove them."""
+    """Convert one sidecar and the STEP that it names, prove the files, and write them."""
+    return write(produce(sidecar, options, progress), options.output)
+
+
+def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
+    """Convert one sidecar and the STEP that it names, and prove the files; nothing is written yet."""
     found = Diagnostics()
     try:
-        return _convert(sidecar, options, found, progress)
+        return _produce(sidecar, options, found, progress)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)
 
 
-def _convert(path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None]) -> Conversion:
+def _produce(path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None]) -> Conversion:
     def stage_ends() -> None:
         if options.strict:
             found.make_strict()
@@ -105,14 +79,15 @@ def _convert(path: Path, options: Options, found: Diagnostics, progress: Callabl
     sidecar = _load(path, found)
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
-        reading = running.enter_context(closing(_start(step, _what(sidecar, options), options, found)))
+        loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found)))
         # The engines import while the kernel works.
         formats = [writer.NAME for writer in writers] if options.verify else []
         provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit))
-        assembly, measures = _finish(reading, options, found)
+        geometry = loading.finish(found)
+        assembly = geometry.assembly
 
         progress("build")
-        robot = build_robot(assembly, sidecar, measures, found)
+        robot = build_robot(assembly, sidecar, geometry.measures, found)
         stage_ends()
         assert robot is not None  # no robot without an error
         robot = run_passes(robot, found)
@@ -122,24 +97,22 @@ def _convert(path: Path, options: Options, found: Diagnostics, progress: Callabl
         progress("write")
         lowered = {writer.NAME: lower(robot, writer, found) for writer in writers}
         stage_ends()
-        files = {path: content for w in writers for path, content in files_of(lowered[w.NAME], w).items()}
+        by_format = {writer.NAME: files_of(lowered[writer.NAME], writer) for writer in writers}
 
         progress("verify")
-        report = _prove(robot, lowered, files, provers, found, options)
-    bodies = measured_bodies(assembly, measures, sidecar.document.mass)
+        report = _prove(robot, lowered, by_format, provers, found, options)
+    bodies = measured_bodies(assembly, geometry.measures, sidecar.document.mass)
     report = replace(report, names=emitted_names(robot), bodies=bodies)
     if options.strict:
         found.make_strict()
-    files[REPORT] = report_bytes(report, found)
-    # What failed is kept for whoever wants to know why, but not where a build would pick it up.
-    write_atomically(files, failed_output(options.output) if found.has_errors else options.output)
-    return Conversion(found, robot, files, report)
+    files = {**_joined(by_format), REPORT: report_bytes(report, found)}
+    return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
 
 
 def _prove(
     robot: Robot,
     lowered: Mapping[str, Robot],
-    files: Mapping[str, bytes],
+    files: Mapping[str, Mapping[str, bytes]],
     provers: Provers,
     found: Diagnostics,
     options: Options,
@@ -148,23 +121,36 @@ def _prove(
     if not options.verify:
         return Report(robot=robot)
     with TemporaryDirectory(prefix="stepbot-") as folder:
-        write_atomically(files, Path(folder))
+        write_atomically(_joined(files), Path(folder))
         written = {name: Written(Path(folder) / main_file(one, writer_of(name)), one) for name, one in lowered.items()}
-        return verify(robot, written, provers, found, require=options.require, timeout=options.timeout)
+        memory = Memory(options.cache, {name: content_digest(of_format) for name, of_format in files.items()})
+        return verify(robot, written, provers, found, require=options.require, timeout=options.timeout, memory=memory)
 
 
-def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> None:
-    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
+def _joined(files: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
+    """The files of all formats, which share their meshes."""
+    return {path: content for of_format in files.values() for path, content in of_format.items()}
+
+
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> str:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
+
+    Returns:
+        What the sidecar calls its STEP; empty where it has errors.
+    """
+    named = ""
     try:
         loaded = _load(sidecar, found)
+        named = loaded.document.step
         if open_step:
             source = options.step or _named_step(loaded, found)
-            assembly, measures = _read(source, _what(loaded, options), options, found)
-            robot = build_robot(assembly, loaded, measures, found)
+            geometry = _read(source, _what(loaded, options), options, found)
+            robot = build_robot(geometry.assembly, loaded, geometry.measures, found)
             if robot is not None:
-                check_robot(run_passes(robot, found), found, loaded.span(), assembly.unit)
+                check_robot(run_passes(robot, found), found, loaded.span(), geometry.assembly.unit)
     except StepbotError as error:
         found.extend(error.diagnostics)
+    return named
 
 
 def inspect(path: Path, options: Options) -> Inspection:
@@ -173,11 +159,12 @@ def inspect(path: Path, options: Options) -> Inspection:
     try:
         sidecar = _load(path, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or _named_step(sidecar, found)
-        assembly, measures = _read(step, _what(sidecar, options), options, found)
+        geometry = _read(step, _what(sidecar, options), options, found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Inspection(found, None)
-    return Inspection(found, assembly, measures, {} if sidecar is None else link_components(assembly, sidecar, found))
+    links = {} if sidecar is None else link_components(geometry.assembly, sidecar, found)
+    return Inspection(found, geometry.assembly, geometry.measures, links)
 
 
 def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
@@ -207,28 +194,6 @@ def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
     return path
 
 
-def _read(
-    step: Path, what: ReadOptions, options: Options, found: Diagnostics
-) -> tuple[Assembly, tuple[VolumeProperties | None, ...]]:
-    with closing(_start(step, what, options, found)) as reading:
-        return _finish(reading, options, found)
-
-
-def _start(step: Path, what: ReadOptions, options: Options, found: Diagnostics) -> Reading:
-    """Begin to read; a file that is refused at once ends the conversion before anything slow is loaded."""
-    reading = start_reading(step, what, memory_limit=options.memory_limit)
-    if reading.pid is None:
-        reading.finish(found)
-        found.raise_if_errors()
-    return reading
-
-
-def _finish(
-    reading: Reading, options: Options, found: Diagnostics
-) -> tuple[Assembly, tuple[VolumeProperties | None, ...]]:
-    """The assembly, and trimesh's measure of each body, whose import passes while the kernel works."""
-    prepare()
-    assembly = reading.finish(found, timeout=options.timeout)
-    found.raise_if_errors()
-    assert assembly is not None  # no assembly without an error
-    return assembly, tuple(measured(body.mesh) for body in assembly.bodies)
+def _read(step: Path, what: ReadOptions, options: Options, found: Diagnostics) -> Geometry:
+    with closing(Loading(step, what, options, found)) as loading:
+        return loading.finish(found)

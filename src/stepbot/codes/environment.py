@@ -48,4 +48,12 @@ CODES = (
         "Install the engine, or drop the requirement.",
         could_not_run=True,
     ),
+    Code(
+        "SB006",
+        "note",
+        "cache cannot be used",
+        "Results could not be kept in the cache folder.",
+        "What was computed is right, but the next run computes it again.",
+        "Make the folder writable, or free some space; `--cache DIR` names another folder, `--no-cache` uses none.",
+    ),
 )

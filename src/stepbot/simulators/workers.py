@@ -11,6 +11,7 @@ from types import TracebackType
 from ..diagnostics import Diagnostics, Span, did_you_mean
 from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
 from . import Engine, engines, engines_for
+from .memory import Memory
 from .observation import Observation, Request
 
 
@@ -57,7 +58,9 @@ class Engines:
             memory_limit: Address space [bytes] of each worker; None for no limit.
         """
         self._files = dict(files)
-        self._asked: tuple[str, ...] = ()
+        self._asked: dict[str, Request] = {}
+        self._memory = Memory(None, {})
+        self._remembered: dict[tuple[str, str], Observation] = {}
         self._absent: dict[str, str] = {}
         self._workers: dict[tuple[str, str], Worker] = {}
         for key, written_in in files.items():
@@ -68,16 +71,29 @@ class Engines:
                 else:
                     self._absent[engine.NAME] = reason
 
-    def submit(self, requests: Mapping[str, Request]) -> None:
+    def submit(self, requests: Mapping[str, Request], memory: Memory | None = None) -> None:
         """Hand every worker the request for its file; returns at once.
 
         Args:
             requests: For each file that is to be observed, by the caller's name for it.
+            memory: What was seen before; engines that are remembered are not asked again.
         """
-        self._asked = tuple(key for key in self._files if key in requests)
-        for (key, _), worker in self._workers.items():
-            if key in requests:
-                worker.submit(requests[key])
+        self._asked = {key: requests[key] for key in self._files if key in requests}
+        self._memory = memory or self._memory
+        for key, request in self._asked.items():
+            for engine in engines_for(self._files[key]):
+                self._ask(key, engine, request)
+
+    def _ask(self, key: str, engine: Engine, request: Request) -> None:
+        worker = self._workers.get((key, engine.NAME))
+        if worker is None:
+            return
+        remembered = self._memory.recall(key, engine, request)
+        if remembered is None:
+            worker.submit(request)
+        else:
+            worker.close()
+            self._remembered[key, engine.NAME] = remembered
 
     def results(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[Outcome, ...]:
         """Wait for all workers, each of which may take ``timeout`` [s]; by file, then by engine."""
@@ -102,6 +118,8 @@ class Engines:
         written_in, name = self._files[key], engine.NAME
         if name in self._absent:
             return Outcome(key, written_in, name, Fate.ABSENT, reason=self._absent[name])
+        if (key, name) in self._remembered:
+            return Outcome(key, written_in, name, Fate.OBSERVED, self._remembered[key, name])
         try:
             observation = self._workers[key, name].result(timeout)
         except WorkerDied as death:
@@ -110,6 +128,7 @@ class Engines:
             fate = _FATES.get(error.kind, Fate.BROKEN)
             lines = tuple(error.trace.splitlines()[-6:]) if fate is Fate.BROKEN else ()
             return Outcome(key, written_in, name, fate, reason=error.text or error.kind, last_lines=lines)
+        self._memory.keep(key, engine, self._asked[key], observation)
         return Outcome(key, written_in, name, Fate.OBSERVED, observation)
 
 

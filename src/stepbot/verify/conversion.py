@@ -6,15 +6,17 @@ from pathlib import Path
 
 from ..diagnostics import Diagnostics, Span
 from ..expect import mechanism, requests
-from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from ..isolation import DEFAULT_TIMEOUT, RemoteError, WorkerDied
 from ..loops import DoesNotClose, degrees_of_freedom, driven_joints
 from ..model import Robot
 from ..report import Check, Report, Status
-from ..selfcollision import Overlap, available, without_visuals
+from ..selfcollision import Overlap, available
 from ..simulators.from_robot import observe_robot
+from ..simulators.memory import Memory
 from ..simulators.observation import Observation, Quantity
 from ..simulators.workers import Engines, Outcome, check_required, check_started
 from .checks import Subject, check_of, checks_without_observation, report_failure
+from .collider import Collider
 from .compare import compare
 from .tolerances import TOLERANCES
 
@@ -35,9 +37,7 @@ class Provers:
 
     def __init__(self, formats: Iterable[str], *, memory_limit: int | None = None) -> None:
         self.engines = Engines({name: name for name in formats}, memory_limit)
-        self.collider = None
-        if available() is None:
-            self.collider = Worker("stepbot.selfcollision:overlaps", memory_limit=memory_limit)
+        self.collider = Collider(memory_limit) if available() is None else None
 
     def close(self) -> None:
         """End all processes that still run."""
@@ -60,6 +60,7 @@ def verify(
     *,
     require: Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
+    memory: Memory | None = None,
 ) -> Report:
     """Prove that the written files are the robot; what fails is a diagnostic, and a failed check of the report.
 
@@ -70,6 +71,7 @@ def verify(
         found: Takes the diagnostics.
         require: Engines whose absence is an error.
         timeout: Seconds that each engine may take.
+        memory: What engines saw before.
     """
     required = tuple(require)
     check_required(required, found)
@@ -79,9 +81,9 @@ def verify(
         )
     except DoesNotClose as error:
         return _open_loop(robot, error, found)
-    provers.engines.submit(asked)
+    provers.engines.submit(asked, memory)
     if provers.collider is not None:
-        provers.collider.submit(without_visuals(robot))
+        provers.collider.submit(robot, memory.cache if memory is not None else None)
     # The reference is computed while the engines are at work.
     expected = {name: observe_robot(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
     freedom = degrees_of_freedom(robot)
@@ -148,7 +150,7 @@ def _self_collision(
     if provers.collider is None:
         return (), Check("", "", engine, quantity, Status.NOT_RUN, why=available() or "")
     try:
-        overlaps: tuple[Overlap, ...] = provers.collider.result(timeout)
+        overlaps = provers.collider.result(timeout)
     except (WorkerDied, RemoteError) as error:
         lines = getattr(error, "last_lines", ())
         found.add("SB817", f"self-collision: {str(error).splitlines()[0]}", span, notes=lines)

@@ -1,0 +1,243 @@
+r"""Data classes and arrays as bytes and back, led by their annotations alone.
+
+    length of the text [8 bytes] | text: JSON | bytes of all arrays, one after the other
+
+Nothing in the bytes names a class or a function, so reading them runs no code; what does not have the form that the
+annotations ask for is :class:`Undecodable`. Numbers come back as the same doubles, infinities and all.
+"""
+
+import json
+import types
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import cache
+from typing import Any, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+T = TypeVar("T")
+Plain = Any
+"""What JSON can hold."""
+
+_LENGTH = 8
+_ALIGNMENT = 8
+_ARRAYS = "biuf"
+"""Kinds of numpy's data types that arrays may have: booleans and numbers, no objects."""
+_FORGIVEN = (ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError)
+
+
+class Undecodable(Exception):
+    """Bytes that do not hold what they are asked for."""
+
+
+class _Blobs:
+    """The bytes behind the text."""
+
+    def __init__(self, data: bytes | memoryview = b"") -> None:
+        self.parts: list[bytes] = []
+        self._length = 0
+        self._data = memoryview(data)
+
+    def add(self, content: bytes) -> tuple[int, int]:
+        """Take some bytes; returns where they begin and how many they are."""
+        start = self._length
+        padding = -len(content) % _ALIGNMENT
+        self.parts += (content, bytes(padding))
+        self._length += len(content) + padding
+        return start, len(content)
+
+    def get(self, start: int, length: int) -> memoryview:
+        """The bytes of one part."""
+        if not 0 <= start <= start + length <= len(self._data):
+            raise ValueError("beyond the end")
+        return self._data[start : start + length]
+
+
+Encoder = Callable[[Any, _Blobs], Plain]
+Decoder = Callable[[Plain, _Blobs], Any]
+
+
+class Codec(Generic[T]):
+    """Bytes of values of one type."""
+
+    def __init__(self, kind: Any) -> None:
+        self._encode, self._decode = _pair(kind)
+
+    def encode(self, value: T) -> bytes:
+        """The value as bytes; the same ones for equal values."""
+        blobs = _Blobs()
+        text = json.dumps(self._encode(value, blobs), ensure_ascii=False, separators=(",", ":"))
+        head = text.encode("utf-8", "surrogatepass")
+        head += b" " * (-len(head) % _ALIGNMENT)
+        return b"".join((len(head).to_bytes(_LENGTH, "little"), head, *blobs.parts))
+
+    def decode(self, data: bytes) -> T:
+        """The value; its arrays are read-only, and share the memory of ``data``.
+
+        Raises:
+            Undecodable: The bytes hold something else.
+        """
+        try:
+            length = int.from_bytes(data[:_LENGTH], "little")
+            text = data[_LENGTH : _LENGTH + length].decode("utf-8", "surrogatepass")
+            blobs = _Blobs(memoryview(data)[_LENGTH + length :])
+            return cast(T, self._decode(json.loads(text), blobs))
+        except _FORGIVEN as error:
+            raise Undecodable(f"{type(error).__name__}: {error}") from error
+
+
+def codec_of(kind: type[T]) -> Codec[T]:
+    """The codec of a type; one that annotations do not describe fully is a bug, and a TypeError."""
+    return cast(Codec[T], _codec(cast(Hashable, kind)))
+
+
+@cache
+def _codec(kind: Any) -> Codec[Any]:
+    return Codec(kind)
+
+
+@cache
+def _pair(kind: Any) -> tuple[Encoder, Decoder]:
+    origin, arguments = get_origin(kind), get_args(kind)
+    if kind in (bool, int, str):
+        return lambda value, blobs: kind(value), _checked(kind)
+    if kind is float:
+        return lambda value, blobs: _number(value), lambda plain, blobs: _number(plain)
+    if kind is bytes:
+        return lambda value, blobs: blobs.add(value), lambda plain, blobs: bytes(blobs.get(*plain))
+    if kind is None or kind is type(None):
+        return lambda value, blobs: None, _none
+    if origin is Literal:
+        return lambda value, blobs: value, _one_of(arguments)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return lambda value, blobs: value.value, lambda plain, blobs: kind(plain)
+    if origin is tuple:
+        return _tuple(arguments)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return _mapping(*arguments)
+    if origin in (Union, types.UnionType):
+        return _union(arguments)
+    if isinstance(kind, type) and is_dataclass(kind):
+        return _data_class(kind)
+    if getattr(origin or kind, "__module__", "") == "numpy" and (origin or kind).__name__ == "ndarray":
+        return _encode_array, _decode_array
+    raise TypeError(f"no codec for {kind}")
+
+
+def _checked(kind: type) -> Decoder:
+    def decode(plain: Plain, blobs: _Blobs) -> Any:  # noqa: ARG001
+        if type(plain) is not kind:
+            raise TypeError(f"{kind.__name__} expected")
+        return plain
+
+    return decode
+
+
+def _none(plain: Plain, blobs: _Blobs) -> None:  # noqa: ARG001
+    if plain is not None:
+        raise TypeError("null expected")
+
+
+def _one_of(values: tuple[Any, ...]) -> Decoder:
+    def decode(plain: Plain, blobs: _Blobs) -> Any:  # noqa: ARG001
+        if plain not in values:
+            raise ValueError("not one of the values")
+        return plain
+
+    return decode
+
+
+def _tuple(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
+    if len(arguments) == 2 and arguments[1] is ...:
+        encode_one, decode_one = _pair(arguments[0])
+        return (
+            lambda value, blobs: [encode_one(one, blobs) for one in value],
+            lambda plain, blobs: tuple([decode_one(one, blobs) for one in _list(plain)]),
+        )
+    encoders, decoders = zip(*map(_pair, arguments), strict=True) if arguments else ((), ())
+    return (
+        lambda value, blobs: [encode(one, blobs) for encode, one in zip(encoders, value, strict=True)],
+        lambda plain, blobs: tuple([decode(one, blobs) for decode, one in zip(decoders, _list(plain), strict=True)]),
+    )
+
+
+def _number(value: Any) -> float | int:
+    """A number as it is: where somebody wrote 1 for 1.0, it is printed as 1 ever after."""
+    if type(value) in (int, float):
+        return cast(float, value)
+    if isinstance(value, float):
+        return float(value)
+    raise TypeError("a number expected")
+
+
+def _list(plain: Plain) -> list[Any]:
+    if not isinstance(plain, list):
+        raise TypeError("a list expected")
+    return plain
+
+
+def _mapping(key: Any, value: Any) -> tuple[Encoder, Decoder]:
+    encode_key, decode_key = _pair(key)
+    encode_value, decode_value = _pair(value)
+    return (
+        lambda mapping, blobs: [[encode_key(k, blobs), encode_value(v, blobs)] for k, v in mapping.items()],
+        lambda plain, blobs: {decode_key(k, blobs): decode_value(v, blobs) for k, v in _list(plain)},
+    )
+
+
+def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
+    """A value or None, or one of several data classes, told apart by their names."""
+    others = [one for one in arguments if one is not type(None)]
+    if len(others) == 1:
+        encode_one, decode_one = _pair(others[0])
+        return (
+            lambda value, blobs: None if value is None else [encode_one(value, blobs)],
+            lambda plain, blobs: None if plain is None else decode_one(_list(plain)[0], blobs),
+        )
+    if not all(isinstance(one, type) and is_dataclass(one) for one in others):
+        raise TypeError(f"no codec for a union of {arguments}")
+    pairs = {one.__name__: _pair(one) for one in others}
+    return (
+        lambda value, blobs: (
+            None if value is None else [type(value).__name__, pairs[type(value).__name__][0](value, blobs)]
+        ),
+        lambda plain, blobs: None if plain is None else pairs[_list(plain)[0]][1](plain[1], blobs),
+    )
+
+
+def _data_class(kind: type) -> tuple[Encoder, Decoder]:
+    hints = get_type_hints(kind)
+    names = [field.name for field in fields(kind) if field.init]
+    pairs: list[tuple[Encoder, Decoder]] = []
+
+    def encode(value: Any, blobs: _Blobs) -> Plain:
+        prepare()
+        return [pair[0](getattr(value, name), blobs) for name, pair in zip(names, pairs, strict=True)]
+
+    def decode(plain: Plain, blobs: _Blobs) -> Any:
+        prepare()
+        return kind(*[pair[1](one, blobs) for pair, one in zip(pairs, _list(plain), strict=True)])
+
+    def prepare() -> None:
+        if not pairs:  # not before it is needed: a class may hold itself
+            pairs.extend(_pair(hints[name]) for name in names)
+
+    return encode, decode
+
+
+def _encode_array(value: Any, blobs: _Blobs) -> Plain:
+    if value.dtype.kind not in _ARRAYS:
+        raise TypeError(f"no codec for an array of {value.dtype}")
+    start, length = blobs.add(value.tobytes())
+    return [value.dtype.str, list(value.shape), start, length]
+
+
+def _decode_array(plain: Plain, blobs: _Blobs) -> Any:
+    import numpy as np
+
+    name, shape, start, length = _list(plain)
+    kind = np.dtype(name)
+    if kind.kind not in _ARRAYS:
+        raise TypeError(f"an array of {kind}")
+    array = np.frombuffer(blobs.get(start, length), kind).reshape(shape)
+    array.setflags(write=False)
+    return array

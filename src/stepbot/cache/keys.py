@@ -1,0 +1,99 @@
+"""What a key is made of: everything that a result depends on, and nothing else."""
+
+import hashlib
+import platform
+import re
+import sys
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+_CHUNK = 1 << 22
+_SIZE = 20
+_NAME = re.compile(r"[A-Za-z0-9._-]+")
+"""The name at the start of a requirement."""
+
+
+class Digest:
+    """A hash over parts of which each is told apart from the next: ``("ab", "c")`` is not ``("a", "bc")``."""
+
+    def __init__(self, purpose: str) -> None:
+        """Begin a key.
+
+        Args:
+            purpose: What kind of thing it is the key of.
+        """
+        self._hashed = hashlib.blake2b(digest_size=_SIZE)
+        self.add(purpose)
+
+    def add(self, *parts: str | bytes) -> "Digest":
+        """Take in parts, in their order."""
+        for part in parts:
+            data = part.encode("utf-8", "surrogatepass") if isinstance(part, str) else part
+            self._hashed.update(len(data).to_bytes(8, "little"))
+            self._hashed.update(data)
+        return self
+
+    @property
+    def key(self) -> str:
+        """The key, in hexadecimal digits."""
+        return self._hashed.hexdigest()
+
+
+def file_digest(path: Path) -> str | None:
+    """Hash of a file's bytes; None where there is no such file, or it cannot be read."""
+    hashed = hashlib.blake2b(digest_size=_SIZE)
+    try:
+        with path.open("rb") as file:
+            while chunk := file.read(_CHUNK):
+                hashed.update(chunk)
+    except OSError:
+        return None
+    return hashed.hexdigest()
+
+
+def content_digest(files: Mapping[str, bytes]) -> str:
+    """Hash of several files, by their names."""
+    digest = Digest("files")
+    for name, content in sorted(files.items()):
+        digest.add(name, content)
+    return digest.key
+
+
+@cache
+def own_code() -> str:
+    """Hash of stepbot's own code, and what runs it: a result of other code is another result.
+
+    The version number alone would not do: it stays while one works on stepbot.
+    """
+    package = Path(__file__).resolve().parents[1]
+    digest = Digest("code")
+    for path in sorted(package.rglob("*.py"), key=lambda path: path.as_posix()):
+        digest.add(path.relative_to(package).as_posix(), path.read_bytes())
+    digest.add(platform.python_implementation(), sys.version, sys.platform, platform.machine())
+    return digest.key
+
+
+@cache
+def environment() -> str:
+    """Hash of all that stepbot's results come from beside their input: its own code and the packages that it uses.
+
+    A package that is not there counts too: with it, more can be computed.
+    """
+    return Digest("environment").add(own_code(), *_versions()).key
+
+
+def _versions() -> list[str]:
+    from importlib import metadata
+
+    try:
+        required = metadata.requires("stepbot") or []
+    except metadata.PackageNotFoundError:  # run from its sources: nobody says what it needs, so all that there is
+        return sorted(f"{one.metadata['Name']} {one.version}" for one in metadata.distributions())
+    versions = []
+    for name in sorted({match[0] for line in required if (match := _NAME.match(line))}):
+        try:
+            versions.append(f"{name} {metadata.version(name)}")
+        except metadata.PackageNotFoundError:
+            versions.append(f"{name} is absent")
+    return versions

@@ -1,0 +1,74 @@
+"""What a conversion is asked for, and what comes of it; light enough for who only wants to know whether one is due."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .cache import Cache
+from .diagnostics import Diagnostics, StepbotError
+from .isolation import DEFAULT_TIMEOUT
+from .output import failed_output, write_atomically
+
+if TYPE_CHECKING:
+    from .model import Robot
+    from .report import Report
+
+REPORT = "report.json"
+"""Name of the proof among the files."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to convert one sidecar."""
+
+    output: Path
+    """Folder that receives the files; made where it is missing."""
+    formats: tuple[str, ...] = ("urdf", "sdf", "mjcf")
+    step: Path | None = None
+    """STEP file to read in place of the one that the sidecar names."""
+    encoding: str = ""
+    """Code page of the names in the STEP, in place of the one that the sidecar declares; empty for that one."""
+    verify: bool = True
+    strict: bool = False
+    """Whether warnings, and so every loss, are errors."""
+    require: tuple[str, ...] = ()
+    """Engines whose absence is an error."""
+    timeout: float = DEFAULT_TIMEOUT
+    """Seconds that the kernel or an engine may take."""
+    memory_limit: int | None = None
+    """Address space [bytes] of the kernel's process; None for no limit."""
+    cache: Cache | None = None
+    """Where results are kept and found; None for nowhere."""
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What came of one sidecar."""
+
+    diagnostics: Diagnostics
+    robot: "Robot | None" = None
+    """None where errors ended the conversion before there was one, and where it was taken from a cache."""
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    """What there is to write, relative to the output folder."""
+    report: "Report | None" = None
+    named: str = ""
+    """What the sidecar calls its STEP; empty where that could not be read."""
+    geometry: str = ""
+    """Hash of the STEP that was read; empty without a cache, and where the file changed meanwhile."""
+
+
+def write(conversion: Conversion, output: Path) -> Conversion:
+    """Write the files of a conversion, if there are any.
+
+    What failed is kept for whoever wants to know why, but not where a build would pick it up.
+    """
+    if not conversion.files:
+        return conversion
+    found = conversion.diagnostics
+    try:
+        write_atomically(conversion.files, failed_output(output) if found.has_errors else output)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return Conversion(found)
+    return conversion

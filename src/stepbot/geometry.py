@@ -1,0 +1,130 @@
+"""The assembly of a STEP file and what trimesh measures on it: found in the cache, or read by the kernel.
+
+What is kept depends on the bytes of the file and on how it is to be read, never on the sidecar as a whole: to edit a
+joint costs no reading. Only what was read without an error is kept.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from .cache import Cache, Digest, Shelf, codec_of, environment, file_digest
+from .cad.assembly import Assembly, ReadOptions, VolumeProperties
+from .cad.reader import Reading, start_reading
+from .conversion import Options
+from .diagnostics import Diagnostic, Diagnostics
+from .measure import measured, prepare
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """An assembly, measured."""
+
+    assembly: Assembly
+    measures: tuple[VolumeProperties | None, ...]
+    """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
+    diagnostics: tuple[Diagnostic, ...]
+    """What there is to say about the file."""
+
+
+class Loading:
+    """Geometry on its way."""
+
+    def __init__(self, step: Path, what: ReadOptions, options: Options, found: Diagnostics) -> None:
+        """Look it up, else have the kernel begin; returns at once.
+
+        Args:
+            step: The STEP file; diagnostics name it as it is given.
+            what: What to compute.
+            options: Cache and limits.
+            found: Receives what is wrong with a file that is refused before the kernel is even asked.
+
+        Raises:
+            StepbotError: The file is refused.
+        """
+        self._step, self._timeout = step, options.timeout
+        self._memory = _Memory(options.cache, step, what)
+        self._known = self._memory.recall()
+        self._reading: Reading | None = None
+        if self._known is None:
+            self._reading = start_reading(step, what, memory_limit=options.memory_limit)
+            if self._reading.pid is None:
+                self._reading.finish(found)
+                found.raise_if_errors()
+
+    def finish(self, found: Diagnostics) -> Geometry:
+        """Wait for it; what there is to say about the file goes to ``found``.
+
+        Raises:
+            StepbotError: There are errors.
+        """
+        if self._known is None:
+            self._known = self._read()
+            if not any(diagnostic.severity == "error" for diagnostic in self._known.diagnostics):
+                self._memory.keep(self._known)
+        found.extend(self._known.diagnostics)
+        found.raise_if_errors()
+        return self._known
+
+    @property
+    def content(self) -> str:
+        """Hash of the file that was read; empty without a cache, and where it changed meanwhile."""
+        return self._memory.content
+
+    def close(self) -> None:
+        """Stop reading; safe to call at any time."""
+        if self._reading is not None:
+            self._reading.close()
+
+    def _read(self) -> Geometry:
+        assert self._reading is not None  # else the geometry is known
+        prepare()  # trimesh imports while the kernel works
+        found = Diagnostics()
+        assembly = self._reading.finish(found, timeout=self._timeout)
+        if assembly is None:
+            found.raise_if_errors()
+            raise AssertionError("no assembly, and no error that says why")
+        return Geometry(assembly, tuple(measured(body.mesh) for body in assembly.bodies), tuple(found))
+
+
+class _Memory:
+    """What is kept of one file, read in one way."""
+
+    def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
+        self._shelf, self._step = Shelf(cache, Geometry), step
+        self._state = _state(step)
+        self._content = (file_digest(step) or "") if cache is not None else ""
+        asked = codec_of(ReadOptions).encode(what)
+        self._key = Digest("geometry").add(environment(), self._content, step.name, asked).key if self._content else ""
+
+    @property
+    def content(self) -> str:
+        return self._content if _state(self._step) == self._state else ""
+
+    def recall(self) -> Geometry | None:
+        kept = self._shelf.get(self._key) if self._key else None
+        return _named(kept, "", str(self._step)) if kept is not None else None
+
+    def keep(self, geometry: Geometry) -> None:
+        """Keep it, unless the file was written to meanwhile: then nobody knows which of the two was read."""
+        if self.content:
+            self._shelf.put(self._key, _named(geometry, str(self._step), ""))
+
+
+def _state(path: Path) -> tuple[int, int] | None:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
+
+
+def _named(geometry: Geometry, place: str, other: str) -> Geometry:
+    """The same with diagnostics that call the file by another name: the path that somebody gave is not its content."""
+
+    def moved(diagnostics: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
+        return tuple(
+            replace(one, span=replace(one.span, file=other)) if one.span.file == place else one for one in diagnostics
+        )
+
+    assembly = replace(geometry.assembly, diagnostics=moved(geometry.assembly.diagnostics))
+    return Geometry(assembly, geometry.measures, moved(geometry.diagnostics))

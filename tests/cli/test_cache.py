@@ -1,0 +1,218 @@
+"""The cache as users meet it: the same bytes with it and without, and nothing loaded that is not needed."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from stepbot.cache import Cache, own_code
+from stepbot.isolation import Worker
+from tests.architecture.test_imports import HEAVY, loaded_by
+from tests.command_line import snapshot
+from tests.command_line import stepbot as run_stepbot
+
+from .conftest import Stepbot
+
+FAST = ("-f", "urdf", "--no-verify")
+ENGINES = "stepbot.simulators."
+KERNEL = "stepbot.cad.worker:read"
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
+    """A folder with a sidecar, its STEP, and a cache that has seen them converted and checked."""
+    folder = tmp_path_factory.mktemp("filled")
+    for file in ("four_bar.robot.yaml", "four_bar.step"):
+        shutil.copy(robot_library / "stepbot_four_bar" / file, folder)
+    changes = {"STEPBOT_NO_CACHE": "", "STEPBOT_CACHE": "kept"}
+    for command in (("convert", *FAST), ("check",), ("check", "--step")):
+        assert run_stepbot(*command, "four_bar.robot.yaml", cwd=folder, changes=changes).code == 0
+    return folder
+
+
+@pytest.fixture
+def cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, filled: Path) -> Path:
+    """Folder of a cache that is switched on, and knows the sidecar."""
+    shutil.copytree(filled / "kept", tmp_path / "kept")
+    monkeypatch.setenv("STEPBOT_NO_CACHE", "")
+    monkeypatch.setenv("STEPBOT_CACHE", str(tmp_path / "kept"))
+    return tmp_path / "kept"
+
+
+@pytest.fixture
+def four_bar(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, filled: Path) -> Path:
+    """A sidecar, with its STEP beside it, in the current folder."""
+    for file in ("four_bar.robot.yaml", "four_bar.step"):
+        shutil.copy(filled / file, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path / "four_bar.robot.yaml"
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The functions that were handed to worker processes, as they are."""
+    functions: list[str] = []
+    start, submit = Worker.__init__, Worker.submit
+
+    def noted_start(self: Worker, function: str, **options: object) -> None:
+        start(self, function, **options)  # type: ignore[arg-type]
+        self.function = function  # type: ignore[attr-defined]
+
+    def noted_submit(self: Worker, *arguments: object) -> Worker:
+        functions.append(self.function)  # type: ignore[attr-defined]
+        return submit(self, *arguments)
+
+    monkeypatch.setattr(Worker, "__init__", noted_start)
+    monkeypatch.setattr(Worker, "submit", noted_submit)
+    return functions
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    """Replace a part of a file."""
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+    """Without a cache, with an empty one, with all found, and with only the geometry found: the same files."""
+    shutil.rmtree(cache)
+    assert stepbot("convert", four_bar.name, "-o", "without", "--no-cache", *FAST).code == 0
+    assert not cache.exists()
+    assert stepbot("convert", four_bar.name, "-o", "filling", *FAST).code == 0
+    assert asked == [KERNEL, KERNEL]
+    assert stepbot("convert", four_bar.name, "-o", "whole", *FAST).code == 0
+    edit(four_bar, "version: 1", "version: 1 # edited")
+    assert stepbot("convert", four_bar.name, "-o", "geometry", *FAST).code == 0
+    assert asked == [KERNEL, KERNEL], "to edit the sidecar reads no STEP"
+    expected = snapshot(Path("without"))
+    assert "report.json" in expected
+    assert all(snapshot(Path(name)) == expected for name in ("filling", "whole", "geometry"))
+
+
+@pytest.mark.slow
+def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+    """Of files whose bytes stay, engines are remembered; of a file that changes, its engines are asked."""
+    assert stepbot("convert", four_bar.name, "-o", "one").code == 0
+    assert any(function.startswith(ENGINES) for function in asked)
+    first = list(asked)
+    assert stepbot("convert", four_bar.name, "-o", "two").code == 0
+    assert asked == first
+    assert snapshot(Path("one")) == snapshot(Path("two"))
+    edit(four_bar, "version: 1", "version: 1 # a word")
+    assert stepbot("convert", four_bar.name, "-o", "three").code == 0
+    assert asked == first
+    assert snapshot(Path("one")) == snapshot(Path("three"))
+
+
+def test_changed_step_is_read(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+    """Another STEP under the same name and of the same age is another STEP."""
+    step = four_bar.with_name("four_bar.step")
+    edit(step, "DATA;", "DATA; ")
+    assert stepbot("convert", four_bar.name, *FAST).code == 0
+    assert asked == [KERNEL]
+
+
+def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+    """How the STEP is to be read is part of what is kept."""
+    with four_bar.open("a", encoding="utf-8") as file:
+        file.write("\nmesh: {tolerance: 0.01 mm}\n")
+    assert stepbot("convert", four_bar.name, *FAST).code == 0
+    assert asked == [KERNEL]
+
+
+def test_spoilt_entries_harm_nobody(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+    """With every entry overwritten by rubbish, the same files come out."""
+    assert stepbot("convert", four_bar.name, "-o", "one", *FAST).code == 0
+    assert asked == []
+    for path in cache.rglob("*"):
+        if path.is_file():
+            path.write_bytes(path.read_bytes()[: -len(path.name)] + path.name.encode())
+    assert stepbot("convert", four_bar.name, "-o", "two", *FAST).code == 0
+    assert snapshot(Path("one")) == snapshot(Path("two"))
+    assert asked == [KERNEL]
+
+
+def test_errors_are_not_kept(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+    """A conversion that fails is tried again."""
+    edit(four_bar, "links:", "links:\n  ghost: {parts: [nowhere]}")
+    first = stepbot("convert", four_bar.name, *FAST)
+    second = stepbot("convert", four_bar.name, *FAST)
+    assert first.code == second.code == 1
+    assert first.err == second.err
+
+
+@pytest.mark.parametrize("options", [(), ("--step",)])
+def test_check_says_the_same_again(
+    four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], options: tuple[str, ...]
+) -> None:
+    """Findings come back word for word, and their remedies; the kernel is not asked again."""
+    edit(four_bar, "version: 1", "version: 1\nmass: exact")
+    runs = [stepbot("check", *options, four_bar.name) for _ in range(3)]
+    assert runs[0] == runs[1] == runs[2]
+    assert asked == [], "the edit changes nothing about how the STEP is read"
+
+
+def test_unchanged_check_loads_nothing_heavy(tmp_path: Path, four_bar: Path, cache: Path) -> None:
+    """Not even numpy, and no YAML reader: the second check only hashes."""
+    for options in ([], ["--step"]):
+        code, modules = loaded_by(["check", *options, four_bar.name], tmp_path)
+        assert code == 0
+        assert not modules & HEAVY
+
+
+def test_edited_sidecar_loads_no_kernel(tmp_path: Path, four_bar: Path, cache: Path) -> None:
+    """After an edit the program itself imports neither kernel nor trimesh."""
+    edit(four_bar, "version: 1", "version: 1 # a word")
+    code, modules = loaded_by(["convert", four_bar.name, *FAST], tmp_path)
+    assert code == 0
+    assert not modules & {"OCP", "trimesh", "scipy", "mujoco", "pybullet"}
+
+
+def test_info_and_clear(cache: Path, stepbot: Stepbot) -> None:
+    """What is kept can be seen and removed."""
+    told = json.loads(stepbot("cache", "info", "--json").out)
+    assert Path(told["folder"]) == cache
+    assert told["entries"] > 0
+    assert 0 < told["size"] < told["limit"]
+    assert f"entries  {told['entries']}" in stepbot("cache", "info").out
+    assert json.loads(stepbot("cache", "clear", "--json").out)["entries"] == told["entries"]
+    assert json.loads(stepbot("cache", "info", "--json").out)["entries"] == 0
+
+
+def test_limit_from_the_environment(cache: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``STEPBOT_CACHE_SIZE`` bounds it; nonsense is refused."""
+    monkeypatch.setenv("STEPBOT_CACHE_SIZE", "3M")
+    assert json.loads(stepbot("cache", "info", "--json").out)["limit"] == 3 * 2**20
+    monkeypatch.setenv("STEPBOT_CACHE_SIZE", "plenty")
+    assert stepbot("cache", "info").code == 2
+
+
+def test_unwritable_cache_is_a_note(four_bar: Path, stepbot: Stepbot, tmp_path: Path, cache: Path) -> None:
+    """Nothing fails for want of a cache, and the user is told."""
+    shutil.rmtree(cache)
+    cache.write_text("a file, no folder", encoding="utf-8")
+    run = stepbot("convert", four_bar.name, *FAST)
+    assert run.code == 0
+    assert "note[SB006]" in run.err
+    assert b"SB006" not in (tmp_path / "four_bar" / "report.json").read_bytes()
+
+
+def test_other_code_finds_nothing(
+    four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What another stepbot kept is not used."""
+    import stepbot.cache.keys as keys
+
+    original: Callable[[], str] = own_code
+    monkeypatch.setattr(keys, "own_code", lambda: original() + "!")
+    keys.environment.cache_clear()
+    try:
+        assert stepbot("convert", four_bar.name, *FAST).code == 0
+    finally:
+        monkeypatch.undo()
+        keys.environment.cache_clear()
+    assert asked == [KERNEL]
+    assert Cache(cache).usage().entries > 0

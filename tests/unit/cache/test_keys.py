@@ -1,0 +1,41 @@
+"""Keys: all that a result depends on, and nothing else."""
+
+from pathlib import Path
+
+from stepbot.cache import Digest, content_digest, environment, file_digest, own_code
+
+
+def test_parts_do_not_run_together() -> None:
+    """Where one part ends and the next begins counts, and so does the purpose."""
+    keys = [
+        Digest("a").add("ab", "c").key,
+        Digest("a").add("a", "bc").key,
+        Digest("a").add("abc").key,
+        Digest("b").add("abc").key,
+        Digest("a").add("abc", "").key,
+    ]
+    assert len(set(keys)) == len(keys)
+    assert Digest("a").add("é").key == Digest("a").add("é".encode()).key
+
+
+def test_file_by_its_content(tmp_path: Path) -> None:
+    """Neither name nor time matter; what cannot be read has no digest."""
+    for name in ("a", "b"):
+        (tmp_path / name).write_bytes(b"x" * 5_000_000)
+    assert file_digest(tmp_path / "a") == file_digest(tmp_path / "b")
+    (tmp_path / "b").write_bytes(b"x" * 4_999_999 + b"y")
+    assert file_digest(tmp_path / "a") != file_digest(tmp_path / "b")
+    assert file_digest(tmp_path / "c") is None
+    assert file_digest(tmp_path) is None
+
+
+def test_files_by_names_and_content() -> None:
+    """The order in which files were made does not matter, their names do."""
+    assert content_digest({"a": b"1", "b": b"2"}) == content_digest({"b": b"2", "a": b"1"})
+    assert content_digest({"a": b"1", "b": b"2"}) != content_digest({"a": b"2", "b": b"1"})
+
+
+def test_environment_holds_code_and_packages() -> None:
+    """The environment is more than stepbot's own code, and stays the same within a process."""
+    assert environment() == environment()
+    assert environment() != own_code()
