@@ -62,10 +62,9 @@ fresh: install  ## check that what is generated is up to date
 
 check: lint types contracts fresh  ## all that needs no test run
 
-library: install  ## convert and verify every robot of the library
-	@for sidecar in robot_library/*/*.robot.yaml; do \
-		name=$$(basename $$sidecar .robot.yaml); echo "== $$name"; \
-		$(BIN)/stepbot convert $$sidecar -o build/library/$$name || exit $$?; done
+library: install  ## draw, convert, verify and render every robot of the library, and write its pages
+	$(BIN)/python -m pip install --quiet -e '.[draw]'
+	$(BIN)/python -m robot_library
 
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build

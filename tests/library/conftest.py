@@ -10,8 +10,20 @@ from tests.command_line import Conversion, convert_once
 LIBRARY = Path(__file__).resolve().parents[2] / "robot_library"
 ROBOTS = tuple(sorted(path.name for path in LIBRARY.iterdir() if path.is_dir() and not path.name.startswith("_")))
 """Names of the robots' folders."""
+SHORT = ("stepbot_arm2", "stepbot_four_bar", "universal_robots_ur5e")
+"""Robots that `make test` converts: a tree with a mimic, a loop, a maker's arm. `make all` converts all of them."""
+
+every_robot = pytest.mark.parametrize("robot", ROBOTS)
+every_converted_robot = pytest.mark.parametrize(
+    "robot", [pytest.param(robot, marks=() if robot in SHORT else pytest.mark.long) for robot in ROBOTS]
+)
 
 Converted = Callable[[str], Conversion]
+
+
+def name_of(robot: str) -> str:
+    """The robot's own name: that of its folder without its maker's, which may be several words."""
+    return sidecar_of(robot).name.removesuffix(".robot.yaml")
 
 
 def sidecar_of(robot: str) -> Path:

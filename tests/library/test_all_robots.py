@@ -11,9 +11,8 @@ from ruamel.yaml import YAML
 
 from stepbot.isolation import call_isolated
 from tests.command_line import stepbot
-from tests.library.conftest import LIBRARY, ROBOTS, Converted, sidecar_of
+from tests.library.conftest import LIBRARY, ROBOTS, Converted, every_converted_robot, every_robot, name_of, sidecar_of
 
-every_robot = pytest.mark.parametrize("robot", ROBOTS)
 ALLOWED = re.compile(r"README\.md|expected\.json|preview\.png|[a-z0-9_]+\.(?:py|step|robot\.yaml)")
 
 
@@ -28,13 +27,12 @@ def test_the_library_is_not_empty() -> None:
 @every_robot
 def test_folder_has_what_every_folder_has(robot: str) -> None:
     """Sidecar, STEP, drawing script, expected numbers and README, named after the robot, and nothing else."""
-    maker, _, name = robot.partition("_")
-    assert maker
-    assert name
+    name = name_of(robot)
+    assert re.fullmatch(rf"[a-z0-9_]+_{name}", robot), "<maker>_<robot>"
     files = {path.name for path in (LIBRARY / robot).iterdir() if path.name != "__pycache__"}
-    assert files >= {f"{name}.robot.yaml", f"{name}.step", "build.py", "expected.json", "README.md"}
+    assert files >= {f"{name}.robot.yaml", f"{name}.step", "build.py", "expected.json", "README.md", "preview.png"}
     assert [file for file in sorted(files) if not ALLOWED.fullmatch(file)] == []
-    assert (LIBRARY / robot / f"{name}.step").stat().st_size < 2_000_000
+    assert (LIBRARY / robot / f"{name}.step").stat().st_size < 1_000_000
 
 
 @every_robot
@@ -42,7 +40,7 @@ def test_sidecar_names_its_neighbours(robot: str) -> None:
     """The robot's name, its STEP and its schema are those beside it."""
     sidecar = sidecar_of(robot)
     text = sidecar.read_text(encoding="utf-8")
-    name = robot.partition("_")[2]
+    name = name_of(robot)
     schema = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
     assert schema is not None
     assert (sidecar.parent / schema[1]).is_file()
@@ -64,7 +62,7 @@ def test_readme_shows_the_command(robot: str) -> None:
     readme = (LIBRARY / robot / "README.md").read_text(encoding="utf-8")
     sidecar = sidecar_of(robot).relative_to(LIBRARY.parent).as_posix()
     assert f"stepbot convert {sidecar}" in readme
-    assert readme.startswith(f"# {robot.partition('_')[2]}\n")
+    assert readme.startswith(f"# {name_of(robot)}\n")
     named = re.findall(r"^- `([\w.]+)`:", readme, re.MULTILINE)
     assert len(named) >= 4
     assert [file for file in named if not (LIBRARY / robot / file).is_file()] == []
@@ -74,11 +72,11 @@ def test_readme_shows_the_command(robot: str) -> None:
 
 
 @pytest.mark.slow
-@every_robot
+@every_converted_robot
 def test_converts_and_every_check_passes(robot: str, converted: Converted) -> None:
     """Three formats and a report; nothing failed, no error, and the mass is the one known beforehand."""
     conversion = converted(robot)
-    name = robot.partition("_")[2]
+    name = name_of(robot)
     tops = {path.name for path in conversion.folder.iterdir() if path.is_file() and not path.name.startswith(".")}
     report = conversion.report
     for_drake = {f"{name}.drake.sdf"} if report["robot"]["closures"] else set()
@@ -93,7 +91,7 @@ def test_converts_and_every_check_passes(robot: str, converted: Converted) -> No
     assert {joint["name"] for joint in report["robot"]["joints"]} <= set(expected["joints"])
 
 
-@every_robot
+@every_converted_robot
 def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Converted) -> None:
     """All meshes that a file names are there, relative and in metres, none lies about unused; no machine is named."""
     folder = converted(robot).folder
@@ -110,7 +108,7 @@ def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Con
 
 
 @pytest.mark.slow
-@every_robot
+@every_converted_robot
 def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Path) -> None:
     """`stepbot verify` on a copy, in another folder and without the report, finds the three files equal."""
     folder = shutil.copytree(converted(robot).folder, tmp_path / "copy")
@@ -126,7 +124,7 @@ def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Pat
 
 
 @pytest.mark.mujoco
-@every_robot
+@every_converted_robot
 @pytest.mark.parametrize("noise", [False, True], ids=["at rest", "noise"])
 def test_one_second_in_mujoco(robot: str, noise: bool, converted: Converted) -> None:
     """From its keyframe, held by its actuators or with noise on them: no warning, nothing that explodes or collides."""
@@ -140,7 +138,7 @@ def test_one_second_in_mujoco(robot: str, noise: bool, converted: Converted) -> 
 
 
 @pytest.mark.pybullet
-@every_robot
+@every_converted_robot
 def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:
     """Hanging from its base without motors: finite, and no faster than a fall lets it be."""
     pytest.importorskip("pybullet")

@@ -1,0 +1,43 @@
+"""Hashes by which what was made is known to be stale, so that nothing needs to be drawn or converted to find out."""
+
+import hashlib
+from collections.abc import Iterable
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+_DRAWING = ("drawing.py", "description.py", "moments.py", "shapes.py", "step_file.py", "step_text.py")
+_PICTURE = ("preview.py", "raytrace.py")
+_DIGITS = 16
+
+
+def drawing(folder: Path) -> str:
+    """Of what the STEP of a robot is drawn from: its scripts, its expected.json, and the modules they share."""
+    scripts = [path for path in folder.glob("*.py") if path.name != "view.py"]
+    return _hash((*sorted(scripts), folder / "expected.json", *(_HERE / name for name in _DRAWING)))
+
+
+def robot(folder: Path) -> str:
+    """Of what a robot is converted from: its STEP and its sidecar."""
+    return _hash((*sorted(folder.glob("*.step")), *sorted(folder.glob("*.robot.yaml"))))
+
+
+def picture(folder: Path) -> str:
+    """Of what a picture shows, where it is taken from, and what renders it."""
+    return _hash(
+        (
+            *sorted(folder.glob("*.step")),
+            *sorted(folder.glob("*.robot.yaml")),
+            folder / "view.py",
+            *(_HERE / name for name in _PICTURE),
+        )
+    )
+
+
+def _hash(paths: Iterable[Path]) -> str:
+    digest = hashlib.sha256()
+    for path in paths:
+        # A checkout may have other ends of lines.
+        content = path.read_bytes().replace(b"\r\n", b"\n") if path.is_file() else b""
+        digest.update(f"{path.name} {len(content)}\n".encode())
+        digest.update(content)
+    return digest.hexdigest()[:_DIGITS]

@@ -1,0 +1,156 @@
+"""Make the library anew, ``python -m robot_library``, or say with ``--check`` what of it is stale.
+
+For every robot, several at once: draw its STEP, convert and verify it into ``build/library/<folder>``, draw its picture
+where it is stale, write the tables of its README; then the gallery of all. ``--check`` compares hashes alone: it needs
+neither build123d nor Embree, and no time.
+"""
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import fingerprints, pages
+
+if TYPE_CHECKING:
+    from stepbot.model import MassProperties
+    from stepbot.pipeline import Conversion
+
+LIBRARY = Path(__file__).resolve().parent
+OUTPUT = LIBRARY.parent / "build" / "library"
+_PAGE = "README.md"
+
+
+def folders(names: Iterable[str] = ()) -> list[Path]:
+    """The folders of the robots, or of those that are named."""
+    found = sorted(path.parent for path in LIBRARY.glob("*/*.robot.yaml"))
+    wanted = set(names)
+    unknown = wanted - {path.name for path in found}
+    if unknown:
+        raise SystemExit(f"no robot {', '.join(sorted(unknown))}; there are {', '.join(path.name for path in found)}")
+    return [path for path in found if not wanted or path.name in wanted]
+
+
+def stale(folder: Path) -> list[str]:
+    """What of a robot was made from something other than what there is now."""
+    from .preview import stale as picture_is_stale
+
+    told = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
+    found = []
+    if told is None or told[0] != fingerprints.drawing(folder):
+        found.append("the STEP, or its expected.json and scripts")
+    if told is None or told[1] != fingerprints.robot(folder):
+        found.append("the tables of README.md")
+    if picture_is_stale(folder):
+        found.append("preview.png")
+    return found
+
+
+def make(folder: Path, force: bool = False) -> str:
+    """Make one robot; gives what went wrong, or nothing.
+
+    Args:
+        folder: The robot's folder.
+        force: Whether to draw what is not stale, too.
+    """
+    told = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
+    if force or told is None or told[0] != fingerprints.drawing(folder):
+        run = _python("-m", f"robot_library.{folder.name}.build")
+        if run.returncode:
+            return f"{folder.name}: drawing it failed\n{run.stderr}"
+    conversion = _converted(folder)
+    if conversion.diagnostics.has_errors:
+        return f"{folder.name}: converting it failed\n" + "\n".join(map(str, conversion.diagnostics))
+    page = folder / _PAGE
+    part = pages.robot_part(folder, conversion, _own_mass(folder))
+    page.write_text(pages.with_part(page.read_text(encoding="utf-8"), part), encoding="utf-8", newline="\n")
+    results = {f"{format_} in {engine}": result for (format_, engine), result in pages.results_of(conversion).items()}
+    known = {"facts": pages.facts_of(conversion), "results": results}
+    (OUTPUT / f"{folder.name}.json").write_text(json.dumps(known), encoding="utf-8")
+    run = _python("-m", "robot_library.preview", str(folder), *(["--force"] if force else []))
+    return f"{folder.name}: its picture failed\n{run.stderr}" if run.returncode else ""
+
+
+def _python(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, cwd=LIBRARY.parent, capture_output=True, encoding="utf-8", check=False)
+
+
+def _converted(folder: Path) -> "Conversion":
+    from stepbot.pipeline import Options, convert
+
+    (sidecar,) = folder.glob("*.robot.yaml")
+    return convert(sidecar, Options(OUTPUT / folder.name))
+
+
+def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
+    """Mass properties by their shapes alone of the links whose sidecar gives others."""
+    from ruamel.yaml import YAML
+
+    from stepbot.pipeline import Options, convert
+
+    (sidecar,) = folder.glob("*.robot.yaml")
+    yaml = YAML()
+    content = yaml.load(sidecar.read_text(encoding="utf-8"))
+    given = [name for name, link in content["links"].items() if link.pop("inertial", None) is not None]
+    if not given:
+        return {}
+    plain = OUTPUT / f"{folder.name}.shapes.robot.yaml"
+    with plain.open("w", encoding="utf-8") as file:
+        yaml.dump(content, file)
+    options = Options(OUTPUT / f"{folder.name}.shapes", ("mjcf",), step=folder / content["step"], verify=False)
+    conversion = convert(plain, options)
+    if conversion.robot is None:
+        raise ValueError(f"{folder.name}: its shapes weigh nothing\n" + "\n".join(map(str, conversion.diagnostics)))
+    return {name: conversion.robot.link_by_name[name].mass_properties for name in given}
+
+
+def write_gallery() -> None:
+    """Write the pictures and the table of all robots into the library's README, from what `make` last found."""
+    made = []
+    for folder in folders():
+        page = (folder / _PAGE).read_text(encoding="utf-8")
+        known = json.loads((OUTPUT / f"{folder.name}.json").read_text(encoding="utf-8"))
+        pairs = {tuple(key.split(" in ")): result for key, result in known["results"].items()}
+        made.append(pages.Made(folder.name, page[2 : page.index("\n")], pages.summary_of(page), known["facts"], pairs))
+    page_of_all = LIBRARY / _PAGE
+    text = pages.with_part(page_of_all.read_text(encoding="utf-8"), pages.gallery(made))
+    page_of_all.write_text(text, encoding="utf-8", newline="\n")
+
+
+def missing_from_gallery() -> list[str]:
+    """Robots that the gallery does not show."""
+    shown = re.findall(r'<img src="([a-z0-9_]+)/preview.png"', (LIBRARY / _PAGE).read_text(encoding="utf-8"))
+    return [folder.name for folder in folders() if folder.name not in shown]
+
+
+def main() -> int:
+    """Do what the command line says; gives the exit code."""
+    parser = argparse.ArgumentParser(description="Make the library of robots anew.")
+    parser.add_argument("names", nargs="*", metavar="FOLDER", help="only these robots")
+    parser.add_argument("--check", action="store_true", help="only say what is stale")
+    parser.add_argument("--force", action="store_true", help="draw what is not stale, too")
+    parser.add_argument("--jobs", type=int, default=None, help="robots at once (default: one per core)")
+    options = parser.parse_args()
+    wanted = folders(options.names)
+    if options.check:
+        found = [f"{folder.name}: {what} is stale" for folder in wanted for what in stale(folder)]
+        found += [f"{name}: missing from the gallery" for name in missing_from_gallery()]
+        print("\n".join([*found, *(["run `make library`"] if found else [])]), end="\n" if found else "")
+        return 1 if found else 0
+
+    OUTPUT.mkdir(parents=True, exist_ok=True)
+    faults = []
+    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
+        for folder, fault in zip(wanted, pool.map(make, wanted, [options.force] * len(wanted)), strict=True):
+            print(fault or f"{folder.name}: made", flush=True)
+            faults += [fault] if fault else []
+    if not options.names and not faults:
+        write_gallery()
+    return 1 if faults else 0

@@ -1,0 +1,185 @@
+"""The parts of README.md that are written from what was found: tables of each robot, and the gallery of all."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import degrees, isinf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import fingerprints
+
+if TYPE_CHECKING:
+    from stepbot.diagnostics import Diagnostics
+    from stepbot.model import Joint, MassProperties, Robot
+    from stepbot.pipeline import Conversion
+    from stepbot.report import Report
+
+START, END = "<!-- generated: do not edit below -->", "<!-- end of the generated part -->"
+_PART = re.compile(f"{re.escape(START)}.*{re.escape(END)}\n?", re.DOTALL)
+_MADE_FROM = re.compile(r"<!-- drawn from ([0-9a-f]+), converted from ([0-9a-f]+) -->")
+_COLUMNS = 3
+_LOWERED = re.compile(r"SB7\d\d")
+
+
+@dataclass(frozen=True)
+class Made:
+    """What came of one robot."""
+
+    folder: str
+    name: str
+    summary: str
+    """One sentence."""
+    facts: str
+    """Its links, joints and mass, in a few words."""
+    results: Mapping[tuple[str, str], str]
+    """For each format and engine, what came of the verification."""
+
+
+def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassProperties"]) -> str:
+    """The generated part of a robot's README.
+
+    Args:
+        folder: The robot's folder.
+        conversion: What came of it, verified.
+        own: Mass properties of links by their shapes alone, for those whose maker publishes others.
+    """
+    robot, report = conversion.robot, conversion.report
+    assert robot is not None
+    assert report is not None
+    lines = [START, f"<!-- drawn from {fingerprints.drawing(folder)}, converted from {fingerprints.robot(folder)} -->"]
+    lines += ["## Joints", "", *_joints(robot), ""]
+    lines += ["## Links", "", *_links(robot, own), ""]
+    lines += ["## Verification", "", *_verification(report, conversion.diagnostics), "", END]
+    return "\n".join(lines) + "\n"
+
+
+def with_part(page: str, part: str) -> str:
+    """A page with its generated part replaced, or appended where it has none yet."""
+    if START not in page:
+        return f"{page.rstrip()}\n\n{part}"
+    return _PART.sub(lambda _: part, page)
+
+
+def made_from(page: str) -> tuple[str, str] | None:
+    """Hashes that a robot's README says its STEP and its tables were made from; None where it says nothing."""
+    found = _MADE_FROM.search(page)
+    return None if found is None else (found[1], found[2])
+
+
+def summary_of(page: str) -> str:
+    """The first sentence below the title of a page."""
+    paragraph = next(block for block in page.split("\n\n")[1:] if block and not block.startswith(("!", "<", "#", "|")))
+    return re.split(r"(?<=[.:])\s", " ".join(paragraph.split()), maxsplit=1)[0].rstrip(":.") + "."
+
+
+def gallery(robots: Iterable[Made]) -> str:
+    """The generated part of the library's README: the pictures, and what was proven of every robot."""
+    robots = list(robots)
+    lines = [START, "", "<table>"]
+    for first in range(0, len(robots), _COLUMNS):
+        lines.append("<tr>")
+        for made in robots[first : first + _COLUMNS]:
+            picture = f'<a href="{made.folder}"><img src="{made.folder}/preview.png" alt="{made.name}" width="300"></a>'
+            lines.append(f'<td align="center">{picture}<br><b>{made.folder}</b><br>{made.summary}</td>')
+        lines.append("</tr>")
+    lines += ["</table>", "", "| robot | | " + " | ".join(_pairs(robots)) + " |"]
+    lines.append("| --- | --- | " + " | ".join("---" for _ in _pairs(robots)) + " |")
+    for made in robots:
+        cells = [made.results.get(pair, "") for pair in _pairs(robots).values()]
+        lines.append(f"| [{made.folder}]({made.folder}) | {made.facts} | " + " | ".join(cells) + " |")
+    lines += ["", "Reasons for what is lowered or not run are in the README of each robot.", "", END]
+    return "\n".join(lines) + "\n"
+
+
+def results_of(conversion: "Conversion") -> dict[tuple[str, str], str]:
+    """For each format and engine what came of it, and whether the format had to say something by other means."""
+    report = conversion.report
+    assert report is not None
+    lowered = {d.span.file for d in conversion.diagnostics if _LOWERED.match(d.code) and d.severity == "warning"}
+    return {
+        (row.format, row.engine): row.status.value + (", lowered" if row.file in lowered else "")
+        for row in report.rows()
+        if row.format
+    }
+
+
+def facts_of(conversion: "Conversion") -> str:
+    """Links, freedoms, loops and mass in a few words."""
+    robot, report = conversion.robot, conversion.report
+    assert robot is not None
+    assert report is not None
+    mass = sum(link.mass_properties.mass for link in robot.links)
+    freedom = report.degrees_of_freedom
+    loops = f", {len(robot.closures)} loop{'s' * (len(robot.closures) > 1)}" if robot.closures else ""
+    return f"{len(robot.links)} links, {freedom} DoF{loops}, {_number(mass)} kg"
+
+
+def _pairs(robots: list[Made]) -> dict[str, tuple[str, str]]:
+    pairs = dict.fromkeys(pair for made in robots for pair in made.results)
+    return {f"{format_} in {engine}": (format_, engine) for format_, engine in pairs}
+
+
+def _joints(robot: "Robot") -> list[str]:
+    lines = ["| joint | type | parent | child | axis | lower | upper | velocity | effort |", "|" + " --- |" * 9]
+    for joint in robot.joints:
+        limit, angular = joint.limit, joint.kind.value != "prismatic"
+        bounds = [_position(value, angular) for value in (limit.lower, limit.upper)]
+        rates = [_rate(limit.velocity, "rad/s" if angular else "m/s"), _rate(limit.effort, "N m" if angular else "N")]
+        axis = " ".join(_number(value) for value in joint.axis) if joint.kind.value not in ("fixed", "ball") else ""
+        cells = [joint.name, _kind(joint), joint.parent, joint.child, axis, *bounds, *rates]
+        lines.append("| " + " | ".join(cells) + " |")
+    for closure in robot.closures:
+        kind = f"{closure.kind.value}, closes a loop"
+        lines.append(f"| {closure.name} | {kind} | {closure.link_a} | {closure.link_b} | | | | | |")
+    return lines
+
+
+def _kind(joint: "Joint") -> str:
+    if joint.mimic is None:
+        return joint.kind.value
+    return f"{joint.kind.value}, {_number(joint.mimic.multiplier)} × {joint.mimic.joint}"
+
+
+def _links(robot: "Robot", own: Mapping[str, "MassProperties"]) -> list[str]:
+    lines = ["| link | mass [kg] | com [mm] | inertia xx, yy, zz [kg m²] |", "|" + " --- |" * 4]
+    for link in robot.links:
+        lines.append(f"| {link.name} | {_mass_cells(link.mass_properties)} |")
+        if link.name in own:
+            scaled = own[link.name].scaled(_ratio(link.mass_properties.mass, own[link.name].mass))
+            lines.append(f"| – its shape, evenly filled | {_mass_cells(scaled)} |")
+    return lines
+
+
+def _ratio(mass: float, of: float) -> float:
+    return mass / of if of else 0.0
+
+
+def _mass_cells(body: "MassProperties") -> str:
+    com = ", ".join(f"{1000 * value + 0.0:.1f}".replace("-0.0", "0.0") for value in body.com)
+    inertia = ", ".join(_number(body.inertia[i][i]) for i in range(3))
+    return f"{_number(body.mass)} | {com} | {inertia}"
+
+
+def _verification(report: "Report", diagnostics: "Diagnostics") -> list[str]:
+    lines = ["| format | engine | result | compared | not compared, and why |", "|" + " --- |" * 5]
+    for row in report.rows():
+        cells = (row.format or "robot", row.engine, row.status.value, ", ".join(row.compared), row.why)
+        lines.append("| " + " | ".join(cells) + " |")
+    lowered = [diagnostic.message for diagnostic in diagnostics if _LOWERED.match(diagnostic.code)]
+    lines += ["", *(f"- {message}" for message in lowered)]
+    return [line.replace("<", "&lt;") for line in lines]
+
+
+def _position(value: float, angular: bool) -> str:
+    if isinf(value):
+        return ""
+    return f"{degrees(value):.5g}°" if angular else f"{1000 * value:.5g} mm"
+
+
+def _rate(value: float, unit: str) -> str:
+    return "" if isinf(value) else f"{value:.5g} {unit}"
+
+
+def _number(value: float) -> str:
+    return f"{value + 0.0:.4g}"

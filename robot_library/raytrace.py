@@ -1,0 +1,254 @@
+"""A picture of triangles by casting rays: soft shadows, light from the whole sky, a floor that fades into the paper.
+
+No window and no graphics card: Embree finds what each ray meets, the rest is a few lines of optics. The same machine
+gives the same picture each time; others differ in noise, which is why nobody compares pixels.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PAPER = np.array((0.93, 0.93, 0.94))
+"""Linear colour of floor and background."""
+SUN = np.array((-0.45, -0.62, 0.85))
+"""Towards the key light, seen from a camera that looks along +y."""
+_SUN_SPREAD = 0.16
+"""Tangent of the key light's half angle: the softness of shadows."""
+_SUN_LIGHT, _SKY_LIGHT, _GROUND_LIGHT = 0.78, 0.62, 0.28
+_GLOSS, _GLOSS_POWER = 0.22, 48.0
+_NEAR = 2e-4
+"""How far from a surface a ray starts, as a share of the scene's size."""
+_ROWS = 24
+"""Rows of the picture that are worked on at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Triangles in the world."""
+
+    vertices: Array
+    """Shape (n, 3) [m]."""
+    triangles: NDArray[np.int32]
+    """Shape (m, 3)."""
+    colors: Array
+    """Linear colour of each triangle, shape (m, 3)."""
+    floor: float
+    """Height [m] of the floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Where the picture is taken from."""
+
+    position: Array
+    """[m]."""
+    target: Array
+    """[m]; in the middle of the picture."""
+    tangent: float
+    """Tangent of half the angle that the picture is high."""
+
+
+def render(scene: Scene, camera: Camera, width: int, height: int, samples: int) -> NDArray[np.uint8]:
+    """A picture, shape (height, width, 3), sRGB; ``samples`` squared rays for each pixel."""
+    from embreex.mesh_construction import TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
+    embree = EmbreeScene()
+    TriangleMesh(embree, scene.vertices.astype(np.float32), scene.triangles)
+    caster = _Caster(scene, embree, camera)
+    rows = [caster.rows(first, last, width, height, samples) for first, last in _bands(height)]
+    return _encoded(np.concatenate(rows))
+
+
+def _bands(height: int) -> Iterator[tuple[int, int]]:
+    for first in range(0, height, _ROWS):
+        yield first, min(first + _ROWS, height)
+
+
+class _Caster:
+    """Casts the rays of some rows and shades what they meet."""
+
+    def __init__(self, scene: Scene, embree: Any, camera: Camera) -> None:
+        self._scene, self._embree, self._camera = scene, embree, camera
+        corners = scene.vertices[scene.triangles]
+        self._size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
+        self._normals = corner_normals(scene)
+        self._first = corners[:, 0]
+        self._edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        forward = _unit(camera.target - camera.position)
+        right = _unit(np.cross(forward, (0.0, 0.0, 1.0)))
+        self._axes = right, np.cross(right, forward), forward
+        x, y, z = SUN
+        level = _unit(np.array((forward[0], forward[1], 0.0)))
+        self._sun = _unit(x * right + y * level + z * np.array((0.0, 0.0, 1.0)))
+
+    def rows(self, first: int, last: int, width: int, height: int, samples: int) -> Array:
+        """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
+        total = np.zeros((last - first, width, 3))
+        # Each pixel shifts the same well-spread points by an amount of its own (Cranley, Patterson 1976).
+        shifts = np.random.default_rng(first).random(((last - first) * width, 4))
+        for number in range(samples**2):
+            directions = self._directions(first, last, width, height, _spread(number, 2))
+            total += self._shade(directions, (shifts + _spread(number, 4)) % 1.0).reshape(total.shape)
+        return total / samples**2
+
+    def _directions(self, first: int, last: int, width: int, height: int, within: Array) -> Array:
+        """Directions through one place within each pixel, shape (pixels, 3)."""
+        x = np.arange(width)[None, :] + within[0]
+        y = np.arange(first, last)[:, None] + within[1]
+        right, up, forward = self._axes
+        u = (2 * x - width) / height * self._camera.tangent
+        v = (height - 2 * y) / height * self._camera.tangent
+        return _unit(forward + u[..., None] * right + v[..., None] * up).reshape(-1, 3)
+
+    def _shade(self, directions: Array, random: Array) -> Array:
+        """Linear colours that rays from the camera bring back, shape (n, 3); ``random`` has four numbers for each."""
+        colors = np.broadcast_to(PAPER, directions.shape).copy()
+        origins = np.broadcast_to(self._camera.position, directions.shape)
+        met = self._cast(origins, directions)
+        hit = np.flatnonzero(met >= 0)
+        if hit.size:
+            colors[hit] = self._surface(met[hit], directions[hit], random[hit])
+        down = np.flatnonzero((met < 0) & (directions[:, 2] < -1e-6))
+        if down.size:
+            colors[down] = self._floor(directions[down], random[down])
+        return colors
+
+    def _surface(self, triangles: NDArray[np.int32], directions: Array, random: Array) -> Array:
+        points, weights = self._where(triangles, directions)
+        flat = _unit(np.cross(self._edges[0][triangles], self._edges[1][triangles]))
+        flat *= -np.sign(np.einsum("ij,ij->i", flat, directions))[:, None]
+        normals = _unit(np.einsum("ic,icj->ij", weights, self._normals[triangles]))
+        normals = np.where(np.einsum("ij,ij->i", normals, flat)[:, None] > 0.0, normals, flat)
+        starts = points + _NEAR * self._size * flat
+        toward, sky = self._light(starts, normals, random)
+        half = _unit(toward - directions)
+        facing = np.clip(np.einsum("ij,ij->i", normals, toward), 0.0, 1.0)
+        lit = self._free(starts, toward, facing > 0.0)
+        shine = np.clip(np.einsum("ij,ij->i", normals, half), 0.0, 1.0) ** _GLOSS_POWER * _GLOSS * (facing > 0.0)
+        colors = self._scene.colors[triangles]
+        rim = 0.10 * (1.0 + np.einsum("ij,ij->i", normals, directions)).clip(0.0, 1.0) ** 4
+        return colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None]
+
+    def _floor(self, directions: Array, random: Array) -> Array:
+        """The floor is paper; only where something keeps light from it does it grow darker."""
+        eye = self._camera.position
+        points = eye + directions * ((self._scene.floor - eye[2]) / directions[:, 2])[:, None]
+        colors = np.broadcast_to(PAPER, directions.shape).copy()
+        centre = self._camera.target
+        near = np.flatnonzero(np.linalg.norm(points[:, :2] - centre[:2], axis=1) < 1.3 * self._size)
+        if near.size:
+            up = np.broadcast_to((0.0, 0.0, 1.0), (near.size, 3))
+            starts = points[near] + _NEAR * self._size * up
+            toward, sky = self._light(starts, up, random[near])
+            sun = self._free(starts, toward, np.ones(near.size, dtype=bool))
+            share = (0.42 * sun + 0.58 * sky / (_SKY_LIGHT)).clip(0.0, 1.0)
+            distance = np.linalg.norm(points[near][:, :2] - centre[:2], axis=1) / (1.3 * self._size)
+            fade = np.clip(2.5 * (1.0 - distance), 0.0, 1.0)
+            colors[near] = PAPER * (1.0 - fade * 0.62 * (1.0 - share))[:, None]
+        return colors
+
+    def _light(self, points: Array, normals: Array, random: Array) -> tuple[Array, Array]:
+        """A direction towards the key light for each point, and how much of the sky it sees."""
+        count = len(points)
+        angle, radius = 2 * np.pi * random[:, 0], np.sqrt(random[:, 1])
+        a, b = _beside(self._sun[None, :])
+        spread = _SUN_SPREAD * radius
+        toward = _unit(self._sun + (spread * np.cos(angle))[:, None] * a + (spread * np.sin(angle))[:, None] * b)
+
+        # One direction of a cosine lobe; what it meets is not the sky.
+        angle, square = 2 * np.pi * random[:, 2], random[:, 3]
+        a, b = _beside(normals)
+        radius = np.sqrt(square)
+        lobe = (radius * np.cos(angle))[:, None] * a + (radius * np.sin(angle))[:, None] * b
+        lobe += np.sqrt(1.0 - square)[:, None] * normals
+        free = self._free(points, lobe, np.ones(count, dtype=bool))
+        height = 0.5 + 0.5 * lobe[:, 2]
+        sky = free * (_GROUND_LIGHT + (_SKY_LIGHT - _GROUND_LIGHT) * height) + (1.0 - free) * 0.10
+        return toward, np.where(normals[:, 2] > 0.999, free * _SKY_LIGHT, sky)
+
+    def _free(self, points: Array, directions: Array, wanted: NDArray[np.bool_]) -> Array:
+        """1 where nothing is in the way, else 0; also 0 where it was not wanted."""
+        free = np.zeros(len(points))
+        index = np.flatnonzero(wanted)
+        if index.size:
+            free[index] = self._cast(points[index], directions[index]) < 0
+        return free
+
+    def _cast(self, origins: Array, directions: Array) -> NDArray[np.int32]:
+        """The triangle that each ray meets first, -1 for none."""
+        met: NDArray[np.int32] = self._embree.run(
+            np.ascontiguousarray(origins, dtype=np.float32), np.ascontiguousarray(directions, dtype=np.float32)
+        )
+        return met
+
+    def _where(self, triangles: NDArray[np.int32], directions: Array) -> tuple[Array, Array]:
+        """Where rays from the camera meet their triangles, and the weights of the corners there (Moeller, Trumbore)."""
+        a, b = self._edges[0][triangles], self._edges[1][triangles]
+        p = np.cross(directions, b)
+        s = self._camera.position - self._first[triangles]
+        inverse = 1.0 / np.einsum("ij,ij->i", a, p)
+        u = np.einsum("ij,ij->i", s, p) * inverse
+        q = np.cross(s, a)
+        v = np.einsum("ij,ij->i", directions, q) * inverse
+        t = np.einsum("ij,ij->i", b, q) * inverse
+        return self._camera.position + t[:, None] * directions, np.stack((1.0 - u - v, u, v), axis=1)
+
+
+def corner_normals(scene: Scene, crease: float = 0.8) -> Array:
+    """A normal for each corner of each triangle, shape (m, 3, 3): smooth but at edges, where the cosine is lower."""
+    from scipy.sparse import csr_matrix
+
+    corners = scene.vertices[scene.triangles]
+    weighted = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    faces = _unit(weighted)
+    count, used = len(scene.triangles), scene.triangles.ravel()
+    owner = np.repeat(np.arange(count), 3)
+    at_vertex = csr_matrix((np.ones(3 * count), (used, owner)), shape=(len(scene.vertices), count))
+    neighbours = csr_matrix((np.ones(3 * count), (np.arange(3 * count), used))) @ at_vertex
+    row = np.repeat(np.arange(3 * count), np.diff(neighbours.indptr))
+    column = neighbours.indices
+    alike = np.einsum("ij,ij->i", faces[owner[row]], faces[column]) > crease
+    normals = np.zeros((3 * count, 3))
+    np.add.at(normals, row[alike], weighted[column[alike]])
+    return _unit(normals).reshape(count, 3, 3)
+
+
+def _spread(number: int, dimensions: int) -> Array:
+    """A point of the sequence R_d, evenly spread in the unit cube (Roberts 2018)."""
+    phi = 2.0
+    for _ in range(40):
+        phi = (1.0 + phi) ** (1.0 / (dimensions + 1))
+    point: Array = (0.5 + number * phi ** -np.arange(1.0, dimensions + 1)) % 1.0
+    return point
+
+
+def _beside(normals: Array) -> tuple[Array, Array]:
+    """Two unit vectors at right angles to each normal and to each other (Duff et al. 2017)."""
+    sign = np.where(normals[:, 2] >= 0.0, 1.0, -1.0)
+    a = -1.0 / (sign + normals[:, 2])
+    b = normals[:, 0] * normals[:, 1] * a
+    first = np.stack((1.0 + sign * normals[:, 0] ** 2 * a, sign * b, -sign * normals[:, 0]), axis=1)
+    return first, np.stack((b, sign + normals[:, 1] ** 2 * a, -normals[:, 1]), axis=1)
+
+
+def _unit(vectors: Array) -> Array:
+    unit: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
+    return unit
+
+
+def linear(srgb: Array) -> Array:
+    """Light from sRGB values between 0 and 1."""
+    light: Array = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    return light
+
+
+def _encoded(light: Array) -> NDArray[np.uint8]:
+    clipped = np.clip(light, 0.0, 1.0)
+    srgb = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
+    return np.round(255 * srgb).astype(np.uint8)
