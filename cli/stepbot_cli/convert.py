@@ -72,6 +72,8 @@ def command(
     from stepbot.conversion import Options
     from stepbot.incremental import convert
 
+    if no_verify and require:
+        raise click.UsageError("--require asks for engines that --no-verify does not start; leave one of them out")
     options = Options(
         output=output or default_output(sidecar),
         formats=_format_names(formats),

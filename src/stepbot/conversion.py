@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .cache import Cache
 from .diagnostics import Diagnostics, StepbotError
 from .isolation import DEFAULT_TIMEOUT
-from .output import failed_output, write_atomically
+from .output import discard, failed_output, write_atomically
 
 if TYPE_CHECKING:
     from .model import Robot
@@ -61,14 +61,17 @@ class Conversion:
 def write(conversion: Conversion, output: Path) -> Conversion:
     """Write the files of a conversion, if there are any.
 
-    What failed is kept for whoever wants to know why, but not where a build would pick it up.
+    What failed is kept for whoever wants to know why, but not where a build would pick it up, and until a
+    run passes.
     """
     if not conversion.files:
         return conversion
-    found = conversion.diagnostics
+    found, failed = conversion.diagnostics, failed_output(output)
     try:
-        write_atomically(conversion.files, failed_output(output) if found.has_errors else output)
+        write_atomically(conversion.files, failed if found.has_errors else output)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)
+    if not found.has_errors:
+        discard(failed)
     return conversion

@@ -5,6 +5,7 @@ it the arguments, ``result`` waits. What native code prints to file descriptor 1
 never between the bytes of the result. Arguments and results are pickled: data classes and arrays only.
 """
 
+import ctypes
 import os
 import pickle
 import signal
@@ -20,6 +21,7 @@ DEFAULT_TIMEOUT = 600.0
 """Seconds that a worker may take for one call."""
 
 _LAST_LINES = 12
+_PR_SET_PDEATHSIG = 1
 
 
 class WorkerDied(Exception):
@@ -165,6 +167,12 @@ def call_isolated(
         return worker.submit(*arguments).result(timeout)
 
 
+def end_with_parent() -> None:
+    """Have the system end this process when its parent is ended, in whatever way: Linux only."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 def _environment() -> dict[str, str]:
     """The caller's environment, one thread per library, and the caller's import path."""
     paths = [path for path in sys.path if path]
@@ -188,6 +196,7 @@ def _serve() -> None:
     import importlib
     import traceback
 
+    end_with_parent()
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # native code that prints to standard output must not write between our bytes
     sys.stdout = sys.stderr

@@ -4,8 +4,9 @@ New files are made in a hidden folder beside their places and then moved there o
 refer to them last; a file that did not change is not touched. If one of them cannot be moved, those that were are moved
 back. A process that is killed leaves every single file whole, old or new, and the next run puts things in order.
 
-``.stepbot.json`` in the output folder lists which meshes each robot file needs, with a hash of what was written. With
-it a later run removes meshes that nothing needs any more; what is not listed, or was changed since, is never touched.
+``.stepbot.json`` in the output folder lists each robot file and the meshes it needs, with a hash of what was written.
+With it a later run removes meshes that nothing needs any more; what is not listed, or was changed since, is never
+touched.
 """
 
 import errno
@@ -29,7 +30,7 @@ _NEVER_IN_NAMES = frozenset("\\\0")
 _NEVER_IN_WINDOWS_NAMES = frozenset('<>:"|?*')
 
 Manifest = dict[str, dict[str, str]]
-"""For each file at the top of the folder the files below that it needs, each with its SHA-256."""
+"""For each file at the top of the folder itself and the files below that it needs, each with its SHA-256."""
 
 
 def failed_output(folder: Path) -> Path:
@@ -67,6 +68,19 @@ def write_atomically(files: Mapping[str, bytes], folder: Path) -> None:
         if isinstance(error, StepbotError):
             raise
         _refuse(folder, f"cannot write {error.filename or folder}: {error.strerror or error}")
+
+
+def discard(folder: Path) -> None:
+    """Remove what an earlier run wrote into a folder; what was changed since, or is not of stepbot, stays."""
+    for needs in _read_manifest(folder).values():
+        for path, digest in needs.items():
+            _remove_stale(folder / path, digest)
+    try:
+        if {path.name for path in folder.iterdir()} == {MANIFEST}:
+            (folder / MANIFEST).unlink()
+            _remove_if_empty(folder)
+    except OSError:  # there is no such folder
+        return
 
 
 def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[Path]) -> None:
@@ -146,8 +160,9 @@ def _remove_if_empty(folder: Path) -> None:
 
 
 def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
-    needs = {path: hashlib.sha256(content).hexdigest() for path, content in files.items() if "/" in path}
-    return {path: needs for path in files if "/" not in path}
+    digests = {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
+    meshes = {path: digest for path, digest in digests.items() if "/" in path}
+    return {path: {path: digest, **meshes} for path, digest in digests.items() if "/" not in path}
 
 
 def _manifest_bytes(manifest: Manifest) -> bytes:

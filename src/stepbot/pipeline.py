@@ -20,6 +20,7 @@ from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .conversion import REPORT, Conversion, Options, write
 from .diagnostics import Diagnostics, StepbotError, did_you_mean
 from .geometry import Geometry, Loading
+from .loops import degrees_of_freedom, driven_joints
 from .lowering import lower
 from .model import Robot
 from .output import write_atomically
@@ -119,7 +120,8 @@ def _prove(
 ) -> Report:
     """Let the engines read the files, in a folder of their own, before anything is changed where they will go."""
     if not options.verify:
-        return Report(robot=robot)
+        driven = driven_joints(robot) if robot.closures else ()
+        return Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
     with TemporaryDirectory(prefix="stepbot-") as folder:
         write_atomically(_joined(files), Path(folder))
         written = {name: Written(Path(folder) / main_file(one, writer_of(name)), one) for name, one in lowered.items()}

@@ -216,7 +216,10 @@ def _robot(report: Report, robot: Robot) -> Json:
         "joints": [_joint(joint) for joint in robot.joints],
         "closures": [_closure(closure) for closure in robot.closures],
         "pybullet": pybullet_snippet(robot),
-        "frames": [{"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF)} for frame in robot.frames],
+        "frames": [
+            {"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF), "source": frame.source}
+            for frame in robot.frames
+        ],
         "actuators": [
             {"name": a.name, "joint": a.joint, "kind": a.kind.value, "kp": a.kp, "kv": a.kv, "gear": a.gear}
             for a in robot.actuators
@@ -260,6 +263,8 @@ def _joint(joint: Joint) -> Json:
         "child": joint.child,
         "pose": _pose(joint.X_PC),
         "axis": list(joint.axis) if moves else None,
+        "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
+        "pitch": joint.pitch if joint.kind is JointKind.SCREW else None,
         "limits": {name: _number(getattr(joint.limit, name)) for name in ("lower", "upper", "velocity", "effort")},
         "dynamics": {
             name: float(getattr(joint.dynamics, name))
@@ -269,6 +274,7 @@ def _joint(joint: Joint) -> Json:
         if joint.mimic is None
         else {"joint": joint.mimic.joint, "multiplier": joint.mimic.multiplier, "offset": joint.mimic.offset},
         "drawn_position": joint.drawn_position,
+        "source": joint.source,
     }
 
 
@@ -281,6 +287,7 @@ def _closure(closure: LoopClosure) -> Json:
         "link_b": closure.link_b,
         "pose_b": _pose(closure.X_BF),
         "axis": list(closure.axis),
+        "source": closure.source,
     }
 
 

@@ -374,20 +374,24 @@ def test_engine_that_dies(desk: Desk) -> None:
 
 
 @ON_LINUX
-@pytest.mark.parametrize("busy", [False, True], ids=["while it loads", "while it works"])
-def test_interrupted(desk: Desk, busy: bool) -> None:
-    """Ctrl-C ends the command and all that it started; nothing has changed."""
+@pytest.mark.parametrize(
+    ("sent", "busy"),
+    [(signal.SIGINT, False), (signal.SIGINT, True), (signal.SIGTERM, True), (signal.SIGKILL, True)],
+    ids=["Ctrl-C while it loads", "Ctrl-C while it works", "SIGTERM", "SIGKILL"],
+)
+def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:
+    """Whatever ends the command ends all that it started; nothing has changed."""
     before = snapshot(desk.folder)
     with start(desk, *([] if busy else ["--no-verify"])) as command:
         (kernel,) = wait_for(lambda: kernels(command), command)
         if busy and len(os.sched_getaffinity(0)) > 1:
             wait_for(lambda: children(kernel), command)
         below = [pid for child in children(command.pid) for pid in (child, *children(child))]
-        command.send_signal(signal.SIGINT)
+        command.send_signal(sent)
         out, err = command.communicate(timeout=60)
-    assert command.returncode == 130
+    assert command.returncode == (-sent if sent == signal.SIGKILL else 128 + sent)
     assert b"Traceback" not in err
-    assert b"interrupted" in err
+    assert (b"interrupted" in err) == (sent == signal.SIGINT)
     assert out == b""
     desk.assert_untouched(before)
     deadline = time.monotonic() + 30.0  # one that has no work yet first loads, and then finds that nobody has any

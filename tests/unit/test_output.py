@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import StepbotError
-from stepbot.output import MANIFEST, write_atomically
+from stepbot.output import MANIFEST, discard, write_atomically
 
 ARM = {"arm.urdf": b"urdf", "arm.xml": b"mjcf", "meshes/a.obj": b"a", "meshes/b.obj": b"b"}
 
@@ -187,3 +187,17 @@ def test_killed_run_leaves_whole_files_and_the_next_one_tidies_up(tmp_path: Path
             assert content in (ARM.get(path), new.get(path))
     write_atomically(new, tmp_path)
     assert {path: content for path, content in contents(tmp_path).items() if not path.startswith(".stepbot-")} == new
+
+
+def test_discarded(tmp_path: Path) -> None:
+    """What a run wrote goes, folder and all; what was changed since, or came from elsewhere, stays."""
+    out = tmp_path / "out"
+    write_atomically({"arm.urdf": b"1", "meshes/a.obj": b"2"}, out)
+    discard(out)
+    assert not out.exists()
+    discard(out)
+    write_atomically({"arm.urdf": b"1", "report.json": b"{}", "meshes/a.obj": b"2"}, out)
+    (out / "arm.urdf").write_bytes(b"mine")
+    (out / "notes.txt").write_bytes(b"mine too")
+    discard(out)
+    assert contents(out) == {"arm.urdf": b"mine", "notes.txt": b"mine too"}

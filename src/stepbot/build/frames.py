@@ -74,6 +74,7 @@ class Frames:
         self._links: dict[str, Pose | None] = {}
         self._joints: dict[str, Pose | None] = {}
         self._waiting: list[str] = []
+        self._sources: dict[Keys, str] = {}
         self._faces: dict[str, AxisFaces] = {}
 
     def link(self, name: str) -> Pose | None:
@@ -94,6 +95,10 @@ class Frames:
         self.link(self._binder.document.joints[name].child)
         return self._joints.get(name)
 
+    def source(self, *keys: str) -> str:
+        """What gave the origin at a place of the sidecar, for people: its form, and the parts it found."""
+        return self._sources.get(keys, "")
+
     def _child_frame(self, name: str) -> Pose | None:
         joint = self._binder.document.joints[name]
         slides = joint.type is JointKind.PRISMATIC
@@ -105,16 +110,22 @@ class Frames:
         """X_WF of the frame that an origin gives; None after a diagnostic."""
         pose = self._base(AutoOrigin() if isinstance(origin, str) else origin, wanted)
         offset = None if isinstance(origin, str) else origin.offset
-        return pose if pose is None or offset is None else pose @ Pose.from_xyz_rpy(offset.xyz, offset.rpy)
+        if pose is None or offset is None:
+            return pose
+        self._sources[wanted.keys] += "; moved by its offset"
+        return pose @ Pose.from_xyz_rpy(offset.xyz, offset.rpy)
 
     def _base(self, origin: Origin, wanted: Wanted) -> Pose | None:
         """The frame before the offset."""
         if isinstance(origin, ExplicitOrigin):
+            self._sources[wanted.keys] = f"numbers, relative to {quoted(origin.relative_to)}"
             X_WR = self._reference(origin.relative_to, (*wanted.keys, "relative_to"))
             return None if X_WR is None else X_WR @ Pose.from_xyz_rpy(origin.xyz, origin.rpy)
         if isinstance(origin, ComponentOrigin):
+            self._sources[wanted.keys] = f"the frame of component {quoted(origin.component)}"
             return self._component(origin.component, (*wanted.keys, "component"))
         if isinstance(origin, CenterOrigin):
+            self._sources[wanted.keys] = f"the centre of the box around {quoted(origin.center)}"
             return self._center(origin.center, (*wanted.keys, "center"))
         if isinstance(origin, AxisOrigin):
             return self._axis(origin, wanted)
@@ -153,7 +164,7 @@ class Frames:
         found = lines(self._component_faces(index), origin.radius)
         choice = choose(found, origin.near, direction_only=wanted.direction_only)
         if choice.line is not None:
-            return line_frame(choice.line)
+            return self._on(choice.line, "axis", wanted)
         start = f"{{axis_of: {quoted(origin.axis_of)}"
         if choice.rivals:
             self._report_rivals(wanted, f"'{origin.axis_of}' has", choice, found, start)
@@ -195,13 +206,19 @@ class Frames:
         found = mates(a, b, origin.radius)
         choice = choose(found, origin.near, direction_only=wanted.direction_only)
         if choice.line is not None:
-            return line_frame(choice.line)
+            return self._on(choice.line, f"axis that {words[0]} and {words[1]} share", wanted)
         if choice.rivals:
             self._report_rivals(wanted, f"{words[0]} and {words[1]} share", choice, found, start)
         else:
             with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
             self._report_misses(wanted, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
         return None
+
+    def _on(self, line: AxisLine, words: str, wanted: Wanted) -> Pose:
+        """The frame on a line that was found, and a note of which it was."""
+        parts = ", ".join(quoted(self._binder.path(index)) for index in line.components)
+        self._sources[wanted.keys] = f"{words}, of faces of {parts}: {_described(line)}"
+        return line_frame(line)
 
     def _component_faces(self, index: int) -> AxisFaces:
         return axis_faces(self._binder.assembly, self._binder.assembly.subtree(index))
@@ -265,7 +282,7 @@ def _motion(kind: JointKind, axis: Vector3, q: float) -> Pose:
 
 def _described(line: AxisLine) -> str:
     at: Vector3 = line.point
-    direction = ", ".join(f"{c:.4g}" for c in line.direction)
+    direction = ", ".join(f"{round(c, 6) + 0.0:.4g}" for c in line.direction)
     return f"{_radii(line)}, direction [{direction}], at [{', '.join(map(millimetres, at))}]"
 
 

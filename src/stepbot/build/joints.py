@@ -100,6 +100,7 @@ def _joint(document: Document, frames: Frames, name: str) -> Joint | None:
         mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier, mimic.offset.value),
         pitch=section.pitch or 0.0,
         drawn_position=section.zero.value,
+        source=frames.source("joints", name, "origin"),
     )
 
 
@@ -110,7 +111,8 @@ def _closure(document: Document, frames: Frames, name: str) -> LoopClosure | Non
     if X_WF is None or X_WA is None or X_WB is None:
         return None
     X_AF, X_BF = tidy(X_WA.inverse() @ X_WF), tidy(X_WB.inverse() @ X_WF)
-    return LoopClosure(name, section.type, section.link_a, X_AF, section.link_b, X_BF, section.axis)
+    source = frames.source("closures", name, "origin")
+    return LoopClosure(name, section.type, section.link_a, X_AF, section.link_b, X_BF, section.axis, source)
 
 
 def _frame(document: Document, frames: Frames, name: str) -> Frame | None:
@@ -118,4 +120,4 @@ def _frame(document: Document, frames: Frames, name: str) -> Frame | None:
     X_WF, X_WL = frames.resolve(section.origin, Wanted(("frames", name, "origin"))), frames.link(section.link)
     if X_WF is None or X_WL is None:
         return None
-    return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF))
+    return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF), frames.source("frames", name, "origin"))

@@ -5,7 +5,6 @@ number from a pipe, says so, and writes its results to a file of its own; when i
 too long, the parent knows over which input. Where there is no fork, the function runs in this process.
 """
 
-import ctypes
 import os
 import pickle
 import signal
@@ -17,13 +16,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
+from ..isolation import end_with_parent
+
 T = TypeVar("T")
 
 _NUMBER = struct.Struct("<i")
 _LENGTH = struct.Struct("<q")
 _PIPE_NUMBERS = 1024
 """Numbers that fit into a pipe at once, on the smallest of them."""
-_PR_SET_PDEATHSIG = 1
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class _Child(Generic[T]):
         if self.pid == 0:
             status = 1
             try:
-                _end_with_parent()
+                end_with_parent()
                 _work(function, numbers, self._results, failures, seconds)
                 status = 0
             finally:  # a forked process must never return into its parent's code
@@ -177,12 +177,6 @@ def _payload(function: Callable[[int], T], number: int, failures: tuple[type[Exc
         import traceback
 
         return pickle.dumps(_Bug(traceback.format_exc()), protocol=5)
-
-
-def _end_with_parent() -> None:
-    """Have the system end this process when its parent is ended, so that a stopped kernel leaves nothing running."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _reason(code: int, seconds: float) -> str:

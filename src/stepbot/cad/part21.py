@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..diagnostics import Diagnostics, Span
+from ..diagnostics import Diagnostics, Span, did_you_mean
 from .encodings import FALLBACK, Text, check_encoding, line_of
 from .strings import decode_string
 
@@ -34,6 +34,9 @@ _CAD_FILE = re.compile(
     r"(\.\d+)?$",
     re.IGNORECASE,
 )
+_STEP_FILE = re.compile(r"\.(stp|step|p21)$", re.IGNORECASE)
+_SHOWN = 5
+"""Files that a remedy names."""
 _SCHEMAS = (
     ("CONFIG_CONTROL", "AP203"), ("AP203", "AP203"), ("AUTOMOTIVE_DESIGN", "AP214"), ("AP214", "AP214"),
     ("AP242", "AP242"), ("AP209", "AP209"), ("AP238", "AP238"), ("INTEGRATED_CNC", "AP238"),
@@ -90,12 +93,25 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
         with _opened(path) as data:
             return _check(data, encoding, place, found)
     except IsADirectoryError:
-        found.add("SB001", "is a folder, not a STEP file", span)
+        found.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
     except FileNotFoundError:
-        found.add("SB001", "no such file", span)
+        found.add("SB001", "no such file", span, help=_meant(path))
     except OSError as error:
         found.add("SB001", f"cannot be read: {error.strerror or error}", span)
     return None
+
+
+def _meant(path: Path) -> tuple[str, ...]:
+    """The STEP files that are where one was looked for, the likeliest first."""
+    folder = path if path.is_dir() else path.parent
+    try:
+        beside = sorted(file.name for file in folder.iterdir() if _STEP_FILE.search(file.name))
+    except OSError:  # there is no such folder, or nobody may look into it
+        beside = []
+    if not beside:
+        return ("give the path of a STEP file (.step, .stp)",)
+    shown = ", ".join(f"'{name}'" for name in beside[:_SHOWN])
+    return (*did_you_mean(path.name, beside), f"STEP files in {folder}: {shown}{', ...' if beside[_SHOWN:] else ''}")
 
 
 @contextmanager

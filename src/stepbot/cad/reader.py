@@ -18,6 +18,8 @@ __all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
 _FUNCTION = "stepbot.cad.worker:read"
 _SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpat.so.1": "libexpat1"}
 """Shared libraries that the kernel's wheel takes from the system, and their Debian packages."""
+_NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC")
+"""What systems say of a kernel that is there and does not load."""
 _MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
 
 
@@ -77,12 +79,15 @@ def start_reading(path: Path, options: ReadOptions, *, memory_limit: int | None 
     found = Diagnostics()
     place = str(path)
     worker = Worker(_FUNCTION, memory_limit=memory_limit)
-    part21 = check_step(path, place, found, options.encoding)
-    if part21 is None:
+    try:
+        part21 = check_step(path, place, found, options.encoding)
+        if part21 is not None:
+            return Reading(worker.submit(str(path), place, part21, options), place, found)
+    except BaseException:  # Ctrl-C: nobody will wait for the process
         worker.close()
-        return Reading(None, place, found)
-    worker.submit(str(path), place, part21, options)
-    return Reading(worker, place, found)
+        raise
+    worker.close()
+    return Reading(None, place, found)
 
 
 def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:
@@ -105,9 +110,9 @@ def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
     if error.kind == "ModuleNotFoundError" and "OCP" in error.text:
         found.add("SB003", "the geometry kernel is not installed", Span(place), help=["pip install cadquery-ocp-novtk"])
         return True
-    if error.kind != "ImportError":
-        return False
     named = _MISSING_LIBRARY.findall(error.text)
+    if error.kind != "ImportError" or not (named or _NOT_LOADED.search(error.text)):
+        return False  # an import of ours that fails is a bug
     missing = [library for library in _SYSTEM_LIBRARIES if library in named or not _loads(library)] if named else []
     others = [library for library in named if library not in missing]
     packages = " ".join(_SYSTEM_LIBRARIES[library] for library in missing)

@@ -249,6 +249,30 @@ def test_named_frames(tmp_path: Path) -> None:
     np.testing.assert_allclose(frame.X_LF.rpy, (0, np.pi / 2, 0), atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("origin", "source"),
+    [
+        (
+            "auto",
+            "axis that link 'base' and link 'arm' share, of faces of \"base\", \"arm\": "
+            "radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]",
+        ),
+        (
+            "{axis_of: arm}",
+            'axis, of faces of "arm": radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]',
+        ),
+        ("{component: arm}", 'the frame of component "arm"'),
+        ("{center: arm, offset: {xyz: [1 mm, 0, 0]}}", 'the centre of the box around "arm"; moved by its offset'),
+        ("{xyz: [1 mm, 0, 0]}", 'numbers, relative to "assembly"'),
+    ],
+)
+def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -> None:
+    """Joints, closures and frames carry where their frames come from."""
+    shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
+    joint = built(shop, tmp_path, _joint(origin)).joints[0]
+    assert joint.source == source
+
+
 @pytest.mark.parametrize("kind", ["fixed", "revolute"])
 def test_one_rule_for_all_kinds(kind: str, tmp_path: Path, found: ReadDiagnostics) -> None:
     """Only slides may take any of several lines."""
