@@ -13,7 +13,6 @@ import click
 import stepbot
 
 from .failures import show_exception
-from .interrupts import terminable
 
 COMMANDS = ("convert", "inspect", "check", "verify", "explain", "schema", "formats", "cache")
 """In the order of `--help`; the module of the same name holds it as ``command``."""
@@ -60,8 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not end in an error where the locale is ASCII
             stream.reconfigure(errors="backslashreplace")
     try:
-        with terminable():
-            result = application.main(args=argv, prog_name="stepbot", standalone_mode=False)
+        result = application.main(args=argv, prog_name="stepbot", standalone_mode=False)
     except click.ClickException as error:
         error.show()
         return 2

@@ -1,52 +1,46 @@
-"""Signals that end a command, with all that it started: Ctrl-C, and what the system sends."""
+"""Signals that end a command, with all that it started: Ctrl-C, and the system's request to end.
+
+Python unwinds for them, so that processes are ended and half-written files removed on the way. Some libraries swallow
+what unwinds while they import their own: it is raised again at the next occasion.
+"""
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-
-@contextmanager
-def terminable() -> Iterator[None]:
-    """Within the block a request of the system to end unwinds the program, as Ctrl-C does, and is its exit code."""
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    signals = [number for name in names if signal.getsignal(number := getattr(signal, name)) is signal.SIG_DFL]
-    if threading.current_thread() is not threading.main_thread():
-        signals = []  # only the main thread may handle signals
-
-    def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 - the signature of handlers
-        raise SystemExit(128 + number)
-
-    for number in signals:
-        signal.signal(number, end)
-    try:
-        yield
-    finally:
-        for number in signals:
-            signal.signal(number, signal.SIG_DFL)
+_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Those that the system has."""
 
 
 @contextmanager
-def interruptible() -> Iterator[None]:
-    """Raise KeyboardInterrupt at the end of the block, at the latest, if Ctrl-C was pressed within it.
+def interruptible() -> Iterator[Callable[[], None]]:
+    """Raise KeyboardInterrupt for Ctrl-C within the block, SystemExit for a request to end.
 
-    Some libraries swallow it while they import their own.
+    Yields a function to call now and then: it raises again what was swallowed. So does the end of the block.
     """
     if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread may handle signals
+        yield lambda: None  # only the main thread may handle signals
         return
-    pressed = False
+    received: list[int] = []
 
-    def remember(number: int, frame: FrameType | None) -> None:
-        nonlocal pressed
-        pressed = True
-        signal.default_int_handler(number, frame)
+    def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 - the signature of handlers
+        received.append(number)
+        again()
 
-    before = signal.signal(signal.SIGINT, remember)
+    def again() -> None:
+        if received:
+            raise KeyboardInterrupt if received[0] == signal.SIGINT else SystemExit(128 + received[0])
+
+    # What whoever started the program had it ignore stays ignored.
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+    taken = [number for number, handler in before.items() if handler is not signal.SIG_IGN]
+    for number in taken:
+        signal.signal(number, end)
     try:
-        yield
+        yield again
     finally:
-        signal.signal(signal.SIGINT, before)
-    if pressed:
-        raise KeyboardInterrupt
+        for number in taken:
+            signal.signal(number, before[number])
+    again()

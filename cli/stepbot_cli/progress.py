@@ -12,20 +12,21 @@ STAGES = {
     "build": "building the robot",
     "write": "writing the formats",
     "verify": "verifying in the engines",
+    "save": "saving the files",
 }
 """Stages of a conversion, in their order, and what the bar says meanwhile."""
 
 
 @contextmanager
 def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[str], None]]:
-    """Yield a function that is told each stage as it begins; Ctrl-C ends the block, whoever catches it within.
+    """Yield a function that is told each stage as it begins; Ctrl-C ends the block there at the latest.
 
     Args:
         stages: Stages to expect, of :data:`STAGES`.
     """
     if not sys.stderr.isatty():
-        with interruptible():
-            yield lambda stage: None
+        with interruptible() as end_if_interrupted:
+            yield lambda stage: end_if_interrupted()
         return
 
     from rich.console import Console
@@ -33,10 +34,11 @@ def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[st
 
     console = Console(stderr=True, no_color=not wants_color(sys.stderr))
     columns = (SpinnerColumn(), BarColumn(bar_width=20), TextColumn("{task.description}"), TimeElapsedColumn())
-    with interruptible(), Progress(*columns, console=console, transient=True) as bar:
+    with interruptible() as end_if_interrupted, Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("starting", total=len(stages))
 
         def begin(stage: str) -> None:
+            end_if_interrupted()
             done = stages.index(stage) if stage in stages else None
             bar.update(task, description=STAGES.get(stage, stage), completed=done)
 

@@ -54,7 +54,9 @@ class Inspection:
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
     """Convert one sidecar and the STEP that it names, prove the files, and write them."""
-    return write(produce(sidecar, options, progress), options.output)
+    conversion = produce(sidecar, options, progress)
+    progress("save")
+    return write(conversion, options.output)
 
 
 def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:

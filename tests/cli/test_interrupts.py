@@ -46,6 +46,26 @@ def test_swallowed_interrupt_is_not_lost() -> None:
     assert reached == ["still running"]
 
 
+def test_swallowed_request_to_end_comes_again_at_the_next_occasion() -> None:
+    """As an exit code that names the signal, as shells do."""
+    reached = []
+
+    def swallowed() -> None:
+        with interruptible() as end_if_interrupted:
+            end_if_interrupted()
+            with contextlib.suppress(BaseException):
+                signal.raise_signal(signal.SIGTERM)
+            reached.append("still running")
+            end_if_interrupted()
+            reached.append("still running")
+
+    with pytest.raises(SystemExit) as ended:
+        swallowed()
+    assert ended.value.code == 128 + signal.SIGTERM
+    assert reached == ["still running"]
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
 def test_nothing_pressed_nothing_raised() -> None:
     """Without Ctrl-C nothing happens, in other threads neither."""
     with interruptible():

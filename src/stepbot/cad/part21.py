@@ -16,6 +16,7 @@ from .encodings import FALLBACK, Text, check_encoding, line_of
 from .strings import decode_string
 
 _START = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:/\*.*?\*/\s*)*ISO-10303-21\s*;", re.DOTALL)
+_END = b"END-ISO-10303-21"
 _DATA = re.compile(rb"\bDATA\s*[;(]")
 _FIRST_ENTITY = re.compile(rb"#\s*\d+\s*=")
 _HEADER_TOKEN = re.compile(rb"/\*.*?\*/|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
@@ -133,8 +134,8 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
         _report_not_step(bytes(data[:1024]), place, found)
         return None
     section = _DATA.search(data, start.end())
-    complete = data.rfind(b"ENDSEC", section.end() if section else start.end()) >= 0
-    if section is None or not complete:
+    end_mark = data.rfind(_END, section.end() if section else start.end())
+    if section is None or end_mark < 0 or data.find(b";", end_mark) < 0:
         end = Span(place, line_of(data, len(data)), 1)
         found.add("SB204", "the file ends in the middle", end, help=["export or copy it again"])
         return None
