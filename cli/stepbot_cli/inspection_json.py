@@ -1,8 +1,9 @@
 """An assembly as JSON: everything that ``inspect`` knows, in SI, for scripts."""
 
+from math import isfinite
 from typing import Any
 
-from stepbot.cad.assembly import Assembly, AxisFace, Body, Component, VolumeProperties
+from stepbot.cad.assembly import Assembly, AxisFace, Body, Component, Validation, VolumeProperties
 from stepbot.cad.axes import AxisLine, axis_faces, lines, selectors
 from stepbot.cad.paths import quoted
 from stepbot.pipeline import Inspection
@@ -38,6 +39,7 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
         "solids": sums[0].solids,
         "surfaces": sums[0].surfaces,
         "volume": sums[0].volume,
+        "validations": [_validation(assembly, validation) for validation in assembly.validations],
         "components": components,
         "bodies": [_body(body, measured) for body, measured in zip(assembly.bodies, inspection.measures, strict=True)],
     }
@@ -86,9 +88,23 @@ def _body(body: Body, measured: VolumeProperties | None) -> dict[str, Any]:
         "vertices": len(body.mesh.vertices),
         "faces": len(body.mesh.faces),
         "colors": body.colors,
+        "area": body.area or None,
         "exact": _volume(body.exact),
         "mesh": _volume(measured),
         "axis_faces": [_face(face) for face in body.axis_faces],
+    }
+
+
+def _validation(assembly: Assembly, validation: Validation) -> dict[str, Any]:
+    """A value that the file states for readers to compare, in SI."""
+    return {
+        "component": assembly.components[validation.component].path,
+        "quantity": validation.quantity.value,
+        "stated": validation.stated,
+        "read": validation.read,
+        "deviation": validation.deviation if isfinite(validation.deviation) else None,
+        "tolerance": validation.tolerance,
+        "agrees": validation.agrees,
     }
 
 

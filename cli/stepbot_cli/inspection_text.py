@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from stepbot.cad.assembly import Assembly, BodyKind, Component
+from stepbot.cad.assembly import Assembly, BodyKind, Component, Quantity
 from stepbot.cad.axes import AxisLine, axis_faces, lines, millimetres, selectors
 from stepbot.cad.paths import quoted
 from stepbot.pipeline import Inspection
@@ -13,6 +13,9 @@ from .contents import Contents, contents
 from .render import printable
 from .shared_axes import SharedAxes
 
+_VALIDATION_HEADINGS = ("component", "validation property", "in the file", "read", "deviation", "")
+_MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}
+"""Unit, and how many of it are one of SI."""
 _HEADINGS = ("component", "solids", "volume", "center [mm]", "density", "product, occurrence", "")
 
 
@@ -33,7 +36,7 @@ def inspection_text(inspection: Inspection, *, features: bool) -> str:
         text.append(line)
         if features:
             text += (f"    {axis}" for axis in _component_axes(assembly, component))
-    return printable("\n".join(text))
+    return printable("\n".join([*text, *_validations(assembly)]))
 
 
 def shared_axes_text(shared: SharedAxes) -> str:
@@ -93,6 +96,31 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
         yield f"material '{component.material}'"
     if component.by_ordinal_only:
         yield "only #n tells it from its siblings"
+
+
+def _validations(assembly: Assembly) -> list[str]:
+    """What the file states for readers to compare, beside what was read."""
+    if not assembly.validations:
+        return []
+    agree = sum(validation.agrees for validation in assembly.validations)
+    rows = [
+        (
+            quoted(assembly.components[v.component].path),
+            f"{v.quantity} [{_MEASURES[v.quantity][0]}]",
+            _values(v.quantity, v.stated),
+            _values(v.quantity, v.read),
+            f"{v.deviation:.1e}",
+            "" if v.agrees else "differs",
+        )
+        for v in assembly.validations
+    ]
+    head = f"{agree} of {_count(len(rows), 'validation property', 'validation properties')} of the file as read"
+    return ["", head, *aligned([_VALIDATION_HEADINGS, *rows])]
+
+
+def _values(quantity: Quantity, values: tuple[float, ...]) -> str:
+    factor = _MEASURES[quantity][1]
+    return ", ".join(f"{round(value * factor, 9) + 0.0:.6g}" for value in values)
 
 
 def _component_axes(assembly: Assembly, component: Component) -> Iterator[str]:

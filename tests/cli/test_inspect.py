@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.cad.assembly import Quantity
+from tests import parts
+from tests.stating import Stating
+
 from .conftest import Stepbot
 
 
@@ -43,6 +47,27 @@ def test_volumes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
     total = sum(c["volume"] for c in document["components"] if c["body"] >= 0)
     assert document["volume"] == document["components"][0]["volume"] == pytest.approx(total)
     assert document["exit_code"] == 0
+
+
+def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
+    """What the file states of its shapes stands beside what was read, as text and as JSON."""
+    file = Stating(parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path)
+    block = file.definition("block")
+    file.measure(block, Quantity.VOLUME, 0.240, "cm", power=3)
+    file.measure(block, Quantity.AREA, 24_800.0)
+    path = str(file.write())
+    run = stepbot("inspect", path)
+    assert run.code == 0
+    assert "warning[SB226]: 1 of 2 validation properties in the file differs" in run.out + run.err
+    assert "1 of 2 validation properties of the file as read" in run.out
+    rows = [line.split() for line in run.out.splitlines() if line.startswith('"."')]
+    assert ['"."', "volume", "[cm^3]", "0.24", "240", "1.0e+03", "differs"] in rows
+    document = json.loads(stepbot("inspect", path, "--json").out)
+    wrong, right = document["validations"]
+    assert (wrong["component"], wrong["quantity"], wrong["agrees"]) == (".", "volume", False)
+    assert (wrong["stated"], wrong["read"]) == ([pytest.approx(0.24e-6)], [pytest.approx(240e-6)])
+    assert (right["quantity"], right["agrees"], right["deviation"]) == ("area", True, pytest.approx(0, abs=1e-9))
+    assert document["bodies"][0]["area"] == pytest.approx(0.0248)
 
 
 def test_features_are_origins_to_paste(arm: Path, stepbot: Stepbot) -> None:

@@ -31,6 +31,8 @@ FILES = (
         "bolts and bracket have faces that are rational B-splines, which the kernel integrates wrongly by default: the "
         "limit of ever finer meshes, and the volumes that the CAD program wrote into the file, are those that are read",
         109137.416671,
+        # The centroid that the file states of the assembly is its centre of mass.
+        ("SB226",),
     ),
     CorpusFile("eight_cylinders_multi_root.step", findings=("SB211",)),
     CorpusFile("external_references.step", findings=("SB203",)),

@@ -137,6 +137,8 @@ class Body:
     """By trimesh from the measuring mesh of ``ReadOptions.refine_mass_to``; None when it was not asked for."""
     axis_faces: tuple[AxisFace, ...] = ()
     """In the definition's frame, in file order."""
+    area: float = 0.0
+    """Exact area [m^2] of all faces, integrated only for files that state areas; 0 elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +175,35 @@ class Component:
     """Whether only ``#n`` tells it from a sibling: such a path breaks when the CAD inserts a part."""
 
 
+class Quantity(StrEnum):
+    """What a CAD program states about a shape, for readers to check themselves by."""
+
+    VOLUME = "volume"
+    AREA = "area"
+    CENTROID = "centroid"
+
+
+@dataclass(frozen=True)
+class Validation:
+    """A validation property of the file, against what was read."""
+
+    component: int
+    """Index of the first component that it is about."""
+    quantity: Quantity
+    stated: tuple[float, ...]
+    """In the file [m^3, m^2 or m]; a centroid in the component's frame, or in that of the component above."""
+    read: tuple[float, ...]
+    deviation: float
+    """Of volumes and areas a share of what is stated, of centroids a share of the radius of gyration."""
+    tolerance: float
+    """Deviation up to which both count as equal."""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether what was read is what the file says."""
+        return self.deviation <= self.tolerance
+
+
 @dataclass(frozen=True, eq=False)
 class Assembly:
     """A STEP file."""
@@ -192,6 +223,8 @@ class Assembly:
     bodies: tuple[Body, ...]
     definitions: int = 0
     """Number of product definitions."""
+    validations: tuple[Validation, ...] = ()
+    """Validation properties of the file, in file order."""
     diagnostics: tuple[Diagnostic, ...] = ()
     """What the reader found; errors end the conversion."""
     facts: dict[str, str] = field(default_factory=dict)

@@ -13,7 +13,7 @@ from ..mesh import TriMesh
 from ..model import Rgba
 from .assembly import AxisFace, Body, BodyKind, MeshTolerance, VolumeProperties
 from .axis_faces import axis_faces
-from .exact import has_rational_faces, integrate, integrate_adaptively, volume_properties
+from .exact import has_rational_faces, integrate, integrate_adaptively, surface_area, volume_properties
 from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
 from .parting import parted
@@ -54,6 +54,8 @@ class BodyRequest:
     tolerances: tuple[MeshTolerance, ...]
     """Of all its occurrences; the finest holds."""
     refine_mass_to: float = 0.0
+    area: bool = False
+    """Whether to integrate its area."""
 
 
 @dataclass
@@ -64,6 +66,7 @@ class _Work:
     kind: BodyKind
     healed: Healed
     exact: VolumeProperties | None = None
+    area: float = 0.0
     findings: list[Finding] = field(default_factory=list)
 
     def say(self, code: str, message: str, *help: str) -> str:
@@ -79,6 +82,8 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     if not _has_surfaces(shape):
         return _triangles_only(source, shape)
     work = _healed(source, shape)
+    if request.area:
+        work.area = surface_area(work.healed.shape)
     size = diagonal(work.healed.shape)
     wanted = fineness(request.tolerances, size)
     faces = axis_faces(faces_of(work.healed.shape))
@@ -166,7 +171,7 @@ def _body(
     faces: tuple[AxisFace, ...],
 ) -> Body:
     face_colors, colors = _colored(work.source.face_colors, work.healed.origin, stitched)
-    return Body(work.kind, mesh, face_colors, colors, watertight, defect, work.exact, refined, faces)
+    return Body(work.kind, mesh, face_colors, colors, watertight, defect, work.exact, refined, faces, work.area)
 
 
 def _triangles_only(source: BodySource, shape: object) -> ReadBody:

@@ -19,6 +19,7 @@ from OCP.StepBasic import (
     StepBasic_SiUnitAndMassUnit,
     StepBasic_SiUnitAndVolumeUnit,
 )
+from OCP.StepRepr import StepRepr_MeasureRepresentationItem
 
 from .selection import text
 
@@ -62,6 +63,42 @@ class DeclaredUnit:
     """``mm``, ``inch``, ``kg`` ..., in the usual spelling."""
     size: float
     """In m, kg or m^3; 0 where the declaration makes no sense."""
+
+
+@dataclass(frozen=True)
+class DerivedUnit:
+    """A product of powers of units."""
+
+    name: str
+    size: float
+    """In kg^a m^b."""
+    dimensions: tuple[float, float]
+    """Exponents of mass and length."""
+
+
+def measure_of(item: Any) -> Any:
+    """The value and unit of a representation item; None for an item of another kind."""
+    if isinstance(item, StepRepr_MeasureRepresentationItem):
+        return item.Measure()
+    return item.GetMeasureWithUnit() if hasattr(item, "GetMeasureWithUnit") else None
+
+
+def derived_unit(measure: Any) -> DerivedUnit | None:
+    """The unit of a measure, where it is made of others; None where it is not, or makes no sense."""
+    component = measure.UnitComponent()
+    if component.IsNull() or (derived := component.DerivedUnit()) is None:
+        return None
+    size, mass, length, names = 1.0, 0.0, 0.0, []
+    for index in range(1, derived.NbElements() + 1):
+        element = derived.ElementsValue(index)
+        unit, exponent = declared_unit(element.Unit()), element.Exponent()
+        if unit.size <= 0.0 or abs(exponent) > 12:
+            return None
+        size *= unit.size**exponent
+        mass += exponent if unit.quantity == "mass" else 0.0
+        length += exponent * {"length": 1.0, "volume": 3.0}.get(unit.quantity, 0.0)
+        names.append(f"{unit.name}^{exponent:g}" if exponent != 1.0 else unit.name)
+    return DerivedUnit(" ".join(names), size, (mass, length))
 
 
 def declared_unit(unit: Any, depth: int = 0) -> DeclaredUnit:

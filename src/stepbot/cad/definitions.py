@@ -75,9 +75,9 @@ class Definitions:
         for index, occurrence, component in zip(below, found, components, strict=True):
             matrix = matrix_of(XCAFDoc_ShapeTool.GetLocation_s(component).Transformation())
             color = self._colors.of_label(component)
-            children.append((occurrence, Child(index, self._products.name_of(occurrence), matrix, color)))
+            children.append((occurrence, Child(index, self._products.name_of(occurrence), matrix, color, occurrence)))
             for other, place in self._products.repeated(occurrence, matrix):
-                children.append((other, Child(index, self._products.name_of(other), place)))
+                children.append((other, Child(index, self._products.name_of(other), place, None, other)))
         # In file order; bodies beside components, which the kernel made up, come last.
         children.sort(key=lambda numbered: (numbered[0] == NONE, numbered[0]))
         definition.children = [child for _, child in children]

@@ -45,7 +45,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
             continue
         context = representation.ContextOfItems()
         if id(context) not in sizes:
-            sizes[id(context)] = (context, _length_unit(context))
+            sizes[id(context)] = (context, context_unit(context))
         unit = sizes[id(context)][1]
         if unit is None:
             missing += 1
@@ -83,7 +83,7 @@ def _has_lengths(representation: Any) -> bool:
     return any(isinstance(item, _WITH_LENGTHS) for item in items(representation))
 
 
-def _length_unit(context: Any) -> DeclaredUnit | None:
+def context_unit(context: Any) -> DeclaredUnit | None:
     """The length unit of a context; None where it has none, or one that the kernel does not follow."""
     factors = unit_factors(context)
     assigned = _part(context, "GlobalUnitAssignedContext")

@@ -15,15 +15,13 @@ from OCP.StepRepr import (
     StepRepr_DescriptiveRepresentationItem,
     StepRepr_MakeFromUsageOption,
     StepRepr_MaterialDesignation,
-    StepRepr_MeasureRepresentationItem,
-    StepRepr_ProductDefinitionShape,
     StepRepr_PropertyDefinition,
     StepRepr_PropertyDefinitionRepresentation,
 )
 
 from ..diagnostics import Diagnostics, Span
-from .declared_units import declared_unit
-from .selection import entities, items, text
+from .declared_units import derived_unit, measure_of
+from .selection import described_by, entities, items, shaped, text
 from .source import StepMaterial
 
 
@@ -53,8 +51,8 @@ class Materials:
         for relation in entities(session, StepRepr_PropertyDefinitionRepresentation):
             self._read_property(relation, strange)
         for designation in entities(session, StepRepr_MaterialDesignation):
-            definition = _product_definition(designation.OfDefinition().Value())
-            if definition is not None:
+            definition = shaped(designation.OfDefinition().Value())
+            if isinstance(definition, StepBasic_ProductDefinition):
                 self._of(definition).names.append(text(designation.Name()))
         for usage in entities(session, StepRepr_MakeFromUsageOption):
             self._read_raw_material(usage)
@@ -93,20 +91,20 @@ class Materials:
         property_definition = relation.Definition().Value()
         if not isinstance(property_definition, StepRepr_PropertyDefinition) or relation.UsedRepresentation() is None:
             return
-        definition = _product_definition(property_definition.Definition().Value())
-        if definition is None:
+        definition = described_by(property_definition)
+        if not isinstance(definition, StepBasic_ProductDefinition):
             return
         title = " ".join((_described(property_definition), text(relation.UsedRepresentation().Name()))).lower()
         for item in items(relation.UsedRepresentation()):
             if isinstance(item, StepRepr_DescriptiveRepresentationItem):
                 if "material" in title and text(item.Name()).strip():
                     self._of(definition).names.append(text(item.Name()))
-            elif (measure := _measure(item)) is not None:
+            elif (measure := measure_of(item)) is not None:
                 self._read_measure(definition, measure, "density" in title, strange)
 
     def _read_measure(self, definition: Any, measure: Any, is_density: bool, strange: list[str]) -> None:
         value = measure.ValueComponent()
-        unit = _derived_unit(measure)
+        unit = derived_unit(measure)
         if unit is None or unit.dimensions != (1.0, -3.0):
             if is_density:
                 strange.append(f"{value:g} {unit.name if unit else 'without unit'}")
@@ -128,46 +126,6 @@ class Materials:
         claims = self._of(part)
         claims.names += [*self._claims[id(raw)][1].names, name]
         claims.densities += self._claims[id(raw)][1].densities
-
-
-@dataclass(frozen=True)
-class _DerivedUnit:
-    name: str
-    size: float
-    """In kg^a m^b."""
-    dimensions: tuple[float, float]
-    """Exponents of mass and length."""
-
-
-def _derived_unit(measure: Any) -> _DerivedUnit | None:
-    component = measure.UnitComponent()
-    if component.IsNull() or (derived := component.DerivedUnit()) is None:
-        return None
-    size, mass, length, names = 1.0, 0.0, 0.0, []
-    for index in range(1, derived.NbElements() + 1):
-        element = derived.ElementsValue(index)
-        unit, exponent = declared_unit(element.Unit()), element.Exponent()
-        if unit.size <= 0.0 or abs(exponent) > 12:
-            return None
-        size *= unit.size**exponent
-        mass += exponent if unit.quantity == "mass" else 0.0
-        length += exponent * {"length": 1.0, "volume": 3.0}.get(unit.quantity, 0.0)
-        names.append(f"{unit.name}^{exponent:g}" if exponent != 1.0 else unit.name)
-    return _DerivedUnit(" ".join(names), size, (mass, length))
-
-
-def _measure(item: Any) -> Any:
-    """The value and unit of a representation item; None for an item of another kind."""
-    if isinstance(item, StepRepr_MeasureRepresentationItem):
-        return item.Measure()
-    return item.GetMeasureWithUnit() if hasattr(item, "GetMeasureWithUnit") else None
-
-
-def _product_definition(entity: Any) -> Any:
-    """The product definition that a property is about; None where it is about something else."""
-    if isinstance(entity, StepRepr_ProductDefinitionShape):
-        entity = entity.Definition().Value()
-    return entity if isinstance(entity, StepBasic_ProductDefinition) else None
 
 
 def _described(property_definition: Any) -> str:

@@ -24,6 +24,7 @@ def variant(body: Body, *, is_mirrored: bool, scale: float) -> Body:
         exact=_properties(body.exact, factors, scale),
         refined=_properties(body.refined, factors, scale),
         axis_faces=tuple(_axis_face(face, factors, scale) for face in body.axis_faces),
+        area=body.area * scale**2,
     )
 
 

@@ -35,10 +35,11 @@ class Product:
     """Uncertainty [mm] of its shape."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Occurrence:
     """A product in an assembly."""
 
+    entity: Any
     name: str
     assembly: int
     """Index of the product that it is a part of."""
@@ -66,6 +67,7 @@ class Products:
         usages = entities(session, StepRepr_NextAssemblyUsageOccurrence)
         self.occurrences = [
             Occurrence(
+                usage,
                 _occurrence_name(usage),
                 index_of.get(id(usage.RelatingProductDefinition()), NONE),
                 index_of.get(id(usage.RelatedProductDefinition()), NONE),

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from OCP.IFSelect import IFSelect_SelectModelEntities, IFSelect_SelectType
+from OCP.StepRepr import StepRepr_ProductDefinitionShape
 
 
 def entities(session: Any, kind: Any) -> list[Any]:
@@ -33,3 +34,13 @@ def items(representation: Any) -> Iterator[Any]:
 def text(string: Any) -> str:
     """A string of the model; empty where there is none."""
     return string.ToCString() if string is not None else ""
+
+
+def described_by(property_definition: Any) -> Any:
+    """What a property is about: a product definition, an occurrence, an aspect of a shape; None for no property."""
+    return shaped(property_definition.Definition().Value()) if hasattr(property_definition, "Definition") else None
+
+
+def shaped(entity: Any) -> Any:
+    """What a shape is the shape of; any other entity is itself."""
+    return entity.Definition().Value() if isinstance(entity, StepRepr_ProductDefinitionShape) else entity

@@ -35,6 +35,8 @@ class Child:
     matrix: Array
     """Shape (4, 4): the child in the assembly [m]; it may mirror or scale."""
     color: Rgba | None = None
+    number: int = NONE
+    """Index of the occurrence; -1 for what the kernel made up."""
 
 
 @dataclass(eq=False)

@@ -44,6 +44,8 @@ class Tree:
     components: tuple[Component, ...]
     variants: tuple[Variant, ...]
     """What :attr:`Component.body` counts."""
+    shapes: tuple[Variant, ...]
+    """What :attr:`Component.definition` counts; without a body for a definition as a whole."""
     definition_count: int
     """Product definitions that occur."""
 
@@ -100,7 +102,7 @@ def grow(
     _report(components, growing, place, found)
     occurring = {node.child.definition for node in growing.nodes if node.child.definition != NONE}
     products = sum(definitions[index].product != NONE for index in occurring)
-    return None if growing.skewed else Tree(components, tuple(growing.variants), products)
+    return None if growing.skewed else Tree(components, tuple(growing.variants), tuple(growing.shapes), products)
 
 
 def _follow(

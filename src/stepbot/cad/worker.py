@@ -7,8 +7,10 @@
 The modules that this one imports are the only ones that see the geometry kernel.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
@@ -18,9 +20,10 @@ from OCP.TopExp import TopExp
 
 from ..diagnostics import Diagnostic, Diagnostics, Span
 from ..mesh import TriMesh
-from .assembly import Assembly, Body, BodyKind, Component, ReadOptions
+from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
 from .claims import definition_tolerances
+from .comparison import Stated, compare
 from .definitions import Definitions
 from .encodings import as_utf8, encoding_fact
 from .integrity import check_integrity
@@ -36,7 +39,9 @@ from .repetition import MisplacedOccurrence
 from .selection import entities
 from .source import NONE, BodySource, Definition, StepMaterial
 from .step import StepUnreadable, read_model, transfer
+from .subjects import Subjects
 from .tree import Tree, grow
+from .validation import read_statements
 
 _BODY_SECONDS = 120.0
 """Processor time that a body may take; a large one takes a few seconds."""
@@ -49,6 +54,8 @@ class _Content:
     unit: LengthUnit
     definitions: list[Definition]
     tree: Tree
+    stated: list[Stated]
+    """Values that the file states for readers to compare."""
 
 
 def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
@@ -67,16 +74,20 @@ def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[A
     content = _read_content(path, place, part21, found)
     if content is None:
         return None, tuple(found)
-    bodies = _Bodies(content, place, found).read(options)
+    bodies = _Bodies(content, place, found)
+    made = bodies.make(options)
+    components = content.tree.components
+    stated = content.stated if options.geometry else []
     assembly = Assembly(
         source=Path(path).name,
         schema=part21.header.schema,
         originating_system=part21.header.originating_system,
         unit=content.unit.name,
         unit_scale=content.unit.scale,
-        components=content.tree.components,
-        bodies=bodies,
+        components=components,
+        bodies=bodies.variants(made),
         definitions=content.tree.definition_count,
+        validations=compare(stated, content.definitions, components, made, place, found),
         diagnostics=tuple(found),
         facts=_facts(part21, content),
     )
@@ -119,7 +130,17 @@ def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *,
     _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
     made_of = [_material(definition, materials, products) for definition in definitions.all]
     tree = grow(definitions.all, definitions.roots, made_of, place, found)
-    return _Content(unit, definitions.all, tree) if tree is not None else None
+    if tree is None:
+        return None
+    return _Content(unit, definitions.all, tree, _stated(model.session, products, definitions.all, tree))
+
+
+def _stated(session: Any, products: Products, definitions: list[Definition], tree: Tree) -> list[Stated]:
+    statements = read_statements(session)
+    if not statements:
+        return []
+    subjects = Subjects(session, products, definitions, tree)
+    return [Stated(subjects.of(s.subject), s.quantity, s.value) for s in statements]
 
 
 def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
@@ -161,22 +182,22 @@ class _Bodies:
         self._variants = content.tree.variants
         keys = dict.fromkeys((v.definition, v.body) for v in self._variants)
         self._number = {key: number for number, key in enumerate(keys)}
+        self._areas = any(stated.quantity is Quantity.AREA for stated in content.stated)
         self._sources = [content.definitions[definition].bodies[body] for definition, body in keys]
         self._first = self._first_components()
         for definition, _ in keys:
             if content.definitions[definition].has_spare_curves:
                 self._report_curves(content.definitions[definition])
 
-    def read(self, options: ReadOptions) -> tuple[Body, ...]:
+    def make(self, options: ReadOptions) -> dict[tuple[int, int], Body]:
+        """Each body once, by the number of its definition and its own in that."""
+        made = self._make(options) if options.geometry else map(_outline, self._sources)
+        return dict(zip(self._number, made, strict=True))
+
+    def variants(self, made: Mapping[tuple[int, int], Body]) -> tuple[Body, ...]:
         """The bodies that components refer to."""
-        if not options.geometry:
-            made: list[Body] = [_outline(source) for source in self._sources]
-        else:
-            made = self._make(options)
-        numbers = (self._number[v.definition, v.body] for v in self._variants)
         return tuple(
-            variant(made[number], is_mirrored=v.is_mirrored, scale=v.scale)
-            for v, number in zip(self._variants, numbers, strict=True)
+            variant(made[v.definition, v.body], is_mirrored=v.is_mirrored, scale=v.scale) for v in self._variants
         )
 
     def _make(self, options: ReadOptions) -> list[Body]:
@@ -185,7 +206,9 @@ class _Bodies:
         )
 
         def make(number: int) -> ReadBody:
-            return read_body(self._sources[number], BodyRequest(tolerances[number], options.refine_mass_to))
+            return read_body(
+                self._sources[number], BodyRequest(tolerances[number], options.refine_mass_to, self._areas)
+            )
 
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])

@@ -184,6 +184,26 @@ CODES = (
         "Compare `stepbot inspect` with the CAD; export as AP214 if something is missing.",
     ),
     Code(
+        "SB226",
+        "warning",
+        "validation property differs",
+        "The CAD program wrote volumes, areas or centroids into the file for readers to check themselves by (AP214 and AP242 "
+        "call them geometric validation properties), and what was read differs: by more than 0.1 % of a volume, 1 % of an "
+        "area or, for a centroid, 0.1 % of the radius of gyration.",
+        "Either the export lost or changed a shape, or the program computed the value on something else: "
+        "on a coarse mesh, with hidden bodies, or a centre of mass in place of a centroid.",
+        "Compare the part's volume in CAD with `stepbot inspect`, which lists every such value beside the one read.",
+    ),
+    Code(
+        "SB227",
+        "note",
+        "validation properties not compared",
+        "The file states volumes, areas or centroids that cannot be compared: their unit is missing or of another kind, they are "
+        "about something that is no part, or about bodies of mere triangles, which have no exact volume.",
+        "The other values of the file were compared.",
+        "Nothing to do.",
+    ),
+    Code(
         "SB224",
         "error",
         "names not in the declared encoding",
