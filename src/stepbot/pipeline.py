@@ -29,7 +29,8 @@ from .provenance import emitted_names, measured_bodies
 from .report import Report, report_bytes
 from .rules import check_robot
 from .sidecar.check import check_sidecar
-from .sidecar.load import Sidecar, load_sidecar
+from .sidecar.load import load_sidecar
+from .sidecar.located import Sidecar
 from .simulators.memory import Memory
 from .simulators.workers import check_required
 from .verify import Provers, Written, verify

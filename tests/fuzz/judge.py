@@ -19,7 +19,8 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.measure import measured
 from stepbot.passes import run_passes
 from stepbot.rules import check_robot
-from stepbot.sidecar.load import Sidecar, parse_sidecar
+from stepbot.sidecar.load import parse_sidecar
+from stepbot.sidecar.located import Sidecar
 from stepbot.writers import FORMATS, render
 
 Read = Callable[[Path, Diagnostics], Assembly | None]

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from ..cad.assembly import Assembly, VolumeProperties
 from ..diagnostics import Diagnostics
 from ..model import Robot
-from ..sidecar.load import Sidecar
+from ..sidecar.located import Sidecar
 from .binder import Binder
 from .claims import Claims, claim
 from .double_counting import report_double_counting

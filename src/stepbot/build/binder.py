@@ -4,7 +4,7 @@ from ..cad.assembly import Assembly
 from ..cad.paths import ComponentPaths, quoted
 from ..diagnostics import Diagnostics, Span
 from ..sidecar.document import Document
-from ..sidecar.load import Sidecar
+from ..sidecar.located import Sidecar
 from ..sidecar.subjects import subject
 from ..sidecar.tree import Keys
 

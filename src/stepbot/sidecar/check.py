@@ -4,7 +4,7 @@ from ..diagnostics import Diagnostics
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .connections import check_connections
 from .joint_rules import check_joints
-from .load import Sidecar
+from .located import Sidecar
 from .magnitudes import check_magnitudes
 from .mechanics import check_closures, check_drives, check_mimics
 from .names import check_names

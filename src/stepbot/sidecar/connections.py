@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from ..diagnostics import Diagnostics
-from .load import Sidecar
+from .located import Sidecar
 
 
 def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:

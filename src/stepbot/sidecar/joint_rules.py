@@ -7,7 +7,7 @@ from ..model import JointKind
 from ..units import Dimension
 from .document import JointSection
 from .joint_settings import ONE_FREEDOM, Setting, joint_settings, position_dimension, settings_of
-from .load import Sidecar
+from .located import Sidecar
 from .subjects import subject
 from .tree import Keys
 

@@ -6,7 +6,7 @@ from math import isfinite
 from ..diagnostics import Diagnostics
 from ..model import JointKind
 from .joint_settings import joint_settings, settings_of
-from .load import Sidecar
+from .located import Sidecar
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree
 

@@ -8,7 +8,7 @@ from .connections import rings
 from .document import ActuatorSection
 from .joint_rules import WITH_AXIS, check_unit
 from .joint_settings import ONE_FREEDOM, joint_limits, position_dimension, settings_of
-from .load import Sidecar
+from .located import Sidecar
 
 _CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.FIXED)
 _GAINS = {ActuatorKind.POSITION: ("kp", "kv"), ActuatorKind.VELOCITY: ("kv",), ActuatorKind.MOTOR: ()}

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from ..diagnostics import Diagnostics
 from .document import Document
-from .load import Sidecar
+from .located import Sidecar
 from .subjects import subject
 
 Named = tuple[str, str]

@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 
 from ..diagnostics import Diagnostics, did_you_mean
 from .document import AutoOrigin, Document, Origin, SensorKind, SensorSection
-from .load import Sidecar
+from .located import Sidecar
 from .subjects import subject
 from .tree import Keys
 

@@ -11,9 +11,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..diagnostics import Diagnostic, Diagnostics
+from . import VERSION
 from .check import check_sidecar
 from .document import Document
-from .load import VERSION, Sidecar
+from .located import Sidecar
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree
 

@@ -17,7 +17,8 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.mesh import TriMesh
 from stepbot.model import Rgba, Robot
 from stepbot.sidecar.check import check_sidecar
-from stepbot.sidecar.load import Sidecar, load_sidecar
+from stepbot.sidecar.load import load_sidecar
+from stepbot.sidecar.located import Sidecar
 from stepbot.spatial import IDENTITY, Array, Pose, Vector3
 
 MM = 1e-3

@@ -18,7 +18,8 @@ from stepbot.sidecar.document import (
     MergedCollision,
     SphereShape,
 )
-from stepbot.sidecar.load import Sidecar, load_sidecar, parse_sidecar
+from stepbot.sidecar.load import load_sidecar, parse_sidecar
+from stepbot.sidecar.located import Sidecar
 from tests.unit.sidecar.samples import FULL
 
 

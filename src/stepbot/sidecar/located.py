@@ -1,0 +1,69 @@
+"""A sidecar's values, and where in its text they stand."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..diagnostics import Span
+from .document import Document
+from .tree import Keys, Listing, Scalar, Tree, key_span, span, way
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """A sidecar that was read, and the places of all its values."""
+
+    document: Document
+    path: Path
+    """As the user gave it."""
+    text: str
+    """With line feeds at line ends."""
+    root: Tree
+    """The values with their places."""
+
+    @property
+    def step_path(self) -> Path:
+        """The STEP file that it names."""
+        return self.path.parent / self.document.step
+
+    def span(self, *keys: str | int) -> Span:
+        """Place of the value at ``keys``, or of the nearest key above it that exists."""
+        return span(self.root, keys)
+
+    def key_span(self, *keys: str | int) -> Span:
+        """Place of the last of ``keys`` itself, or of the nearest above it that exists."""
+        return key_span(self.root, keys)
+
+    def written(self, *keys: str | int) -> str:
+        """A single value as the file writes it, without quotes; empty where there is none."""
+        value = self._scalar(keys)
+        return value.text if value is not None else ""
+
+    def quoting_hints(self, *keys: str | int) -> tuple[str, ...]:
+        """Remedies for a path that matches nothing, where missing quotes may have cut it short.
+
+        Without quotes ``[XL,XC-330 v1]`` is a list of two, and ``ID #71`` ends before its ``#``, a comment.
+        """
+        value = self._scalar(keys)
+        if value is None or not value.plain or not value.span.end_column:
+            return ()
+        line = self.text.split("\n")[value.span.line - 1]
+        before, after = line[: value.span.column - 1], line[value.span.end_column - 1 :]
+        if comment := re.match(r" +#\S[^,\]}]*", after):
+            return (f'a # after a blank starts a comment; in quotes it does not: "{value.text}{comment[0].rstrip()}"',)
+        above = way(self.root, keys)[-2] if keys else None
+        if isinstance(above, Listing) and above.flow and (before.endswith(",") or re.match(r",\S", after)):
+            return ("a comma in a list without quotes separates two values; a name with a comma goes in quotes",)
+        return ()
+
+    def plain_number(self, *keys: str | int) -> float | None:
+        """A value that is written as a number without a unit; None where it is anything else."""
+        value = self._scalar(keys)
+        if value is None or isinstance(value.value, bool) or not isinstance(value.value, int | float):
+            return None
+        return float(value.value)
+
+    def _scalar(self, keys: Keys) -> Scalar | None:
+        values = way(self.root, keys)
+        value = values[-1]
+        return value if isinstance(value, Scalar) and len(values) == len(keys) + 1 else None
