@@ -36,8 +36,8 @@ demo: install  ## convert the four-bar linkage to all formats and print what the
 test: install  ## run the tests
 	$(BIN)/pytest -n $(JOBS) -m "not long"
 
-test-long: install  ## run the tests that `make test` leaves out; some draw the library anew, with build123d
-	$(BIN)/python -m pip install --quiet -e '.[draw]'
+test-long: install  ## run the tests that `make test` leaves out; some need build123d, dask, pre-commit
+	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks]'
 	$(BIN)/pytest -n $(JOBS) -m long
 
 format: install  ## format the code

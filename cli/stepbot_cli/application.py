@@ -14,7 +14,7 @@ import stepbot
 
 from .failures import show_exception
 
-COMMANDS = ("convert", "inspect", "check", "verify", "explain", "schema", "formats", "cache")
+COMMANDS = ("convert", "batch", "inspect", "check", "uptodate", "verify", "explain", "schema", "formats", "cache")
 """In the order of `--help`; the module of the same name holds it as ``command``."""
 
 INTERRUPTED = 130

@@ -35,7 +35,7 @@ class CheckCommand(Command):
 
 
 @click.command(cls=CheckCommand, short_help="Check sidecars without writing anything.")
-@click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
 @click.option(
     "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."
 )
@@ -57,12 +57,13 @@ def command(
     as_json: bool,
     concise: bool,
 ) -> int:
-    """Check sidecars; all faults of a file at once.
+    """Check sidecars; all faults of a file at once. Of a folder all below it, without any those of the current folder.
 
     Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
     """
     from stepbot.conversion import Options
     from stepbot.incremental import check
+    from stepbot.sidecars import find_sidecars
 
     options = Options(
         output=Path(),
@@ -73,6 +74,7 @@ def command(
         cache=opened(cache, no_cache),
     )
     found = Diagnostics()
+    sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))

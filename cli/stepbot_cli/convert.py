@@ -76,7 +76,7 @@ def command(
         raise click.UsageError("--require asks for engines that --no-verify does not start; leave one of them out")
     options = Options(
         output=output or default_output(sidecar),
-        formats=_format_names(formats),
+        formats=format_names(formats),
         step=step,
         encoding=encoding,
         verify=not no_verify,
@@ -112,7 +112,7 @@ def written_to(conversion: "Conversion", output: Path) -> Path:
     return failed_output(output) if conversion.diagnostics.has_errors else output
 
 
-def _format_names(given: tuple[str, ...]) -> tuple[str, ...]:
+def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the formats to write, each once, whatever alias they were given by."""
     from stepbot.writers import FORMATS, writer_of
 

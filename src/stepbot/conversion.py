@@ -55,7 +55,7 @@ class Conversion:
     named: str = ""
     """What the sidecar calls its STEP; empty where that could not be read."""
     geometry: str = ""
-    """Hash of the STEP that was read; empty without a cache, and where the file changed meanwhile."""
+    """Hash of the STEP that was read; empty where the file changed meanwhile."""
 
 
 def write(conversion: Conversion, output: Path) -> Conversion:

@@ -67,7 +67,7 @@ class Loading:
 
     @property
     def content(self) -> str:
-        """Hash of the file that was read; empty without a cache, and where it changed meanwhile."""
+        """Hash of the file that was read; empty where it changed meanwhile."""
         return self._memory.content
 
     def close(self) -> None:
@@ -92,7 +92,7 @@ class _Memory:
     def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
         self._shelf, self._step = Shelf(cache, Geometry), step
         self._state = _state(step)
-        self._content = (file_digest(step) or "") if cache is not None else ""
+        self._content = file_digest(step) or ""
         asked = codec_of(ReadOptions).encode(what)
         self._key = Digest("geometry").add(environment(), self._content, step.name, asked).key if self._content else ""
 

@@ -38,7 +38,9 @@ class _Findings:
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
     """Convert one sidecar, or find what came of it, and write the files."""
-    return write(produce(sidecar, options, progress), options.output)
+    conversion = produce(sidecar, options, progress)
+    progress("save")
+    return write(conversion, options.output)
 
 
 def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -62,7 +64,21 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
     geometry = file_digest(step) if step is not None else None
     if step is None or geometry is None:
         return None
-    return Shelf(options.cache, Record).get(_conversion_key(sidecar, content, step, geometry, options))
+    return Shelf(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
+
+
+def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, options: Options) -> str:
+    """Key of all that a conversion depends on.
+
+    Args:
+        sidecar: Path of the sidecar, as messages name it.
+        content: Hash of its bytes.
+        step: Path of the STEP, as messages name it.
+        geometry: Hash of its bytes.
+        options: How it is converted.
+    """
+    digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
+    return digest.add(*_asked(options)).key
 
 
 def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> None:
@@ -109,7 +125,7 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
 
     encoded = codec_of(Report).encode(replace(report, robot=None))
     step = options.step or sidecar.parent / conversion.named
-    key = _conversion_key(sidecar, content, step, conversion.geometry, options)
+    key = conversion_key(sidecar, content, step, conversion.geometry, options)
     Shelf(options.cache, Record).put(key, Record(conversion.files, tuple(found), encoded))
 
 
@@ -126,11 +142,6 @@ def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None
 
 def _name_key(content: str) -> str:
     return Digest("name of STEP").add(own_code(), content).key
-
-
-def _conversion_key(sidecar: Path, content: str, step: Path, geometry: str, options: Options) -> str:
-    digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
-    return digest.add(*_asked(options)).key
 
 
 def _asked(options: Options) -> list[str]:

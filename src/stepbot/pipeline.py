@@ -36,7 +36,7 @@ from .simulators.workers import check_required
 from .verify import Provers, Written, verify
 from .writers import files_of, main_file, writer_of
 
-__all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce"]
+__all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
 
 SIDECAR_SUFFIXES = (".yaml", ".yml")
 
@@ -156,6 +156,15 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     except StepbotError as error:
         found.extend(error.diagnostics)
     return named
+
+
+def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
+    """The STEP file that a conversion would read; None where errors in ``found`` say why it would read none."""
+    try:
+        return options.step or _named_step(_load(sidecar, found), found)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return None
 
 
 def inspect(path: Path, options: Options) -> Inspection:

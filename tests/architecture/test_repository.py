@@ -139,12 +139,15 @@ def test_pins_satisfy_the_ranges() -> None:
         assert requirement.specifier.contains(pins[requirement.name.lower()]), requirement
 
 
-def test_hook_finds_sidecars() -> None:
-    """The pre-commit hook runs `stepbot check` on sidecars and on nothing else."""
-    (hook,) = YAML(typ="safe", pure=True).load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
-    assert hook["id"] == "stepbot-check"
-    assert hook["entry"] == "stepbot check"
-    for name in ("robot.yaml", "a/robot.yml", "arm.robot.yaml", "a/b/arm.robot.yml"):
-        assert re.search(hook["files"], name), name
-    for name in ("robots.yaml", "myrobot.yaml", "robot.yaml.orig", "arm.robot.json"):
-        assert not re.search(hook["files"], name), name
+def test_hooks_find_their_files() -> None:
+    """The hooks run where a sidecar or a STEP changes, that for the output also where that does, and nowhere else."""
+    hooks = YAML(typ="safe", pure=True).load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
+    files = {hook["id"]: re.compile(hook["files"]) for hook in hooks}
+    assert list(files) == ["stepbot-check", "stepbot-uptodate"]
+    for name in ("robot.yaml", "a/robot.yml", "arm.robot.yaml", "a/b/arm.robot.yml", "arm.step", "a/arm.stp"):
+        assert all(pattern.search(name) for pattern in files.values()), name
+    for name in ("robots.yaml", "myrobot.yaml", "robot.yaml.orig", "arm.robot.json", "step.py"):
+        assert not any(pattern.search(name) for pattern in files.values()), name
+    for name in ("arm/arm.urdf", "arm/arm.sdf", "arm/arm.xml", "arm/meshes/a.obj", "arm/report.json"):
+        assert files["stepbot-uptodate"].search(name), name
+        assert not files["stepbot-check"].search(name), name

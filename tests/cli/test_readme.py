@@ -25,6 +25,8 @@ def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
     shutil.copy(robot_library / "stepbot_arm2" / "arm2.step", tmp_path)
     (tmp_path / "arm.robot.yaml").write_text(sidecar, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("STEPBOT_NO_CACHE", "")
+    monkeypatch.setenv("STEPBOT_CACHE", str(tmp_path / ".kept"))
     return tmp_path
 
 
@@ -37,13 +39,15 @@ def test_opens_with_two_commands() -> None:
 def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Every command of the example ends well, and the files that the text names are there."""
     commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("stepbot ")]
-    assert [command.split()[1] for command in commands] == ["inspect", "check", "convert"]
+    assert [command.split()[1] for command in commands] == ["inspect", "check", "convert", "batch", "uptodate"]
     for command in commands:
         code = main(shlex.split(command)[1:])
         captured = capsys.readouterr()
         assert code == 0, captured.err
     written = {file.name for file in (example / "arm").iterdir()}
     assert {"arm.urdf", "arm.sdf", "arm.xml", "meshes", "report.json"} <= written
+    assert written == {file.name for file in (example / "build" / "arm").iterdir()}
+    assert (example / "build" / "junit.xml").is_file()
 
 
 def test_fault_looks_as_shown(example: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ A cache holds nothing that cannot be computed again, and an entry that is broken
 
 from .codec import Undecodable, codec_of
 from .folder import default_folder
-from .keys import Digest, content_digest, environment, file_digest, own_code
+from .keys import Digest, bytes_digest, content_digest, environment, file_digest, own_code
 from .shelf import Shelf
 from .store import DEFAULT_LIMIT, Cache, Usage
 
@@ -22,6 +22,7 @@ __all__ = [
     "Shelf",
     "Undecodable",
     "Usage",
+    "bytes_digest",
     "codec_of",
     "content_digest",
     "default_folder",

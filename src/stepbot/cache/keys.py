@@ -52,6 +52,11 @@ def file_digest(path: Path) -> str | None:
     return hashed.hexdigest()
 
 
+def bytes_digest(content: bytes) -> str:
+    """What :func:`file_digest` says of a file with this content."""
+    return hashlib.blake2b(content, digest_size=_SIZE).hexdigest()
+
+
 def content_digest(files: Mapping[str, bytes]) -> str:
     """Hash of several files, by their names."""
     digest = Digest("files")

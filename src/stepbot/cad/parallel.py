@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
+from ..cores import core_count
 from ..isolation import end_with_parent
 
 T = TypeVar("T")
@@ -135,13 +136,6 @@ def _expected(result: T | Died | Raised | _Bug) -> T | Died | Raised:
 def can_fork() -> bool:
     """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it."""
     return hasattr(os, "fork") and sys.platform != "darwin"
-
-
-def core_count() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _call(function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...]) -> T | Raised:

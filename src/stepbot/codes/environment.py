@@ -56,4 +56,31 @@ CODES = (
         "What was computed is right, but the next run computes it again.",
         "Make the folder writable, or free some space; `--cache DIR` names another folder, `--no-cache` uses none.",
     ),
+    Code(
+        "SB007",
+        "error",
+        "output not up to date",
+        "A file in the output folder is not, byte by byte, what stepbot would write now.",
+        "Whoever loads it gets another robot than the sidecar and the STEP describe: it was edited by hand, or one of them, "
+        "or stepbot itself, has changed since.",
+        "Convert again and commit what was written; what was edited by hand belongs in the sidecar.",
+    ),
+    Code(
+        "SB008",
+        "error",
+        "two robots of one name",
+        "Two sidecars of a batch would be written to the same folder.",
+        "The files of one would replace those of the other.",
+        "Rename one of the sidecars, or the folder that it is in.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB009",
+        "error",
+        "cluster cannot be used",
+        "The scheduler named by `--scheduler` does not answer, or a worker of it has another stepbot.",
+        "Robots cannot be converted there, or not to the same files.",
+        "Start it with `dask scheduler`, workers with `dask worker tcp://host:8786`, with the same stepbot everywhere.",
+        could_not_run=True,
+    ),
 )

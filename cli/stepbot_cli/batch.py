@@ -1,0 +1,224 @@
+"""``stepbot batch``: many robots, on all cores or on a cluster."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .caching import cache_options, opened
+from .columns import aligned
+from .command import Command, concise_option, json_option
+from .convert import format_names
+from .encodings import encoding_option
+from .engines import limit_options, require_option
+from .interrupts import interruptible
+from .render import paint, printable
+from .terminal import show_diagnostics, wants_color, write_json, write_result
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from stepbot.batch import Outcome, Task
+    from stepbot.conversion import Options
+
+_COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
+
+
+@click.command(cls=Command, short_help="Convert and verify many robots.")
+@click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Gets a folder per robot."
+)
+@click.option("-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Cores to use.  [default: all]")
+@click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster of tcp://HOST:PORT instead.")
+@click.option("-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`.")
+@click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
+@click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
+@click.option("--junit", type=click.Path(path_type=Path), metavar="FILE", help="Also write the results as JUnit XML.")
+@require_option
+@encoding_option
+@limit_options
+@cache_options
+@json_option
+@concise_option
+def command(
+    sidecars: tuple[Path, ...],
+    output: Path,
+    jobs: int | None,
+    scheduler: str | None,
+    formats: tuple[str, ...],
+    no_verify: bool,
+    strict: bool,
+    junit: Path | None,
+    require: tuple[str, ...],
+    encoding: str,
+    timeout: float,
+    memory_limit: int | None,
+    cache: Path | None,
+    no_cache: bool,
+    as_json: bool,
+    concise: bool,
+) -> int:
+    """Convert many robots: sidecars, all those below a folder, or those that a .txt file lists, one a line.
+
+    Each robot goes to a folder of its own in the output folder. One that fails does not stop the others, and one whose
+    input and files are what they were is not converted again: a batch that was stopped goes on where it was.
+    """
+    from stepbot.batch import plan
+    from stepbot.conversion import Options
+    from stepbot.sidecars import find_sidecars
+
+    found = Diagnostics()
+    tasks = plan(find_sidecars(sidecars, found), output, found)
+    if found.has_errors:
+        return _told(found, [], as_json, concise)
+    options = Options(
+        output=output,
+        formats=format_names(formats),
+        encoding=encoding,
+        verify=not no_verify,
+        strict=strict,
+        require=require,
+        timeout=timeout,
+        memory_limit=memory_limit,
+        cache=opened(cache, no_cache),
+    )
+    outcomes = _outcomes(tasks, options, jobs, scheduler, found)
+    if junit is not None and not found.has_errors:
+        from stepbot.batch import suites
+        from stepbot.junit import junit_bytes
+
+        junit.parent.mkdir(parents=True, exist_ok=True)
+        junit.write_bytes(junit_bytes(suites(outcomes)))
+    return _told(found, outcomes, as_json, concise)
+
+
+def _outcomes(
+    tasks: "Sequence[Task]", options: "Options", jobs: int | None, scheduler: str | None, found: Diagnostics
+) -> "list[Outcome]":
+    """What became of each robot, in the order of the tasks."""
+    from stepbot.batch import ClusterUnreachable, run_batch
+
+    with ExitStack() as stack:
+        try:
+            executor, at_once = stack.enter_context(_executor(scheduler, jobs, len(tasks)))
+        except ClusterUnreachable as error:
+            found.add("SB009", str(error), Span("stepbot"), help=["start one with `dask scheduler`"])
+            return []
+        runs = run_batch(tasks, options, options.output, executor, at_once=at_once, as_bytes=scheduler is not None)
+        stack.enter_context(closing(runs))
+        advance = stack.enter_context(_bar(len(tasks)))
+        done = {}
+        for outcome in runs:
+            done[outcome.task] = outcome
+            advance(outcome.task.name)
+    return [done[task] for task in tasks]
+
+
+@contextmanager
+def _executor(scheduler: str | None, jobs: int | None, tasks: int) -> "Iterator[tuple[Executor, int]]":
+    from stepbot.batch import local_executor, on_cluster
+    from stepbot.cores import core_count
+
+    if scheduler is not None:
+        with on_cluster(scheduler) as cluster:
+            yield cluster
+        return
+    cores = jobs or core_count()
+    executor = local_executor(cores, tasks)
+    try:
+        yield executor, min(cores, tasks) or 1
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        raise
+    executor.shutdown()
+
+
+@contextmanager
+def _bar(total: int) -> Iterator[Any]:
+    """Yield a function that is told each robot that is done; a bar with rate and remaining time on a terminal."""
+    if not sys.stderr.isatty():
+        with interruptible():
+            yield lambda name: None
+        return
+
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        ProgressColumn,
+        SpinnerColumn,
+        Task,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+    from rich.text import Text
+
+    class Rate(ProgressColumn):
+        """Robots per minute."""
+
+        def render(self, task: Task) -> Text:
+            return Text(f"{60.0 * (task.finished_speed or task.speed or 0.0):.1f}/min")
+
+    console = Console(stderr=True, no_color=not wants_color(sys.stderr))
+    columns = (
+        SpinnerColumn(),
+        BarColumn(20),
+        MofNCompleteColumn(),
+        Rate(),
+        TimeRemainingColumn(),
+        TextColumn("{task.description}"),
+    )
+    with interruptible(), Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda name: bar.update(task, advance=1, description=printable(name))
+
+
+def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, concise: bool) -> int:
+    """Print what came of it; the exit code."""
+    from stepbot.batch import batch_document
+
+    failed = [outcome for outcome in outcomes if outcome.status == "failed"]
+    code = found.exit_code or int(bool(failed))
+    if as_json:
+        write_json({**batch_document(outcomes), "diagnostics": found, "exit_code": code})
+        return code
+    show_diagnostics(found, concise=concise)
+    for outcome in failed:
+        show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], concise=concise)
+    if outcomes:
+        write_result("\n".join(_table(outcomes)))
+    return code
+
+
+def _table(outcomes: "Sequence[Outcome]") -> list[str]:
+    from stepbot.batch import counted
+
+    color = wants_color(sys.stdout)
+    rows = []
+    for outcome in outcomes:
+        checks = counted(outcome)
+        warnings = sum(one.severity == "warning" for one in outcome.diagnostics)
+        told = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in checks.items() if count) or "-"
+        seconds = f"{outcome.seconds:.1f}" if outcome.seconds else "-"
+        rows.append((printable(outcome.task.name), outcome.status.value, told, str(warnings or "-"), seconds))
+    head, *body = aligned([("robot", "result", "checks", "warnings", "seconds"), *rows])
+    if color:
+        words = [outcome.status.value for outcome in outcomes]
+        body = [
+            line.replace(f"  {word}", f"  {paint(word, _COLORS[word], True)}", 1)
+            for line, word in zip(body, words, strict=True)
+        ]
+    counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
+    return [
+        paint(head, "1", color),
+        *body,
+        "",
+        f"{len(outcomes)} robots: " + ", ".join(f"{n} {word}" for word, n in counts),
+    ]

@@ -1,0 +1,85 @@
+"""``stepbot uptodate``: whether committed files are what stepbot would write now."""
+
+from pathlib import Path
+
+import click
+
+from stepbot.diagnostics import Diagnostics
+
+from .caching import cache_options, opened, say_trouble
+from .command import Command, concise_option, json_option
+from .convert import format_names
+from .encodings import encoding_option
+from .engines import limit_options
+from .progress import progress_bar
+from .terminal import show_diagnostics, write_json
+
+
+@click.command(cls=Command, short_help="Check that written files are what would be written now.")
+@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    default="{name}",
+    metavar="DIR",
+    help="Folder of the files, where {name} stands for the robot and {folder} for that of its sidecar.  "
+    "[default: {name}, as `convert` has it]",
+)
+@click.option("-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`.")
+@click.option("--ignore", multiple=True, metavar="GLOB", help="Do not compare these files; may be repeated.")
+@click.option("--strict", is_flag=True, help="As for `convert`.")
+@encoding_option
+@limit_options
+@cache_options
+@json_option
+@concise_option
+def command(
+    sidecars: tuple[Path, ...],
+    output: str,
+    formats: tuple[str, ...],
+    ignore: tuple[str, ...],
+    strict: bool,
+    encoding: str,
+    timeout: float,
+    memory_limit: int | None,
+    cache: Path | None,
+    no_cache: bool,
+    as_json: bool,
+    concise: bool,
+) -> int:
+    """Compare the files in each robot's folder, byte by byte, with what `convert` would write; writes nothing.
+
+    Of a folder all sidecars below it, without any those of the current folder. Engines are asked only where a folder
+    has a report.json to compare.
+    """
+    from stepbot.conversion import Options
+    from stepbot.sidecars import find_sidecars, robot_name
+    from stepbot.uptodate import check_up_to_date
+
+    kept, names, found = opened(cache, no_cache), format_names(formats), Diagnostics()
+    paths = find_sidecars(sidecars or (Path(),), found)
+    with progress_bar() as progress:
+        for path in paths:
+            options = Options(
+                output=_folder(output, robot_name(path), path),
+                formats=names,
+                encoding=encoding,
+                strict=strict,
+                timeout=timeout,
+                memory_limit=memory_limit,
+                cache=kept,
+            )
+            check_up_to_date(path, options, found, ignore=ignore, progress=progress)
+    say_trouble(kept, found)
+    if as_json:
+        write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})
+    else:
+        show_diagnostics(found, concise=concise, as_result=True)
+    return found.exit_code
+
+
+def _folder(template: str, name: str, sidecar: Path) -> Path:
+    try:
+        return Path(template.format(name=name, folder=sidecar.parent.as_posix()))
+    except (KeyError, IndexError, ValueError):
+        raise click.BadParameter(f"'{template}' has braces other than {{name}} and {{folder}}") from None

@@ -1,0 +1,28 @@
+"""Many robots: converted on all cores or on a cluster, each for itself, and only those whose input has changed.
+
+tasks      which robots, and where each goes
+work       one robot, in whatever process
+executors  where the processes are
+state      what was done before
+runs       all of it: outcomes as they come
+summary    what came of it, for programs
+"""
+
+from .executors import ClusterUnreachable, local_executor, on_cluster
+from .runs import Outcome, Status, run_batch
+from .summary import batch_document, counted, suites
+from .tasks import Task, plan
+
+__all__ = [
+    "ClusterUnreachable",
+    "Outcome",
+    "Status",
+    "Task",
+    "batch_document",
+    "counted",
+    "local_executor",
+    "on_cluster",
+    "plan",
+    "run_batch",
+    "suites",
+]
