@@ -1,10 +1,12 @@
 """An assembly as text: a line per component, below it the axes that a joint can bind to."""
 
+from collections import Counter
 from collections.abc import Iterator
 
-from stepbot.cad.assembly import Assembly, BodyKind, Component, Quantity
+from stepbot.cad.assembly import Assembly, Body, BodyKind, Component, Quantity
 from stepbot.cad.axes import AxisLine, axis_faces, lines, millimetres, selectors
 from stepbot.cad.paths import quoted
+from stepbot.diagnostics import one_line
 from stepbot.pipeline import Inspection
 from stepbot.spatial import Vector3
 
@@ -53,21 +55,51 @@ def shared_axes_text(shared: SharedAxes) -> str:
 
 
 def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
-    system = f", written by {assembly.originating_system}" if assembly.originating_system else ""
-    yield f"{assembly.source}: {assembly.schema or 'unknown schema'}, length unit {assembly.unit}{system}"
+    system = f", written by {one_line(assembly.originating_system)}" if assembly.originating_system else ""
+    yield f"{assembly.source}: {one_line(assembly.schema) or 'unknown schema'}, length unit {assembly.unit}{system}"
     parts = [
         _count(assembly.definitions, "definition"),
         _count(len(assembly.components) - 1, "component"),
-        _count(total.solids, "solid"),
+        _count(total.solids, "solid") + _closed(assembly),
         *([_count(total.surfaces, "surface body", "surface bodies")] if total.surfaces else []),
         f"{_volume(total.volume)} in all",
     ]
     yield ", ".join(parts)
-    yield from (f"{name}: {value}" for name, value in assembly.facts.items())
+    yield from (f"{name}: {one_line(value)}" for name, value in assembly.facts.items())
+    if materials := _materials(assembly):
+        yield f"materials: {materials}"
+
+
+def _solids(assembly: Assembly) -> Iterator[tuple[Component, Body]]:
+    """The components that are, or mean to be, solids, each with its body."""
+    for component in assembly.components:
+        if component.body >= 0 and assembly.bodies[component.body].kind in (BodyKind.SOLID, BodyKind.TESSELLATED):
+            yield component, assembly.bodies[component.body]
+
+
+def _closed(assembly: Assembly) -> str:
+    """How many meshes of solids are watertight."""
+    closed = [body.watertight for _, body in _solids(assembly)]
+    if not closed:
+        return ""
+    return " (watertight)" if all(closed) else f" ({sum(closed)} of {len(closed)} watertight)"
+
+
+def _materials(assembly: Assembly) -> str:
+    """Each material and density in the STEP, and how many solids are of it; empty where the STEP gives none."""
+    counts = Counter((component.material, component.density) for component, _ in _solids(assembly))
+    if not any(material or density for material, density in counts):
+        return ""
+    words = []
+    for (material, density), count in counts.items():
+        name = f"'{one_line(material)}'" if material else "without name" if density else "none"
+        weight = f" {density:.6g} kg/m^3" if density else " without density" if material else ""
+        words.append(f"{name}{weight} ({count})")
+    return ", ".join(words)
 
 
 def _row(assembly: Assembly, component: Component, inside: Contents) -> tuple[str, ...]:
-    names = ", ".join(f"'{name}'" if name else "-" for name in (component.product, component.occurrence))
+    names = ", ".join(f"'{one_line(name)}'" if name else "-" for name in (component.product, component.occurrence))
     return (
         quoted(component.path),
         str(inside.solids) if inside.solids else "-",
@@ -75,7 +107,7 @@ def _row(assembly: Assembly, component: Component, inside: Contents) -> tuple[st
         _numbers(inside.center) if inside.center else "-",
         f"{component.density:.6g} kg/m^3" if component.density else "-",
         names,
-        "; ".join(_remarks(assembly, component)),
+        one_line("; ".join(_remarks(assembly, component))),
     )
 
 

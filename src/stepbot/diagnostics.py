@@ -62,7 +62,7 @@ class Diagnostics:
         Raises:
             KeyError: There is no such code.
         """
-        diagnostic = Diagnostic(code, CODES[code].severity, message, span, tuple(help), tuple(notes))
+        diagnostic = Diagnostic(code, CODES[code].severity, one_line(message), span, tuple(help), tuple(notes))
         return self.extend([diagnostic])[0]
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
@@ -110,6 +110,11 @@ class StepbotError(Exception):
     def __init__(self, diagnostics: Diagnostics) -> None:
         self.diagnostics = diagnostics
         super().__init__("\n".join(str(d) for d in diagnostics if d.severity == "error"))
+
+
+def one_line(text: str) -> str:
+    """``text`` with line breaks and control characters as escapes: names in files may hold any character."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:

@@ -6,9 +6,10 @@ import re
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
 
 from stepbot.cad.assembly import Quantity
-from tests import parts
+from tests import parts, solids
 from tests.stating import Stating
 
 from .conftest import Stepbot
@@ -24,6 +25,46 @@ def test_components_with_paths_to_paste(arm: Path, stepbot: Stepbot) -> None:
     assert "7850 kg/m^3" in line
     assert "'screw M6x12', 'screw M6x12:1'" in line
     assert "48, 48, 9" in line
+
+
+def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:
+    """Line breaks, escapes of the terminal and marks of direction in names leave one line per component."""
+    from robot_library.moments import pose
+    from robot_library.step_file import Assembly, Occurrence
+
+    names = {"NAME_A": "two\nlines\x1b[31mred", "NAME_B": "tab\tand\u2028\x85end", "NAME_C": "\u202ertl"}
+    children = [
+        Occurrence(parts.drawn(name, solids.box(1, 2, 3)), f"{name}:1", pose((9 * i, 0, 0)))
+        for i, name in enumerate(names)
+    ]
+    path = tmp_path / "odd.step"
+    parts.draw(path, Assembly("root", children))
+    text = path.read_text(encoding="utf-8")
+    for name, odd in names.items():
+        text = text.replace(name, "".join(f"\\X2\\{ord(c):04X}\\X0\\" for c in odd))
+    path.write_text(text, encoding="utf-8")
+    run = stepbot("inspect", str(path))
+    assert run.code == 0
+    assert all(line.isprintable() for line in run.out.split("\n"))
+    table = run.out.partition("\n\n")[2].splitlines()
+    assert len(table) == 1 + 1 + len(names)
+    assert len({line.index("  1 ") for line in table[2:]}) == 1  # columns are still columns
+    pasted = [str(YAML(typ="safe").load(line.split("  ")[0])) for line in table[2:]]
+    assert pasted == list(names.values())
+    document = json.loads(stepbot("inspect", str(path), "--json").out)
+    assert [component["path"] for component in document["components"][1:]] == pasted
+
+
+def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> None:
+    """The head counts closed meshes and lists materials; a solid that is open says why on its line."""
+    out = stepbot("inspect", str(parts.write_nested(tmp_path / "nested.step").path)).out
+    assert re.search(r"\d+ solids \(watertight\)", out)
+    (line,) = [line for line in out.splitlines() if line.startswith("materials: ")]
+    assert "'stuff of 7850' 7850 kg/m^3 (" in line
+    out = stepbot("inspect", str(parts.write_open_solid(tmp_path / "open.step").path)).out
+    assert "1 solid (0 of 1 watertight)" in out
+    assert "4 of its edges belong to one face only" in out
+    assert "materials:" not in out
 
 
 def test_every_path_means_one_component(arm: Path, stepbot: Stepbot) -> None:

@@ -97,8 +97,8 @@ class Materials:
         title = " ".join((_described(property_definition), text(relation.UsedRepresentation().Name()))).lower()
         for item in items(relation.UsedRepresentation()):
             if isinstance(item, StepRepr_DescriptiveRepresentationItem):
-                if "material" in title and text(item.Name()).strip():
-                    self._of(definition).names.append(text(item.Name()))
+                if "material" in title and (name := _material_name(item)):
+                    self._of(definition).names.append(name)
             elif (measure := measure_of(item)) is not None:
                 self._read_measure(definition, measure, "density" in title, strange)
 
@@ -126,6 +126,12 @@ class Materials:
         claims = self._of(part)
         claims.names += [*self._claims[id(raw)][1].names, name]
         claims.densities += self._claims[id(raw)][1].densities
+
+
+def _material_name(item: Any) -> str:
+    """The name that a descriptive item gives; its description where the name only says what it is."""
+    name = text(item.Name()).strip()
+    return text(item.Description()).strip() if name.lower() in ("", "material", "material name") else name
 
 
 def _described(property_definition: Any) -> str:

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
-from ..diagnostics import did_you_mean
+from ..diagnostics import did_you_mean, one_line
 from .assembly import ROOT_PATH, Assembly, Component
 
 _ACROSS = "**"
@@ -72,7 +72,10 @@ def escape(name: str) -> str:
 
 
 def quoted(path: str) -> str:
-    """A path as a YAML string, in quotes, ready to paste."""
+    """A path as a YAML string on one line, in quotes, ready to paste."""
+    if not path.isprintable():
+        text = path.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{one_line(text)}"'  # Python's escapes of control characters are YAML's too
     return f"'{path.replace(chr(39), 2 * chr(39))}'" if "\\" in path or '"' in path else f'"{path}"'
 
 

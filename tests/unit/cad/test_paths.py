@@ -194,8 +194,10 @@ def test_quoting_is_yaml() -> None:
     """Quoted paths read back as they were."""
     from ruamel.yaml import YAML
 
-    for path in ("plain", r"a\/b\#1", 'he said "no"', r"it's a \* star", "[XL,XC-330 v1]", "**/x"):
+    odd = ("two\nlines", "\x1b[31m 'red' \\/ \"quoted\"", "\u202ertl\u2028\x85\t\xa0", "\U000e0001tag")
+    for path in ("plain", r"a\/b\#1", 'he said "no"', r"it's a \* star", "[XL,XC-330 v1]", "**/x", *odd):
         assert YAML(typ="safe").load(quoted(path)) == path
+        assert quoted(path).isprintable()
 
 
 _NAME = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=8)
