@@ -37,8 +37,9 @@ test: install  ## run the tests
 	$(BIN)/pytest -n $(JOBS) -m "not long"
 
 test-long: install  ## run the tests that `make test` leaves out; some need build123d, dask, pre-commit
-	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks]'
+	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,verify]'
 	$(BIN)/pytest -n $(JOBS) -m long
+	$(BIN)/pytest -n $(JOBS) tests/simulators  # once more, with the engines of stepbot[verify]
 
 format: install  ## format the code
 	$(BIN)/ruff format

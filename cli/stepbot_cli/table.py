@@ -22,7 +22,19 @@ def show_table(report: "Report") -> None:
     """Print what was compared, the worst deviation and the outcome for each file and engine, then the reasons."""
     color = wants_color(sys.stdout)
     width = get_terminal_size((120, 24)).columns
-    write_result("\n".join([*_table(report.rows(), color), *_remarks(report, width)]))
+    absent = dict.fromkeys(row.engine for row in report.rows() if _is_absent(row))
+    shown = [row for row in report.rows() if not _is_absent(row)]
+    lines = [*_table(shown, color), *_remarks(report, shown, width)]
+    if absent:
+        lines.insert(-1, f"not installed, so not run: {', '.join(absent)}")
+    write_result("\n".join(lines))
+
+
+def _is_absent(row: "Row") -> bool:
+    """Whether an engine that most people do without said nothing of a file because it is not there."""
+    from stepbot.simulators import optional_engines
+
+    return not row.compared and row.engine in optional_engines() and row.why.endswith("is not installed")
 
 
 def _table(rows: Sequence["Row"], color: bool) -> list[str]:
@@ -67,11 +79,11 @@ def _deviation(check: "Check | None") -> str:
     return f"{check.deviation:.1e}{unit}, {check.tolerance:.0e} allowed: {printable(check.where)}"
 
 
-def _remarks(report: "Report", width: int) -> list[str]:
+def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
     """What the quantities are, what failed or did not run and why, and the count of all checks."""
     quantities = list(dict.fromkeys(check.quantity for check in report.checks))
     lines = ["", *_wrapped(f"quantities: {', '.join(quantities)}", width)]
-    for row in report.rows():
+    for row in rows:
         if row.why and row.compared:
             lines += _wrapped(f"{printable(row.file) or 'robot'} in {row.engine}: {printable(row.why)}", width)
     if report.driven:

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .freedoms import ball_coordinates
-from .kinematics import configurations, initial_configuration
+from .freedoms import ball_coordinates, universal_coordinates
+from .kinematics import configurations, initial_configuration, rates
 from .loops import driven_joints, held_by_a_point, loop_ways
 from .model import Base, Robot
 from .simulators.observation import Request
@@ -70,6 +70,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
             file=str(file.resolve()),
             format=name,
             configurations=configurations(moved, CONFIGURATIONS, SEED),
+            rates=rates(moved, CONFIGURATIONS, SEED),
             initial=initial_configuration(moved),
             simulate=SECONDS,
             floating=moved.base is Base.FLOATING,
@@ -78,6 +79,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
             held_by_a_point=loops.held_by_a_point,
             driven=loops.driven,
             balls=ball_coordinates(moved),
+            universals=universal_coordinates(moved),
             mimics={joint.name: joint.mimic for joint in moved.joints if joint.mimic is not None},
         )
     return asked

@@ -6,7 +6,7 @@ along it, screws do both. Joints of several freedoms have those of the chain tha
 (:mod:`stepbot.freedoms`).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import pi
 
 import numpy as np
@@ -172,6 +172,32 @@ class Tree:
         rows = np.hstack([turn * a_W, turn * swept + slide * a_W])
         return np.asarray(np.where(self._above[link][:, None], rows, 0.0).T)
 
+    def bias(self, X: Array, v: Array) -> Callable[[int, Array], tuple[Array, Array]]:
+        """What accelerates links while the speeds of all joints stay as they are: the time derivative of J, times v.
+
+        Args:
+            X: What :meth:`frames` gave.
+            v: Speed of every joint (n,).
+
+        Returns:
+            A function of a link's index and a point Q (3,) [m] of it, in the world: angular acceleration (3,) [rad/s^2]
+            of the link, and acceleration (3,) [m/s^2] of Q.
+        """
+        frames = X[self._child]
+        a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
+        at_joints = [self.jacobian(X, int(child), X[child, :3, 3]) @ v for child in self._child]
+        twists = np.array(at_joints).reshape(-1, 6)
+        turned = np.cross(twists[:, :3], a_W)  # an axis is carried along by the link that it is fixed in
+
+        def at(link: int, p_WQ: Array) -> tuple[Array, Array]:
+            v_Q = self.jacobian(X, link, p_WQ)[3:] @ v
+            swept = np.cross(turned, p_WQ - frames[:, :3, 3]) + np.cross(a_W, v_Q - twists[:, 3:])
+            rows = self._turn[:, None] * swept + self._advance[:, None] * turned
+            speeds = np.where(self._above[link], v, 0.0)
+            return (self._turn * speeds) @ turned, speeds @ rows
+
+        return at
+
 
 def advance(joint: Joint) -> float:
     """How far [m] a joint of one freedom slides along its axis for each unit of its coordinate."""
@@ -245,6 +271,17 @@ def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, 
         }
         drawn.append(complete(robot, q))
     return tuple(drawn)
+
+
+def rates(robot: Robot, n: int = 32, seed: int = 1) -> tuple[tuple[dict[str, float], dict[str, float]], ...]:
+    """``n`` velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2] of all moving joints, within 1 of 0.
+
+    Mimicking joints are coordinates like any other here. As for :func:`configurations`, everyone draws the same.
+    """
+    random = np.random.Generator(np.random.PCG64(seed + 1))
+    names = [joint.name for joint in moving_joints(robot)]
+    drawn = [(2.0 * random.random((2, len(names))) - 1.0).tolist() for _ in range(n)]
+    return tuple((dict(zip(names, v, strict=True)), dict(zip(names, a, strict=True))) for v, a in drawn)
 
 
 def within_limits(robot: Robot, q: Configuration, slack: float = 1e-9) -> bool:

@@ -128,7 +128,12 @@ def _prove(
     with TemporaryDirectory(prefix="stepbot-") as folder:
         write_atomically(_joined(files), Path(folder))
         written = {name: Written(Path(folder) / main_file(one, writer_of(name)), one) for name, one in lowered.items()}
-        memory = Memory(options.cache, {name: content_digest(of_format) for name, of_format in files.items()})
+        contents = {name: content_digest(of_format) for name, of_format in files.items()}
+        for name, one in lowered.items():
+            for beside in writer_of(name).companions(one):
+                written[beside.format] = Written(Path(folder) / beside.path, beside.robot)
+                contents[beside.format] = contents[name]
+        memory = Memory(options.cache, contents)
         return verify(robot, written, provers, found, require=options.require, timeout=options.timeout, memory=memory)
 
 

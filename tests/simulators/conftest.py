@@ -48,7 +48,10 @@ def write(robot: Robot, path: Path) -> Folder:
             target = path / relative
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-        written[name] = Written(path / next(iter(files)), lower(robot, writer_of(name), Diagnostics()))
+        lowered = lower(robot, writer_of(name), Diagnostics())
+        written[name] = Written(path / next(iter(files)), lowered)
+        for beside in writer_of(name).companions(lowered):
+            written[beside.format] = Written(path / beside.path, beside.robot)
     return Folder(robot, path, written)
 
 

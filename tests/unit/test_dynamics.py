@@ -1,12 +1,13 @@
-"""Mass matrix and gravity forces, against textbook formulas and the law of energy."""
+"""Mass matrix, gravity forces and inverse dynamics, against textbook formulas and the law of energy."""
 
+from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
 import pytest
 
 from stepbot.dynamics import GRAVITY, equations_of_motion, gravity_forces, mass_matrix
-from stepbot.kinematics import Tree, complete, configurations, link_poses
+from stepbot.kinematics import Tree, complete, configurations, link_poses, rates
 from stepbot.model import Joint, JointKind, Link, MassProperties, Robot
 from stepbot.spatial import Pose
 from tests.robots import ROBOTS
@@ -43,6 +44,49 @@ def test_two_link_arm_of_the_textbook(q1: float, q2: float) -> None:
     second = m2 * c2 * 9.81 * cos(q1 + q2)
     first = (m1 * c1 + m2 * a1) * 9.81 * cos(q1) + second
     np.testing.assert_allclose(gravity_forces(_vertical_arm(), q), [first, second], rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize(("q1", "q2"), [(0.3, -1.1), (2.0, 0.7), (-1.5, pi / 2)])
+def test_speeds_cost_what_the_textbook_says(q1: float, q2: float) -> None:
+    """C(q, v) v of the same arm: h (2 v1 v2 + v2^2) and -h v1^2 with h = -m2 a1 c2 sin q2, beside M a + g."""
+    q, v, a = {"one": q1, "two": q2}, {"one": 0.7, "two": -1.3}, {"one": -0.4, "two": 2.0}
+    h = -m2 * a1 * c2 * sin(q2)
+    coriolis = [h * (2 * v["one"] * v["two"] + v["two"] ** 2), -h * v["one"] ** 2]
+    seen = equations_of_motion(_vertical_arm(), q, (v, a))
+    expected = seen.mass_matrix @ list(a.values()) + coriolis + seen.gravity
+    np.testing.assert_allclose(seen.inverse, expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_power_is_what_the_energy_grows_by(name: str) -> None:
+    """Efforts times speeds are the slope of kinetic and potential energy, along any motion."""
+    robot = ROBOTS[name]()
+    layout = Tree(robot)
+
+    def energy(q: np.ndarray, v: np.ndarray) -> float:
+        X = layout.frames(q)
+        kinetic = potential = 0.0
+        for link in robot.links:
+            i, body = layout.link_index[link.name], link.mass_properties
+            com = X[i, :3, :3] @ np.array(body.com) + X[i, :3, 3]
+            twist = layout.jacobian(X, i, com) @ v
+            I_W = X[i, :3, :3] @ np.array(body.inertia) @ X[i, :3, :3].T
+            kinetic += 0.5 * (twist[:3] @ I_W @ twist[:3] + body.mass * twist[3:] @ twist[3:])
+            potential -= body.mass * float(np.array(GRAVITY) @ com)
+        return float(kinetic + potential)
+
+    for at, (speeds, accelerations) in zip(configurations(free(robot), n=3), rates(robot, n=3), strict=True):
+        q, v, a = (np.array([given[joint] for joint in layout.joints]) for given in (at, speeds, accelerations))
+        dt = 1e-5
+        ahead, behind = (energy(q + s * v * dt + 0.5 * a * dt * dt, v + s * a * dt) for s in (1.0, -1.0))
+        tau = equations_of_motion(free(robot), at, (speeds, accelerations)).inverse
+        scale = float(np.abs(tau).sum()) + 1e-3
+        assert float(tau @ v) == pytest.approx((ahead - behind) / (2 * dt), abs=1e-6 * scale)
+
+
+def free(robot: Robot) -> Robot:
+    """The robot without mimics: every joint is a coordinate."""
+    return replace(robot, joints=tuple(replace(joint, mimic=None) for joint in robot.joints))
 
 
 def test_a_slider_carries_its_weight() -> None:
@@ -111,7 +155,8 @@ def test_mass_matrix_is_symmetric_and_positive() -> None:
 
 def test_a_robot_without_joints_has_an_empty_matrix() -> None:
     """And no gravity forces."""
-    M, g = equations_of_motion(ROBOTS["one_link"](), {})
+    equations = equations_of_motion(ROBOTS["one_link"](), {})
+    M, g = equations.mass_matrix, equations.gravity
     assert M.shape == (0, 0)
     assert g.shape == (0,)
 

@@ -151,7 +151,11 @@ DIFFERENCES: dict[str, tuple[Change, set[Quantity]]] = {
     "a pose less": (lambda o: replace(o, poses=o.poses[:-1]), {Quantity.POSES}),
     "mass matrix": (_dynamics_off(2, mass_matrix=1 + 2e-9), {Quantity.MASS_MATRIX}),
     "gravity reversed": (_dynamics_off(0, gravity=-1.0), {Quantity.GRAVITY}),
-    "a coordinate less": (lambda o: replace(o, coordinates=("shoulder",)), {Quantity.MASS_MATRIX, Quantity.GRAVITY}),
+    "a coordinate less": (
+        lambda o: replace(o, coordinates=("shoulder",)),
+        {Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS},
+    ),
+    "efforts of a motion": (_dynamics_off(1, inverse=1 + 1e-6), {Quantity.INVERSE_DYNAMICS}),
     "box moved": (
         on_link("base", visual_bounds=((-1.0, -1.0, 0.0), (1.0, 1.0, 1.0))),
         {Quantity.MESHES},
@@ -207,11 +211,11 @@ SILENCES: dict[str, tuple[Change, Quantity]] = {
     "inertia": (lambda o: replace(o, links=tuple(replace(link, inertia=None) for link in o.links)), Quantity.INERTIA),
     "poses": (lambda o: replace(o, poses=()), Quantity.POSES),
     "mass matrix": (
-        lambda o: replace(o, dynamics=tuple(Dynamics(None, one.gravity) for one in o.dynamics)),
+        lambda o: replace(o, dynamics=tuple(Dynamics(None, one.gravity, one.inverse) for one in o.dynamics)),
         Quantity.MASS_MATRIX,
     ),
     "gravity": (
-        lambda o: replace(o, dynamics=tuple(Dynamics(one.mass_matrix, None) for one in o.dynamics)),
+        lambda o: replace(o, dynamics=tuple(Dynamics(one.mass_matrix, None, one.inverse) for one in o.dynamics)),
         Quantity.GRAVITY,
     ),
     "limits": (lambda o: replace(o, joints=tuple(replace(j, limit=None) for j in o.joints)), Quantity.LIMITS),

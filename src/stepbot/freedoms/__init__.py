@@ -46,6 +46,12 @@ def ball_coordinates(robot: Robot) -> dict[str, tuple[str, str, str]]:
     return {ball: (next(names), next(names), next(names)) for ball in balls}
 
 
+def universal_coordinates(robot: Robot) -> dict[str, tuple[str, str]]:
+    """For each universal joint the names of its coordinates: about the first axis, about the second."""
+    names = iter(joint.name for joint in universal_to_revolutes(robot).joints if joint.name not in robot.joint_by_name)
+    return {joint.name: (next(names), next(names)) for joint in robot.joints if joint.kind is JointKind.UNIVERSAL}
+
+
 def steps_by_child(robot: Robot) -> dict[str, tuple[Joint, ...]]:
     """For each link but the root what is between it and its parent: joints of one freedom, or balls, one by one.
 
@@ -75,5 +81,6 @@ __all__ = [
     "screw_to_mimic",
     "steps_by_child",
     "unfolded",
+    "universal_coordinates",
     "universal_to_revolutes",
 ]

@@ -2,7 +2,7 @@
 
 A module of this package that is not private and has an ``observe`` is an engine. It has ``NAME``, ``FORMATS`` (the
 formats that it reads), ``available`` (why it cannot run here, or None), ``prepare`` (its slow import) and ``observe``.
-None of them imports the engine when it is imported itself.
+None of them imports the engine when it is imported itself. One that most people do without is ``OPTIONAL``.
 """
 
 from functools import cache
@@ -36,6 +36,11 @@ def engines() -> tuple[Engine, ...]:
     names = sorted(module.name for module in iter_modules(__path__) if not module.name.startswith("_"))
     modules = [import_module(f"{__name__}.{name}") for name in names]
     return tuple(cast(Engine, module) for module in modules if hasattr(module, "observe"))
+
+
+def optional_engines() -> frozenset[str]:
+    """Names of the engines whose absence is nothing remarkable."""
+    return frozenset(engine.NAME for engine in engines() if getattr(engine, "OPTIONAL", False))
 
 
 def engines_for(format_name: str) -> tuple[Engine, ...]:

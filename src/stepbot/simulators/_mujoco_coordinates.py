@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..dynamics import Rates
 from ..spatial import Array, rotation_from_rpy, rpy_from_rotation
 from ..spatial import quaternion_from_rotation as quaternion
 from ..spatial import rotation_from_quaternion as rotation
+from ._balls import ball_bias, ball_rates
 from ._mujoco_joints import screw_pitch
 
 if TYPE_CHECKING:
@@ -79,11 +81,19 @@ class Coordinates:
         for joint, leader, pitch in self._screws:
             E[address[joint], column[leader]] = pitch
         for names, joint in self._balls.items():
-            _, pitch, roll = (q.get(name, 0.0) for name in names)
-            R_CP = rotation_from_rpy((roll, pitch, 0.0)).T  # from the frame after yaw to the child's
-            R_CQ = rotation_from_rpy((roll, 0.0, 0.0)).T  # from the frame after pitch to the child's
-            rows = slice(address[joint], address[joint] + 3)
-            axes = (R_CP[:, 2], R_CQ[:, 1], np.array([1.0, 0.0, 0.0]))
-            for name, axis in zip(names, axes, strict=True):
-                E[rows, column[name]] = axis
+            E[self._of_ball(joint), [column[name] for name in names]] = ball_rates([q.get(name, 0.0) for name in names])
         return E
+
+    def moving(self, q: Mapping[str, float], rates: Rates) -> tuple[Array, Array]:
+        """MuJoCo's velocities (nv,) and accelerations (nv,) for those of the coordinates."""
+        E = self.rates(q)
+        v, a = (np.array([rate.get(name, 0.0) for name in self.names]) for rate in rates)
+        accelerations = E @ a
+        for names, joint in self._balls.items():
+            at, speed = ([given.get(name, 0.0) for name in names] for given in (q, rates[0]))
+            accelerations[self._of_ball(joint)] += ball_bias(at, speed)
+        return E @ v, accelerations
+
+    def _of_ball(self, joint: int) -> slice:
+        start = self._model.jnt_dofadr[joint]
+        return slice(start, start + 3)

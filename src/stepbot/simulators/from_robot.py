@@ -26,7 +26,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
     tree = Tree(robot)
     closed = [q for way in request.ways for q in way]
     poses = tuple(link_poses(robot, complete(robot, q)) for q in [*request.configurations, *closed])
-    equations = [equations_of_motion(robot, q, tree=tree) for q in request.configurations]
+    equations = [equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments]
     return Observation(
         engine=NAME,
         version=stepbot.__version__,
@@ -36,7 +36,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         joints=tuple(_joint(joint) for joint in robot.joints),
         coordinates=tree.joints,
         poses=poses,
-        dynamics=tuple(Dynamics(M, g) for M, g in equations),
+        dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations),
         closures=tuple(_closure(closure, poses[len(request.configurations) :]) for closure in robot.closures),
         frames={frame.name: (frame.link, frame.X_LF) for frame in robot.frames},
         actuators=robot.actuators,

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics import GRAVITY
+from ..dynamics import GRAVITY, Rates
 from ..model import Actuator, ActuatorKind
 from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia
 from ._mujoco_coordinates import Balls, Coordinates
@@ -204,7 +204,7 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
         coordinates=compiled.coordinates.names,
         poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
-        dynamics=tuple(_dynamics(compiled, q) for q in request.configurations),
+        dynamics=tuple(_dynamics(compiled, *at) for at in request.moments),
         frames=_frames(compiled) if mjcf else None,
         actuators=tuple(_actuator(compiled, a) for a in range(model.nu)) if mjcf else None,
         initial=_initial(compiled) if mjcf else None,
@@ -234,8 +234,8 @@ def _link(compiled: Compiled, body: int) -> ObservedLink:
     )
 
 
-def _dynamics(compiled: Compiled, q: Mapping[str, float]) -> Dynamics:
-    """Mass matrix without armature, and gravity forces, over the coordinates."""
+def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:
+    """Mass matrix without armature, gravity forces, and inverse dynamics, over the coordinates."""
     engine, model = compiled.engine, compiled.model
     E = compiled.coordinates.rates(q)
     kept = model.dof_armature.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
@@ -249,9 +249,13 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float]) -> Dynamics:
             engine.mj_mulM(model, data, product, unit)
             M[:, column] = product
         gravity: Array = np.array(data.qfrc_bias)
+        inverse = np.zeros(model.nv)
+        data.qvel[:], data.qacc[:] = compiled.coordinates.moving(q, rates)
+        engine.mj_fwdVelocity(model, data)
+        engine.mj_rne(model, data, 1, inverse)
     finally:
         model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = kept
-    return Dynamics(E.T @ M @ E, E.T @ gravity)
+    return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
 
 
 def _frames(compiled: Compiled) -> dict[str, tuple[str, Pose]]:

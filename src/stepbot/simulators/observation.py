@@ -7,10 +7,12 @@ of links with respect to the root link. Whatever an engine cannot tell is ``None
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import chain, repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dynamics import Rates
 from ..model import Actuator, JointDynamics, Limit, LoopClosure, Mimic
 from ..spatial import Matrix3, Pose, Vector3
 
@@ -31,6 +33,7 @@ class Quantity(StrEnum):
     POSES = "poses"
     MASS_MATRIX = "mass matrix"
     GRAVITY = "gravity forces"
+    INVERSE_DYNAMICS = "inverse dynamics"
     CLOSURES = "closures"
     MESHES = "meshes"
     FRAMES = "frames"
@@ -99,6 +102,8 @@ class Dynamics:
     """Shape (n, n) [kg, kg m, kg m^2]; joints only, without the base's six, and without armature."""
     gravity: NDArray[np.float64] | None = None
     """Shape (n,) [N or N m]: the effort that holds the mechanism still against :data:`stepbot.dynamics.GRAVITY`."""
+    inverse: NDArray[np.float64] | None = None
+    """Shape (n,) [N or N m]: the effort that moves it with the speeds and accelerations of :attr:`Request.rates`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +188,16 @@ class Request:
     """Mimicking joints, for an engine that does not read them and has to stand in for them."""
     balls: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     """For each ball joint, those that are part of floating joints too, its coordinates: yaw, pitch, roll."""
+    universals: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """For each universal joint its coordinates: about the first axis, about the second."""
+    rates: tuple[Rates, ...] = ()
+    """For each configuration the velocities and accelerations that inverse dynamics is asked for."""
+
+    @property
+    def moments(self) -> tuple[tuple[Mapping[str, float], Rates], ...]:
+        """Every configuration with its rates; at rest where none are given."""
+        rest: Rates = ({}, {})
+        return tuple(zip(self.configurations, chain(self.rates, repeat(rest)), strict=False))
 
 
 class EngineRefused(Exception):

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics import GRAVITY
+from ..dynamics import GRAVITY, Rates
 from ..model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
 from ..spatial import Pose, join_bounds, matrix3, turn_inertia, vector3
 from ._bounds import Bounds, mesh_bounds, primitive_bounds
@@ -47,6 +47,7 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
         Quantity.INERTIA: _NO_INERTIA,
         Quantity.MASS_MATRIX: _NO_INERTIA,
         Quantity.GRAVITY: "PyBullet cannot fix the base of a body from SDFormat",
+        Quantity.INVERSE_DYNAMICS: _NO_INERTIA,
         Quantity.SIMULATION: _NO_INERTIA,
         Quantity.MIMIC: _NOT_READ,
         Quantity.CLOSURES: "PyBullet crashes on loops in SDFormat: it read a copy without them",
@@ -200,7 +201,7 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
     with _loaded(engine, path, "urdf", fixed=True) as body:
         observation = replace(_tree(body, request), not_run=_NOT_RUN["urdf"])
         if len(body.coordinates) == sum(info[2] != engine.JOINT_FIXED for info in body.joints):
-            observation = replace(observation, dynamics=tuple(_dynamics(body, q) for q in request.configurations))
+            observation = replace(observation, dynamics=tuple(_dynamics(body, *at) for at in request.moments))
         finite = simulate(body, request) if request.simulate and not request.floating else None
         if request.closures and request.ways:
             closures, notes = close_in_simulation(body, request)
@@ -330,13 +331,15 @@ def _poses(body: Body, q: Mapping[str, float]) -> dict[str, Pose]:
     return {link: X_RW @ body.X_WL(index) for index, link in enumerate(body.links, start=-1)}
 
 
-def _dynamics(body: Body, q: Mapping[str, float]) -> Dynamics:
-    positions = [q.get(name, 0.0) for name in body.coordinates]
+def _dynamics(body: Body, q: Mapping[str, float], rates: Rates) -> Dynamics:
+    if not body.coordinates:
+        return Dynamics(np.zeros((0, 0)), np.zeros(0), np.zeros(0))
+    positions, *moving = ([float(given.get(name, 0.0)) for name in body.coordinates] for given in (q, *rates))
     rest = [0.0] * len(positions)
-    if not positions:
-        return Dynamics(np.zeros((0, 0)), np.zeros(0))
     M = body.engine.calculateMassMatrix(body.id, positions)
-    return Dynamics(np.array(M), np.array(body.engine.calculateInverseDynamics(body.id, positions, rest, rest)))
+    gravity = body.engine.calculateInverseDynamics(body.id, positions, rest, rest)
+    inverse = body.engine.calculateInverseDynamics(body.id, positions, *moving)
+    return Dynamics(np.array(M), np.array(gravity), np.array(inverse))
 
 
 def _complaints(lines: Sequence[str], request: Request) -> list[str]:

@@ -214,7 +214,8 @@ def _with_motion(observation: Observation, tree: list[Element], frames: Frames, 
     strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in _MOVED})
     if strange:
         reason = f"stepbot has no kinematics for {', '.join(strange)} joints"
-        not_run = dict.fromkeys((Quantity.POSES, Quantity.MASS_MATRIX, Quantity.GRAVITY), reason)
+        moving = (Quantity.POSES, Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)
+        not_run = dict.fromkeys(moving, reason)
         return replace(observation, not_run={**observation.not_run, **not_run})
     X_LJ = {
         observed.child: frames.X_M(observed.child).inverse() @ frames.X_M(joint.get("name", ""))
@@ -228,9 +229,10 @@ def _with_motion(observation: Observation, tree: list[Element], frames: Frames, 
     for q in [*request.configurations, *(q for way in request.ways for q in way)]:
         X_WJ = link_poses(robot, {name: q.get(name, 0.0) for name in layout.joints})
         poses.append({name: X @ X_LJ.get(name, Pose()).inverse() for name, X in X_WJ.items()})
-    for q in request.configurations:
-        M, g = equations_of_motion(robot, {name: q.get(name, 0.0) for name in layout.joints}, gravity, layout)
-        dynamics.append(Dynamics(M, g))
+    for q, rates in request.moments:
+        known = {name: q.get(name, 0.0) for name in layout.joints}
+        seen = equations_of_motion(robot, known, rates, gravity=gravity, tree=layout)
+        dynamics.append(Dynamics(seen.mass_matrix, seen.gravity, seen.inverse))
     return replace(observation, coordinates=layout.joints, poses=tuple(poses), dynamics=tuple(dynamics))
 
 

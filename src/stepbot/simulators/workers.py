@@ -57,17 +57,25 @@ class Engines:
             files: What the caller calls each file, and its format.
             memory_limit: Address space [bytes] of each worker; None for no limit.
         """
-        self._files = dict(files)
+        self._files: dict[str, str] = {}
+        self._memory_limit = memory_limit
         self._asked: dict[str, Request] = {}
         self._memory = Memory(None, {})
         self._remembered: dict[tuple[str, str], Observation] = {}
         self._absent: dict[str, str] = {}
         self._workers: dict[tuple[str, str], Worker] = {}
+        self.start(files)
+
+    def start(self, files: Mapping[str, str]) -> None:
+        """Start what further files need; files that are known already stay as they are."""
         for key, written_in in files.items():
+            if key in self._files:
+                continue
+            self._files[key] = written_in
             for engine in engines_for(written_in):
                 reason = engine.available()
                 if reason is None:
-                    self._workers[key, engine.NAME] = _started(engine, memory_limit)
+                    self._workers[key, engine.NAME] = _started(engine, self._memory_limit)
                 else:
                     self._absent[engine.NAME] = reason
 

@@ -25,6 +25,7 @@ _NO_DYNAMICS = "yourdfpy has no dynamics"
 _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.MASS_MATRIX: _NO_DYNAMICS,
     Quantity.GRAVITY: _NO_DYNAMICS,
+    Quantity.INVERSE_DYNAMICS: _NO_DYNAMICS,
     Quantity.SIMULATION: _NO_DYNAMICS,
     Quantity.MESHES: "left to the engines that simulate",
     Quantity.CLOSURES: "URDF holds no loops",

@@ -23,6 +23,7 @@ CODES: Mapping[Quantity, str] = {
     Quantity.FRAMES: "SB806",
     Quantity.MASS_MATRIX: "SB807",
     Quantity.GRAVITY: "SB807",
+    Quantity.INVERSE_DYNAMICS: "SB807",
     Quantity.CLOSURES: "SB808",
     Quantity.MESHES: "SB809",
     Quantity.ACTUATORS: "SB816",

@@ -14,7 +14,7 @@ from ..model import Actuator, ActuatorKind
 from ..simulators.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from ..spatial import Array, Vector3, unit
 from .gauge import Gauge
-from .motion import compare_closures, compare_gravity, compare_mass_matrix, compare_poses
+from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
 from .tolerances import tolerance
 
 Comparison = Callable[[Gauge, Observation, Observation], None]
@@ -304,6 +304,7 @@ _COMPARISONS: Mapping[Quantity, Comparison] = {
     Quantity.POSES: compare_poses,
     Quantity.MASS_MATRIX: compare_mass_matrix,
     Quantity.GRAVITY: compare_gravity,
+    Quantity.INVERSE_DYNAMICS: compare_inverse_dynamics,
     Quantity.CLOSURES: compare_closures,
     Quantity.MESHES: _compare_meshes,
     Quantity.FRAMES: _compare_frames,
@@ -335,6 +336,7 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.MIMIC: lambda observation: any(joint.mimic for joint in observation.joints),
     Quantity.MASS_MATRIX: _moves,
     Quantity.GRAVITY: _moves,
+    Quantity.INVERSE_DYNAMICS: _moves,
     Quantity.CLOSURES: lambda observation: bool(observation.closures),
     Quantity.MESHES: _has_shapes,
     Quantity.FRAMES: lambda observation: bool(observation.frames),

@@ -81,6 +81,7 @@ def verify(
         )
     except DoesNotClose as error:
         return _open_loop(robot, error, found)
+    provers.engines.start({name: name for name in written})
     provers.engines.submit(asked, memory)
     if provers.collider is not None:
         provers.collider.submit(robot, memory.cache if memory is not None else None)

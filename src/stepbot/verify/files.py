@@ -10,7 +10,7 @@ from pathlib import Path
 from ..diagnostics import Diagnostics, Span
 from ..expect import CONFIGURATIONS, SECONDS, SEED
 from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
-from ..kinematics import configurations
+from ..kinematics import configurations, rates
 from ..model import Joint, JointKind, Limit, Link, Robot
 from ..report import Check, Report
 from ..simulators import engines_for
@@ -23,9 +23,9 @@ from .compare import Compared, compare
 ENGINE_WARNING = "SB813"
 
 _FORMATS = {"robot": "urdf", "sdf": "sdf", "mujoco": "mjcf"}
-_PREFERRED = ("mujoco", "reader", "pybullet", "yourdfpy")
+_PREFERRED = ("mujoco", "reader", "drake", "pybullet", "pinocchio", "yourdfpy")
 """Engines by how much they tell; one that is not named comes after these."""
-_SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet")
+_SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
 """Engines in the order in which they are asked for the joints: those that read mimics first."""
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """What an engine says without a second one to compare with."""
@@ -55,8 +55,8 @@ def verify_files(
     with Engines(keys, memory_limit) as engines:
         # What to ask depends on the joints: one engine per file is asked for them before, while the others start.
         scouted = [seen for path, name in formats.items() if (seen := _scout(path, name, timeout, memory_limit))]
-        moves = _configurations(scouted)
-        engines.submit({_key(path): _request(path, name, moves) for path, name in formats.items()})
+        moved = _moved(scouted)
+        engines.submit({_key(path): _request(path, name, moved) for path, name in formats.items()})
         outcomes = engines.results(timeout)
     check_started(required, outcomes, found)
     by_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in formats}
@@ -97,8 +97,14 @@ def _key(path: Path) -> str:
     return path.as_posix()
 
 
-def _request(path: Path, written_in: str, moves: Sequence[Mapping[str, float]], seconds: float = SECONDS) -> Request:
-    return Request(str(path.resolve()), written_in, configurations=tuple(moves), simulate=seconds)
+def _request(path: Path, written_in: str, moved: Robot) -> Request:
+    return Request(
+        str(path.resolve()),
+        written_in,
+        configurations=configurations(moved, CONFIGURATIONS, SEED),
+        rates=rates(moved, CONFIGURATIONS, SEED),
+        simulate=SECONDS,
+    )
 
 
 def _rank(engine: str, order: Sequence[str] = _PREFERRED) -> int:
@@ -112,15 +118,17 @@ def _scout(path: Path, written_in: str, timeout: float, memory_limit: int | None
             continue
         with Worker(f"{engine.__name__}:observe", memory_limit=memory_limit) as worker:
             try:
-                seen: Observation = worker.submit(_request(path, written_in, (), seconds=0.0)).result(timeout)
+                seen: Observation = worker.submit(Request(str(path.resolve()), written_in, simulate=0.0)).result(
+                    timeout
+                )
             except (RemoteError, WorkerDied):  # the engine is asked again below, and its failure reported there
                 continue
             return seen
     return None
 
 
-def _configurations(scouted: Sequence[Observation]) -> tuple[dict[str, float], ...]:
-    """Seeded configurations of all joints of all files, within the limits of each."""
+def _moved(scouted: Sequence[Observation]) -> Robot:
+    """All joints of all files, within the limits of each, to draw configurations of."""
     joints: dict[str, Joint] = {}
     for joint in (joint for observation in scouted for joint in observation.joints):
         if not joint.name or joint.kind not in ("revolute", "continuous", "prismatic"):
@@ -134,7 +142,7 @@ def _configurations(scouted: Sequence[Observation]) -> tuple[dict[str, float], .
         child = f"{len(joints)}" if known is None else known.child
         joints[joint.name] = Joint(joint.name, JointKind(joint.kind), "", child, limit=limit, mimic=mimic)
     links = (Link(""), *(Link(joint.child) for joint in joints.values()))
-    return configurations(Robot("", links, tuple(joints.values())), CONFIGURATIONS, SEED)
+    return Robot("", links, tuple(joints.values()))
 
 
 def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:

@@ -42,17 +42,27 @@ def compare_mass_matrix(gauge: Gauge, reference: Observation, observed: Observat
 
 def compare_gravity(gauge: Gauge, reference: Observation, observed: Observation) -> None:
     """Gravity forces at every configuration, relative to their largest entry at any of them."""
+    _compare_efforts(gauge, reference, observed, "gravity", "gravity force on")
+
+
+def compare_inverse_dynamics(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Efforts of a motion at every configuration, relative to their largest entry at any of them."""
+    _compare_efforts(gauge, reference, observed, "inverse", "effort of")
+
+
+def _compare_efforts(gauge: Gauge, reference: Observation, observed: Observation, which: str, words: str) -> None:
     order = _order(gauge, reference, observed)
-    known = [dynamics.gravity for dynamics in reference.dynamics if dynamics.gravity is not None]
+    known = [efforts for dynamics in reference.dynamics if (efforts := getattr(dynamics, which)) is not None]
     if order is None or not known:
         return
     scale = max(float(np.abs(known).max()), NO_GRAVITY * _weight_times_reach(reference))
-    for number, (ours, theirs) in enumerate(zip(reference.dynamics, observed.dynamics, strict=False), start=1):
-        if ours.gravity is None or theirs.gravity is None:
+    for number, pair in enumerate(zip(reference.dynamics, observed.dynamics, strict=False), start=1):
+        ours, theirs = (getattr(side, which) for side in pair)
+        if ours is None or theirs is None:
             continue
-        off = np.abs(theirs.gravity[order] - ours.gravity)
+        off = np.abs(theirs[order] - ours)
         name = reference.coordinates[int(off.argmax())]
-        gauge.off(float(off.max()), f"gravity force on joint '{name}' at configuration {number}", "SI", scale)
+        gauge.off(float(off.max()), f"{words} joint '{name}' at configuration {number}", "SI", scale)
 
 
 def _order(gauge: Gauge, reference: Observation, observed: Observation) -> list[int] | None:

@@ -38,6 +38,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.POSES: Tolerance(absolute=1e-9),
     Quantity.MASS_MATRIX: Tolerance(relative=1e-9),
     Quantity.GRAVITY: Tolerance(relative=1e-9),
+    Quantity.INVERSE_DYNAMICS: Tolerance(relative=1e-9),
     Quantity.CLOSURES: Tolerance(absolute=1e-6),
     Quantity.MESHES: Tolerance(absolute=1e-6),
     Quantity.FRAMES: Tolerance(absolute=1e-9),
@@ -54,6 +55,7 @@ ENGINE_TOLERANCES: Mapping[tuple[str, Quantity], Tolerance] = {
     ("pybullet", Quantity.POSES): Tolerance(absolute=1e-6),
     ("pybullet", Quantity.MASS_MATRIX): Tolerance(relative=1e-6),
     ("pybullet", Quantity.GRAVITY): Tolerance(relative=1e-6),
+    ("pybullet", Quantity.INVERSE_DYNAMICS): Tolerance(relative=1e-6),
     # It holds loops by constraints of a simulation with steps of 1 ms, which open by 2e-6 of the lengths of the links.
     ("pybullet", Quantity.CLOSURES): Tolerance(absolute=1e-5, relative=5e-6),
     # It makes hulls of collision meshes on a grid of 1/10216 of their extent.

@@ -16,6 +16,7 @@ from ..diagnostics import Diagnostics
 from ..lowering import Format, geometries, lower
 from ..mesh import obj_bytes
 from ..model import MeshAsset, MeshRef, Robot
+from ._companion import Companion
 
 
 class Writer(Format, Protocol):
@@ -29,8 +30,8 @@ class Writer(Format, Protocol):
     def render(self, robot: Robot) -> bytes:
         """The main file of a lowered robot."""
 
-    def companions(self, robot: Robot) -> dict[str, bytes]:
-        """Files for readers that cannot do with the main one, by path."""
+    def companions(self, robot: Robot) -> tuple[Companion, ...]:
+        """Files for readers that cannot do with the main one."""
 
 
 def _discover() -> dict[str, Writer]:
@@ -80,7 +81,8 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
 
 def files_of(lowered: Robot, writer: Writer) -> dict[str, bytes]:
     """The files of a robot that is lowered for the writer already: the main file, its companions, then its meshes."""
-    files = {main_file(lowered, writer): writer.render(lowered), **writer.companions(lowered)}
+    files = {main_file(lowered, writer): writer.render(lowered)}
+    files |= {beside.path: beside.content for beside in writer.companions(lowered)}
     for asset in used_meshes(lowered):
         if asset not in _OBJ:
             _OBJ[asset] = obj_bytes(asset.mesh, asset.name)

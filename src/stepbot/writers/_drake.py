@@ -17,6 +17,8 @@ from ._xml import Element, element
 URI = "http://drake.mit.edu"
 """Namespace of the elements, bound to the prefix that Drake looks for."""
 PREFIX = "drake"
+FORMAT = "drake.sdf"
+"""What engines call the format of the file."""
 
 
 def for_drake(robot: Robot) -> Robot:

@@ -35,6 +35,7 @@ from ..model import (
     Visual,
 )
 from ..spatial import Pose
+from ._companion import Companion
 from ._xml import Element, Value, document, element, root
 
 NAME = "mjcf"
@@ -113,9 +114,9 @@ def render(robot: Robot) -> bytes:
     return document(top)
 
 
-def companions(_robot: Robot) -> dict[str, bytes]:
+def companions(_robot: Robot) -> tuple[Companion, ...]:
     """No files beside the main one and its meshes."""
-    return {}
+    return ()
 
 
 def _defaults(top: Element) -> None:

@@ -29,6 +29,7 @@ from ..model import (
 )
 from ..spatial import IDENTITY, Pose, Vector3
 from . import _drake
+from ._companion import Companion
 from ._xml import Element, document, element, root
 
 NAME = "sdf"
@@ -104,14 +105,14 @@ def render(robot: Robot) -> bytes:
     return document(top)
 
 
-def companions(robot: Robot) -> dict[str, bytes]:
+def companions(robot: Robot) -> tuple[Companion, ...]:
     """A file for Drake, where there are loops that its constraints can close: it refuses joints that close one."""
     cut = _drake.for_drake(recut_loops(robot))
     if not cut.closures or any(closure.kind is JointKind.PRISMATIC for closure in cut.closures):
-        return {}
+        return ()
     top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=_version(cut))
     _drake.constrain(_tree(top, cut), cut)
-    return {f"{robot.name}.drake{SUFFIX}": document(top)}
+    return (Companion(f"{robot.name}.drake{SUFFIX}", _drake.FORMAT, cut, document(top)),)
 
 
 def _tree(top: Element, robot: Robot) -> Element:

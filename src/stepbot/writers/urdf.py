@@ -10,6 +10,7 @@ from math import isfinite
 from ..lowering import Notion, exact, lowered, refused, reported
 from ..model import Box, Capsule, Collision, Cylinder, Geometry, Joint, JointKind, Link, MeshRef, Robot, Sphere, Visual
 from ..spatial import Pose
+from ._companion import Companion
 from ._xml import Element, document, element, root
 
 NAME = "urdf"
@@ -79,9 +80,9 @@ def render(robot: Robot) -> bytes:
     return document(top)
 
 
-def companions(_robot: Robot) -> dict[str, bytes]:
+def companions(_robot: Robot) -> tuple[Companion, ...]:
     """No files beside the main one and its meshes."""
-    return {}
+    return ()
 
 
 def _link(top: Element, link: Link, robot: Robot) -> None:

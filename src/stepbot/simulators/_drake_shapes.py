@@ -1,0 +1,47 @@
+"""The boxes around what Drake made of a link's shapes."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model import Box, Capsule, Cylinder, Sphere
+from ..spatial import Pose, vector3
+from ._bounds import Bounds, mesh_bounds, primitive_bounds
+from .observation import EngineCannotRead
+
+if TYPE_CHECKING:
+    from .drake import Built
+
+
+def bounds_of(built: "Built", geometry: Any) -> Bounds:
+    """Box [m] of a shape in its link's frame."""
+    from .drake import pose
+
+    inspector = built.scene.model_inspector()
+    X_LG, shape = pose(inspector.GetPoseInFrame(geometry)), inspector.GetShape(geometry)
+    hull = inspector.GetConvexHull(geometry)  # of meshes alone
+    if hull is not None:
+        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+        return mesh_bounds(vertices, X_LG)
+    return _primitive_bounds(shape, X_LG)
+
+
+def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:
+    """Box of a primitive.
+
+    Raises:
+        EngineCannotRead: A kind of shape that is none of the formats'.
+    """
+    kind = type(shape).__name__
+    if kind == "Box":
+        return primitive_bounds(Box(vector3(shape.size())), X_LG)
+    if kind == "Sphere":
+        return primitive_bounds(Sphere(shape.radius()), X_LG)
+    if kind == "Cylinder":
+        return primitive_bounds(Cylinder(shape.radius(), shape.length()), X_LG)
+    if kind == "Capsule":
+        return primitive_bounds(Capsule(shape.radius(), shape.length()), X_LG)
+    if kind == "Ellipsoid":
+        half = np.sqrt(((X_LG.R * np.array([shape.a(), shape.b(), shape.c()])) ** 2).sum(axis=1))
+        return vector3(X_LG.p - half), vector3(X_LG.p + half)
+    raise EngineCannotRead(f"Drake reports a shape of kind {kind}")
