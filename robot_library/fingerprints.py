@@ -6,14 +6,18 @@ from pathlib import Path
 
 _HERE = Path(__file__).parent
 _DRAWING = ("drawing.py", "description.py", "moments.py", "shapes.py", "step_file.py", "step_text.py")
+_OF_MACHINES = ("legs", "machine", "machine_parts")
+"""Modules that only some robots are drawn with."""
 _PICTURE = ("preview.py", "raytrace.py")
 _DIGITS = 16
 
 
 def drawing(folder: Path) -> str:
     """Of what the STEP of a robot is drawn from: its scripts, its expected.json, and the modules they share."""
-    scripts = [path for path in folder.glob("*.py") if path.name != "view.py"]
-    return _hash((*sorted(scripts), folder / "expected.json", *(_HERE / name for name in _DRAWING)))
+    scripts = sorted(path for path in folder.glob("*.py") if path.name != "view.py")
+    text = "\n".join(path.read_text(encoding="utf-8") for path in scripts)
+    used = [f"{name}.py" for name in _OF_MACHINES if f"from ..{name} import" in text]
+    return _hash((*scripts, folder / "expected.json", *(_HERE / name for name in (*_DRAWING, *used))))
 
 
 def robot(folder: Path) -> str:
