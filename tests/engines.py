@@ -59,6 +59,24 @@ def mujoco_links(file: str) -> dict[str, Any]:
     return found
 
 
+def mujoco_at_home(file: str) -> dict[str, dict[str, Any]]:
+    """An MJCF file as it was drawn: ``bodies`` by name as poses (4, 4) row by row [m], ``axes`` of joints by name."""
+    import mujoco
+
+    model = _model(file)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_kinematics(model, data)
+    bodies = {model.body(i).name: _pose_of(data.body(i)) for i in range(1, model.nbody)}
+    return {"bodies": bodies, "axes": {model.joint(i).name: data.xaxis[i].tolist() for i in range(model.njnt)}}
+
+
+def _pose_of(body: Any) -> list[list[float]]:
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = body.xmat.reshape(3, 3), body.xpos
+    return X.tolist()
+
+
 def mujoco_axes(file: str) -> dict[str, tuple[list[float], list[float]]]:
     """A point [m] on the axis of every joint and its direction, in the world, at q = 0."""
     import mujoco
@@ -130,14 +148,16 @@ def driven_in_mujoco(file: str, actuator: str, speed: float) -> tuple[list[dict[
 def run_in_mujoco(file: str, seconds: float, noise: bool) -> dict[str, Any]:
     """Simulate from the keyframe, with the keyframe's targets or with Halton noise on all actuators.
 
+    What is not fixed to the world stands on a floor.
+
     Returns:
-        MuJoCo's warning counts, whether all is finite, the largest speed and the deepest contact [m].
+        MuJoCo's warning counts, whether all is finite, the largest speed and the deepest contact [m] of two links.
     """
     import mujoco
 
     model = _model(file)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
+    floating = bool((model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
+    model, data = _on_a_floor(file) if floating else (model, _at_home(model))
     low, high = model.actuator_ctrlrange.T
     limited = model.actuator_ctrllimited.astype(bool)
     low, high = np.where(limited, low, -1.0), np.where(limited, high, 1.0)
@@ -147,15 +167,26 @@ def run_in_mujoco(file: str, seconds: float, noise: bool) -> dict[str, Any]:
             data.ctrl[:] = low + (high - low) * _halton(1 + number // 50, model.nu)
         mujoco.mj_step(model, data)
         speed = max([speed, *np.abs(data.qvel).tolist()])
-        depth = min([depth, *data.contact.dist.tolist()])
+        of_links = (model.geom_type[data.contact.geom] != int(mujoco.mjtGeom.mjGEOM_PLANE)).all(axis=1)
+        depth = min([depth, *data.contact.dist[of_links].tolist()])
         number += 1
     finite = bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all())
     return {"warnings": [int(w.number) for w in data.warning], "finite": finite, "speed": speed, "depth": depth}
 
 
+def _at_home(model: Any) -> Any:
+    """Data of a model, in its keyframe where it has one."""
+    import mujoco
+
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    return data
+
+
 def _halton(index: int, dimensions: int) -> np.ndarray:
     """A point of the Halton sequence in the unit cube: evenly spread, and the same in every run."""
-    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53)
+    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71)
     point = np.zeros(dimensions)
     for axis in range(dimensions):
         base, fraction, rest = primes[axis], 1.0, index
@@ -166,14 +197,29 @@ def _halton(index: int, dimensions: int) -> np.ndarray:
     return point
 
 
-def run_in_pybullet(file: str, seconds: float) -> dict[str, Any]:
-    """Let a URDF hang with its base fixed, without motors, for a while at 1 ms steps."""
+def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: str = "") -> dict[str, Any]:
+    """Let a URDF hang with its base fixed, or fall on a floor, without motors, for a while at 1 ms steps.
+
+    Args:
+        file: The URDF.
+        seconds: How long.
+        floating: Whether it stands on a floor instead.
+        snippet: Python with the function that closes its loops, as in report.json.
+    """
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
     pybullet.setPhysicsEngineParameter(enableFileCaching=0)
     flags = pybullet.URDF_USE_INERTIA_FROM_FILE
-    body = pybullet.loadURDF(file, useFixedBase=True, flags=flags)
+    body = pybullet.loadURDF(file, useFixedBase=not floating, flags=flags)
+    if floating:
+        lowest = min(pybullet.getAABB(body, i)[0][2] for i in range(-1, pybullet.getNumJoints(body)))
+        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE)
+        pybullet.createMultiBody(0, plane, basePosition=(0, 0, lowest))
+    if snippet:
+        module: dict[str, Any] = {}
+        exec(compile(snippet, "snippet", "exec"), module)
+        module["close_loops"](body)
     pybullet.setGravity(0, 0, -9.81)
     pybullet.setTimeStep(1e-3)
     joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
@@ -253,3 +299,109 @@ def _point(body: int, link: int, p_L: Sequence[float]) -> np.ndarray:
     state = pybullet.getLinkState(body, link, computeForwardKinematics=True)
     R = np.reshape(pybullet.getMatrixFromQuaternion(state[5]), (3, 3))
     return np.asarray(state[4]) + R @ np.asarray(p_L)
+
+
+def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds: float) -> tuple[float, float, float]:
+    """Put a robot on a floor, let it settle, and drive it at steady targets of its actuators.
+
+    Returns:
+        x, y [m] and heading [rad] of its base after ``seconds`` at speed, in the frame that it had when it was.
+    """
+    import mujoco
+
+    model, data = _on_a_floor(file)
+    for _ in range(round(0.5 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    for name, speed in speeds.items():
+        data.actuator(name).ctrl[0] = speed
+    # An actuator needs a moment to come up to speed: what counts is what is driven from there on.
+    for _ in range(round(0.5 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    X_WS = np.array(_pose_of(data.body(base)))
+    for _ in range(round(seconds / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    X_SE = np.linalg.inv(X_WS) @ np.array(_pose_of(data.body(base)))
+    return float(X_SE[0, 3]), float(X_SE[1, 3]), float(np.arctan2(X_SE[1, 0], X_SE[0, 0]))
+
+
+def _on_a_floor(file: str) -> tuple[Any, Any]:
+    """An MJCF file, at home on a plane that touches the lowest point of what can collide; model and data."""
+    import mujoco
+
+    model = _model(file)
+    data = _at_home(model)
+    mujoco.mj_forward(model, data)
+    lowest = min(_lowest(model, data, i) for i in range(model.ngeom) if model.geom_contype[i])
+    spec = mujoco.MjSpec.from_file(file)
+    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], pos=[0, 0, lowest])
+    model = spec.compile()
+    return model, _at_home(model)
+
+
+def _lowest(model: Any, data: Any, geom: int) -> float:
+    """Height [m] of the lowest point of a mesh or a ball; of other shapes that of their box."""
+    import mujoco
+
+    down = data.geom_xmat[geom].reshape(3, 3)[2]
+    if model.geom_type[geom] == int(mujoco.mjtGeom.mjGEOM_MESH):
+        mesh = model.geom_dataid[geom]
+        first = model.mesh_vertadr[mesh]
+        vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
+        return float(data.geom_xpos[geom][2] + np.min(vertices @ down))
+    if model.geom_type[geom] == int(mujoco.mjtGeom.mjGEOM_SPHERE):
+        return float(data.geom_xpos[geom][2] - model.geom_size[geom][0])
+    return float(data.geom_xpos[geom][2] - np.abs(down) @ model.geom_aabb[geom][3:])
+
+
+def solved_by_newton(file: str, given: Sequence[Mapping[str, float]], bodies: Sequence[str]) -> list[dict[str, Any]]:
+    """Hold some joints of a mechanism with loops where they are told to be, and solve the loops for all others.
+
+    Every configuration is reached from the one before, the first from the keyframe, in small steps of the held joints.
+
+    Args:
+        file: An MJCF file.
+        given: For each configuration the held joints, the same ones each time [rad or m].
+        bodies: Whose poses to tell.
+
+    Returns:
+        For each configuration ``joints``, the positions of all with one coordinate, and ``poses`` of the bodies, each
+        (4, 4) row by row [m].
+    """
+    import mujoco
+
+    model = _model(file)
+    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    axes = {int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)}
+    single = [i for i in range(model.njnt) if int(model.jnt_type[i]) in axes]
+    found = []
+    for configuration in given:
+        start = {name: float(data.joint(name).qpos[0]) for name in configuration}
+        for share in np.linspace(0.1, 1.0, 10):
+            _close(model, data, {name: start[name] + share * (q - start[name]) for name, q in configuration.items()})
+        mujoco.mj_kinematics(model, data)
+        poses = {name: _pose_of(data.body(name)) for name in bodies}
+        joints = {model.joint(i).name: float(data.qpos[model.jnt_qposadr[i]]) for i in single}
+        found.append({"joints": joints, "poses": poses})
+    return found
+
+
+def _close(model: Any, data: Any, held: Mapping[str, float]) -> None:
+    """Newton's method over the rows of equality constraints, for all coordinates but the held ones."""
+    import mujoco
+
+    for name, q in held.items():
+        data.joint(name).qpos[0] = q
+    fixed = {int(model.joint(name).dofadr[0]) for name in held}
+    others = [i for i in range(model.nv) if i not in fixed]
+    for _ in range(40):
+        mujoco.mj_fwdPosition(model, data)
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        J, gaps = data.efc_J.reshape(-1, model.nv)[rows], data.efc_pos[rows]
+        step = np.zeros(model.nv)
+        step[others] = np.linalg.lstsq(J[:, others], -gaps, rcond=1e-9)[0]
+        mujoco.mj_integratePos(model, data.qpos, step, 1.0)
+        if float(np.max(np.abs(step))) < 1e-14:
+            break
+    assert float(np.max(np.abs(gaps))) < 1e-9, f"the loops stay open by {float(np.max(np.abs(gaps)))} m"

@@ -10,8 +10,8 @@ from tests.command_line import Conversion, convert_once
 LIBRARY = Path(__file__).resolve().parents[2] / "robot_library"
 ROBOTS = tuple(sorted(path.name for path in LIBRARY.iterdir() if path.is_dir() and not path.name.startswith("_")))
 """Names of the robots' folders."""
-SHORT = ("stepbot_arm2", "stepbot_four_bar", "universal_robots_ur5e")
-"""Robots that `make test` converts: a tree with a mimic, a loop, a maker's arm. `make all` converts all of them."""
+SHORT = ("stepbot_arm2", "stepbot_four_bar", "stepbot_slider_crank", "universal_robots_ur5e")
+"""Robots that `make test` converts: a tree with a mimic, loops, a maker's arm. `make all` converts all of them."""
 
 every_robot = pytest.mark.parametrize("robot", ROBOTS)
 every_converted_robot = pytest.mark.parametrize(

@@ -13,6 +13,8 @@ from stepbot.isolation import call_isolated
 from tests.command_line import stepbot
 from tests.library.conftest import LIBRARY, ROBOTS, Converted, every_converted_robot, every_robot, name_of, sidecar_of
 
+BETWEEN = {"ball": 2, "universal": 1, "screw": 1, "cylindrical": 1, "planar": 2, "floating": 5}
+"""Links that URDF puts between the two links of a joint that it can only say by several."""
 ALLOWED = re.compile(r"README\.md|expected\.json|preview\.png|[a-z0-9_]+\.(?:py|step|robot\.yaml)")
 
 
@@ -140,10 +142,13 @@ def test_one_second_in_mujoco(robot: str, noise: bool, converted: Converted) -> 
 @pytest.mark.pybullet
 @every_converted_robot
 def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:
-    """Hanging from its base without motors: finite, and no faster than a fall lets it be."""
+    """Hanging from its base without motors, or fallen on a floor: finite, and no faster than a fall lets it be."""
     pytest.importorskip("pybullet")
-    seen = call_isolated("tests.engines:run_in_pybullet", str(converted(robot).file(".urdf")), 1.0)
+    conversion = converted(robot)
+    report = conversion.report["robot"]
+    floating, snippet = report["base"] == "floating", report["pybullet"] or ""
+    seen = call_isolated("tests.engines:run_in_pybullet", str(conversion.file(".urdf")), 1.0, floating, snippet)
     assert seen["finite"]
     assert 1e-3 < seen["speed"] < 50.0
-    report = converted(robot).report["robot"]
-    assert seen["links"] == len(report["links"]) + len(report["frames"])
+    in_between = sum(BETWEEN.get(joint["kind"], 0) for joint in report["joints"])
+    assert seen["links"] == len(report["links"]) + len(report["frames"]) + in_between

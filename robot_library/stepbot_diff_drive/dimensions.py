@@ -1,0 +1,44 @@
+"""Dimensions of the differential-drive base [mm], and where its links lie in the drawing.
+
+x points forwards, y to the left, z up; the floor is z = 0, and the drive's axle is above the assembly's origin.
+"""
+
+from math import pi
+
+from ..moments import Array, pose, turn
+
+WHEEL_RADIUS, WHEEL_WIDTH = 60.0, 28.0
+TRACK = 300.0
+"""Distance of the wheels' middle planes."""
+CASTER_RADIUS = 22.0
+CASTER_X = -125.0
+"""Of the caster's ball, which stands on the floor behind the axle."""
+
+DECK_RADIUS, DECK = 180.0, 6.0
+LOWER_DECK, UPPER_DECK = 34.0, 150.0
+"""Heights of the lower faces of both decks."""
+WELL = (140.0, 22.0)
+"""Openings of the lower deck for the wheels, along x, and how far they reach inwards of their middle planes."""
+MOTOR_RADIUS, MOTOR_LENGTH, GEAR_RADIUS, GEAR_LENGTH = 17.0, 62.0, 19.0, 24.0
+LIDAR_RADIUS, LIDAR_HEIGHT, LIDAR_X = 38.0, 52.0, 60.0
+SIDES = {"left": 1, "right": -1}
+
+
+def base_place() -> Array:
+    """X_WB of ``base_link``: the middle of the axle."""
+    return pose((0, 0, WHEEL_RADIUS))
+
+
+def wheel_place(side: int) -> Array:
+    """X_WL of a wheel: its middle, z to the left, so that positive turns drive forwards; x forwards."""
+    return pose((0, side * TRACK / 2, WHEEL_RADIUS), turn("x", -pi / 2))
+
+
+def caster_place() -> Array:
+    """X_WC of the caster's ball."""
+    return pose((CASTER_X, 0, CASTER_RADIUS))
+
+
+def camera_place() -> Array:
+    """X_WK of the camera: its lens, x forwards."""
+    return pose((DECK_RADIUS - 28, 0, LOWER_DECK + DECK + 62))
