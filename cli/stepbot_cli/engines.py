@@ -6,12 +6,23 @@ from typing import Any
 import click
 
 from stepbot.isolation import DEFAULT_TIMEOUT
+from stepbot.memory import worker_limit
 
 from .sizes import size
 
 require_option = click.option(
     "--require", multiple=True, metavar="ENGINE", help="Make it an error if this engine is absent; may be repeated."
 )
+
+
+def _limit(text: str) -> int | None:
+    """A size, or none at all."""
+    return None if text.strip().lower() == "none" else size(text)
+
+
+def _default_limit() -> str:
+    """In the words of the option."""
+    return str(worker_limit() or "none")
 
 
 def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -26,8 +37,9 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     memory = click.option(
         "--memory-limit",
-        type=size,
+        type=_limit,
+        default=_default_limit,
         metavar="SIZE",
-        help="Memory that the kernel may take, such as 4G.  [default: no limit]",
+        help="Memory that the kernel or an engine may take, such as 4G, or none.  [default: 3/4 of what there is]",
     )
     return timeout(memory(command))

@@ -5,6 +5,7 @@ it the arguments, ``result`` waits. What native code prints to file descriptor 1
 never between the bytes of the result. Arguments and results are pickled: data classes and arrays only.
 """
 
+import contextlib
 import ctypes
 import os
 import pickle
@@ -226,4 +227,8 @@ def _limit_memory(limit: int) -> None:
         import resource
     except ImportError:  # Windows: no such limit; the timeout still holds
         return
-    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    allowed = limit if most == resource.RLIM_INFINITY else min(limit, most)
+    # macOS refuses limits of address space; the timeout holds there too.
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_AS, (allowed, most))

@@ -7,8 +7,10 @@ import click
 import pytest
 
 import stepbot
+from stepbot import memory
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot_cli import application, main, schema
+from stepbot_cli.engines import limit_options
 from stepbot_cli.sizes import size
 
 
@@ -155,3 +157,23 @@ def test_no_sizes(text: str) -> None:
     """What is no size is refused."""
     with pytest.raises(click.BadParameter, match="not a size"):
         size(text)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "limit"),
+    [([], 12 << 30), (["--memory-limit", "500M"], 500 << 20), (["--memory-limit", "none"], None)],
+)
+def test_memory_that_a_worker_may_take(
+    arguments: list[str], limit: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three quarters of what there is, a size, or no limit."""
+    monkeypatch.setattr(memory, "memory_size", lambda: 16 << 30)
+    taken: list[int | None] = []
+
+    @click.command()
+    @limit_options
+    def command(timeout: float, memory_limit: int | None) -> None:
+        taken.append(memory_limit)
+
+    command.main(arguments, standalone_mode=False)
+    assert taken == [limit]

@@ -1,12 +1,14 @@
 """Worker processes: what they return, what they survive, how they end."""
 
 import os
+import subprocess
 import sys
 import time
 
 import pytest
 
 from stepbot.isolation import RemoteError, Worker, WorkerDied, call_isolated
+from tests.conftest import ROOT
 
 HERE = "tests.unit.isolated_functions"
 
@@ -69,6 +71,18 @@ def test_too_much_memory_is_a_death() -> None:
     """Of the worker alone."""
     with pytest.raises(WorkerDied, match="out of memory"):
         call_isolated(f"{HERE}:allocate", 4 << 30, memory_limit=1 << 30)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
+def test_a_limit_beyond_what_the_system_allows() -> None:
+    """Where less is allowed than asked for, that holds."""
+    code = (
+        "import resource; from stepbot.isolation import call_isolated as call\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))\n"
+        f"call('{HERE}:allocate', 4 << 30, memory_limit=64 << 30)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert "WorkerDied: out of memory" in done.stderr
 
 
 def test_a_worker_can_be_closed_before_it_is_asked() -> None:

@@ -27,7 +27,7 @@ from .comparison import Stated, compare
 from .definitions import Definitions
 from .encodings import as_utf8, encoding_fact
 from .integrity import check_integrity
-from .kernel_errors import KERNEL_ERRORS
+from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
 from .length_unit import LengthUnit, read_length_unit
 from .materials import Materials
 from .mirroring import variant
@@ -105,6 +105,8 @@ def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> 
     except StepUnreadable as error:
         found.add("SB205", str(error), Span(place), help=remedy)
         return None
+    except OUT_OF_MEMORY:
+        raise MemoryError from None  # the process ends, and whoever waits for it knows why
     except KERNEL_ERRORS as error:
         message = f"the kernel gave up on it: {type(error).__name__} {error}".rstrip()
         found.add("SB205", message, Span(place), help=remedy)
@@ -226,8 +228,11 @@ class _Bodies:
 
     def _failed(self, number: int, result: Died | Raised) -> Body:
         reason = result.reason if isinstance(result, Died) else f"{result.kind} {result.text}".rstrip()
+        help = "repair the body in CAD and export again"
+        if isinstance(result, Raised) and result.kind in (kind.__name__ for kind in OUT_OF_MEMORY):
+            reason, help = "out of memory", "raise `--memory-limit`, or ask for a coarser mesh"
         message = f"the geometry kernel failed on it ({reason})"
-        self._report(number, Finding("SB213", message, ("repair the body in CAD and export again",)))
+        self._report(number, Finding("SB213", message, (help,)))
         return replace(_outline(self._sources[number]), defect=message)
 
     def _report(self, number: int, finding: Finding) -> None:

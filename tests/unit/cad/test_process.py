@@ -76,6 +76,22 @@ def test_a_kernel_without_memory(tmp_path: Path, found: ReadDiagnostics) -> None
     assert found.codes()[0] in ("SB902", "SB002")
 
 
+@POSIX
+@pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not limit address space")
+def test_a_body_without_memory(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A body that takes more than there is names what to raise; it is not called broken."""
+    from stepbot.cad import worker
+
+    def greedy(source: object, request: object) -> None:
+        bytearray(1 << 60)
+
+    monkeypatch.setattr(worker, "read_body", greedy)
+    assert read_here(parts.write_box(tmp_path / "box.step").path, found) is not None
+    (diagnostic,) = found
+    assert (diagnostic.code, "out of memory" in diagnostic.message) == ("SB213", True)
+    assert "--memory-limit" in diagnostic.help[0]
+
+
 def test_files_that_are_refused_at_once(tmp_path: Path, found: ReadDiagnostics) -> None:
     """What is no STEP file never reaches the kernel; finishing twice says it once."""
     path = tmp_path / "notes.txt"
