@@ -12,7 +12,9 @@ from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .cad.reader import Reading, start_reading
 from .conversion import Options
 from .diagnostics import Diagnostic, Diagnostics
+from .isolation import Worker
 from .measure import measured, prepare
+from .warmup import note_read
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +31,9 @@ class Geometry:
 class Loading:
     """Geometry on its way."""
 
-    def __init__(self, step: Path, what: ReadOptions, options: Options, found: Diagnostics) -> None:
+    def __init__(
+        self, step: Path, what: ReadOptions, options: Options, found: Diagnostics, kernel: Worker | None = None
+    ) -> None:
         """Look it up, else have the kernel begin; returns at once.
 
         Args:
@@ -37,6 +41,7 @@ class Loading:
             what: What to compute.
             options: Cache and limits.
             found: Receives what is wrong with a file that is refused before the kernel is even asked.
+            kernel: A process that was started for it; None to start one where it is needed.
 
         Raises:
             StepbotError: The file is refused.
@@ -46,7 +51,7 @@ class Loading:
         self._known = self._memory.recall()
         self._reading: Reading | None = None
         if self._known is None:
-            self._reading = start_reading(step, what, memory_limit=options.memory_limit)
+            self._reading = start_reading(step, what, memory_limit=options.memory_limit, kernel=kernel)
             if self._reading.pid is None:
                 self._reading.finish(found)
                 found.raise_if_errors()
@@ -90,7 +95,7 @@ class _Memory:
     """What is kept of one file, read in one way."""
 
     def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
-        self._shelf, self._step = Shelf(cache, Geometry), step
+        self._cache, self._shelf, self._step = cache, Shelf(cache, Geometry), step
         self._state = _state(step)
         self._content = file_digest(step) or ""
         asked = codec_of(ReadOptions).encode(what)
@@ -108,6 +113,7 @@ class _Memory:
         """Keep it, unless the file was written to meanwhile: then nobody knows which of the two was read."""
         if self.content:
             self._shelf.put(self._key, _named(geometry, str(self._step), ""))
+            note_read(self._cache, self._content)
 
 
 def _state(path: Path) -> tuple[int, int] | None:

@@ -6,12 +6,14 @@ kernel or of an engine is never kept, as the next try may fare better.
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from .cache import Cache, Digest, Shelf, environment, file_digest, own_code
 from .conversion import Conversion, Options, write
 from .diagnostics import Diagnostic, Diagnostics
+from .warmup import started_kernel
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not show in results; the STEP does by its content."""
@@ -48,10 +50,14 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     record = recorded(sidecar, options)
     if record is not None:
         return _conversion_of(record)
-    from . import pipeline
-
     before = _content(sidecar, options.cache)
-    conversion = pipeline.produce(sidecar, options, progress)
+    with ExitStack() as running:
+        kernel = started_kernel(sidecar, options)
+        if kernel is not None:
+            running.enter_context(kernel)
+        from . import pipeline
+
+        conversion = pipeline.produce(sidecar, options, progress, kernel)
     if before and before == _content(sidecar, options.cache):
         _keep(conversion, sidecar, before, options)
     return conversion

@@ -20,6 +20,7 @@ from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .conversion import REPORT, Conversion, Options, write
 from .diagnostics import Diagnostics, StepbotError, did_you_mean
 from .geometry import Geometry, Loading
+from .isolation import Worker
 from .loops import degrees_of_freedom, driven_joints
 from .lowering import lower
 from .model import Robot
@@ -60,17 +61,31 @@ def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     return write(conversion, options.output)
 
 
-def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
-    """Convert one sidecar and the STEP that it names, and prove the files; nothing is written yet."""
+def produce(
+    sidecar: Path,
+    options: Options,
+    progress: Callable[[str], None] = lambda stage: None,
+    kernel: Worker | None = None,
+) -> Conversion:
+    """Convert one sidecar and the STEP that it names, and prove the files; nothing is written yet.
+
+    Args:
+        sidecar: The sidecar.
+        options: How to convert it.
+        progress: Told each stage as it begins.
+        kernel: A process that was started for it; None to start one where it is needed.
+    """
     found = Diagnostics()
     try:
-        return _produce(sidecar, options, found, progress)
+        return _produce(sidecar, options, found, progress, kernel)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)
 
 
-def _produce(path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None]) -> Conversion:
+def _produce(
+    path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None], kernel: Worker | None
+) -> Conversion:
     def stage_ends() -> None:
         if options.strict:
             found.make_strict()
@@ -83,7 +98,7 @@ def _produce(path: Path, options: Options, found: Diagnostics, progress: Callabl
     sidecar = _load(path, found)
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
-        loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found)))
+        loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
         # The engines import while the kernel works.
         formats = [writer.NAME for writer in writers] if options.verify else []
         provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit))

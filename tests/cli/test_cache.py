@@ -55,10 +55,12 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The functions that were handed to worker processes, as they are."""
     functions: list[str] = []
     start, submit = Worker.__init__, Worker.submit
+    monkeypatch.setattr(Worker, "started", [], raising=False)
 
     def noted_start(self: Worker, function: str, **options: object) -> None:
         start(self, function, **options)  # type: ignore[arg-type]
         self.function = function  # type: ignore[attr-defined]
+        Worker.started.append(function)  # type: ignore[attr-defined]
 
     def noted_submit(self: Worker, *arguments: object) -> Worker:
         functions.append(self.function)  # type: ignore[attr-defined]
@@ -87,6 +89,7 @@ def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepb
     edit(four_bar, "version: 1", "version: 1 # edited")
     assert stepbot("convert", four_bar.name, "-o", "geometry", *FAST).code == 0
     assert asked == [KERNEL, KERNEL], "to edit the sidecar reads no STEP"
+    assert Worker.started == asked, "no process is started in vain"  # type: ignore[attr-defined]
     expected = snapshot(Path("without"))
     assert "report.json" in expected
     assert all(snapshot(Path(name)) == expected for name in ("filling", "whole", "geometry"))

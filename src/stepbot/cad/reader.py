@@ -10,12 +10,12 @@ from pathlib import Path
 
 from ..diagnostics import Diagnostics, Span
 from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from . import KERNEL
 from .assembly import Assembly, ReadOptions
 from .part21 import check_step
 
 __all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
 
-_FUNCTION = "stepbot.cad.worker:read"
 _SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpat.so.1": "libexpat1"}
 """Shared libraries that the kernel's wheel takes from the system, and their Debian packages."""
 _NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC")
@@ -68,17 +68,20 @@ class Reading:
             self._worker = None
 
 
-def start_reading(path: Path, options: ReadOptions, *, memory_limit: int | None = None) -> Reading:
+def start_reading(
+    path: Path, options: ReadOptions, *, memory_limit: int | None = None, kernel: Worker | None = None
+) -> Reading:
     """Begin to read a STEP file; returns at once.
 
     Args:
         path: The file; diagnostics name it as it is given.
         options: What to compute.
         memory_limit: Address space [bytes] that the kernel's process may take; None for no limit.
+        kernel: A process that was started for it; None to start one.
     """
     found = Diagnostics()
     place = str(path)
-    worker = Worker(_FUNCTION, memory_limit=memory_limit)
+    worker = kernel or Worker(KERNEL, memory_limit=memory_limit)
     try:
         part21 = check_step(path, place, found, options.encoding)
         if part21 is not None:

@@ -36,8 +36,9 @@ class Provers:
     """The processes that will check the files: started early, so that they import while there is still work to do."""
 
     def __init__(self, formats: Iterable[str], *, memory_limit: int | None = None) -> None:
-        self.engines = Engines({name: name for name in formats}, memory_limit)
-        self.collider = Collider(memory_limit) if available() is None else None
+        files = {name: name for name in formats}
+        self.engines = Engines(files, memory_limit)
+        self.collider = Collider(memory_limit) if files and available() is None else None
 
     def close(self) -> None:
         """End all processes that still run."""
