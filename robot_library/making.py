@@ -113,12 +113,15 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
 
 def write_gallery() -> None:
     """Write the pictures and the table of all robots into the library's README, from what `make` last found."""
+    from stepbot.library import LibraryRobot
+
     made = []
     for folder in folders():
-        page = (folder / _PAGE).read_text(encoding="utf-8")
+        (sidecar,) = folder.glob("*.robot.yaml")
+        robot = LibraryRobot(folder, sidecar)
         known = json.loads((OUTPUT / f"{folder.name}.json").read_text(encoding="utf-8"))
         pairs = {tuple(key.split(" in ")): result for key, result in known["results"].items()}
-        made.append(pages.Made(folder.name, page[2 : page.index("\n")], pages.summary_of(page), known["facts"], pairs))
+        made.append(pages.Made(robot.name, robot.short_name, robot.summary(), known["facts"], pairs))
     page_of_all = LIBRARY / _PAGE
     text = pages.with_part(page_of_all.read_text(encoding="utf-8"), pages.gallery(made))
     page_of_all.write_text(text, encoding="utf-8", newline="\n")

@@ -48,6 +48,7 @@ def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassPr
     assert robot is not None
     assert report is not None
     lines = [START, f"<!-- drawn from {fingerprints.drawing(folder)}, converted from {fingerprints.robot(folder)} -->"]
+    lines += ["", facts_of(conversion), ""]
     lines += ["## Joints", "", *_joints(robot), ""]
     lines += ["## Links", "", *_links(robot, own), ""]
     lines += ["## Verification", "", *_verification(report, conversion.diagnostics), "", END]
@@ -65,12 +66,6 @@ def made_from(page: str) -> tuple[str, str] | None:
     """Hashes that a robot's README says its STEP and its tables were made from; None where it says nothing."""
     found = _MADE_FROM.search(page)
     return None if found is None else (found[1], found[2])
-
-
-def summary_of(page: str) -> str:
-    """The first sentence below the title of a page."""
-    paragraph = next(block for block in page.split("\n\n")[1:] if block and not block.startswith(("!", "<", "#", "|")))
-    return re.split(r"(?<=[.:])\s", " ".join(paragraph.split()), maxsplit=1)[0].rstrip(":.") + "."
 
 
 def gallery(robots: Iterable[Made]) -> str:

@@ -14,7 +14,19 @@ import stepbot
 
 from .failures import show_exception
 
-COMMANDS = ("convert", "batch", "inspect", "check", "uptodate", "verify", "explain", "schema", "formats", "cache")
+COMMANDS = (
+    "convert",
+    "batch",
+    "inspect",
+    "check",
+    "uptodate",
+    "verify",
+    "explain",
+    "schema",
+    "formats",
+    "library",
+    "cache",
+)
 """In the order of `--help`; the module of the same name holds it as ``command``."""
 
 INTERRUPTED = 130

@@ -17,15 +17,9 @@ from .table import show_table
 from .terminal import show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Conversion
+    from stepbot.conversion import Conversion, Options
 
-
-@click.command(cls=Command, short_help="Write and verify URDF, SDFormat and MJCF.")
-@click.argument("sidecar", type=click.Path(path_type=Path))
-@click.option(
-    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one that SIDECAR names."
-)
-@click.option(
+format_option = click.option(
     "-f",
     "--format",
     "formats",
@@ -33,6 +27,15 @@ if TYPE_CHECKING:
     metavar="FORMAT",
     help="Write this format; may be repeated.  [default: all]",
 )
+no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
+
+
+@click.command(cls=Command, short_help="Write and verify URDF, SDFormat and MJCF.")
+@click.argument("sidecar", type=click.Path(path_type=Path))
+@click.option(
+    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one that SIDECAR names."
+)
+@format_option
 @click.option(
     "-o",
     "--output",
@@ -40,7 +43,7 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Folder for the files.  [default: named like SIDECAR, in the current folder]",
 )
-@click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
+@no_verify_option
 @click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
 @require_option
 @encoding_option
@@ -70,7 +73,6 @@ def command(
     table shows the worst deviation. After an error the former files in DIR are still there, untouched.
     """
     from stepbot.conversion import Options
-    from stepbot.incremental import convert
 
     if no_verify and require:
         raise click.UsageError("--require asks for engines that --no-verify does not start; leave one of them out")
@@ -86,6 +88,13 @@ def command(
         memory_limit=memory_limit,
         cache=opened(cache, no_cache),
     )
+    return run_conversion(sidecar, options, as_json=as_json, concise=concise)
+
+
+def run_conversion(sidecar: Path, options: "Options", *, as_json: bool, concise: bool) -> int:
+    """Convert a sidecar and print what came of it; returns the exit code."""
+    from stepbot.incremental import convert
+
     with progress_bar() as progress:
         conversion = convert(sidecar, options, progress)
     say_trouble(options.cache, conversion.diagnostics)

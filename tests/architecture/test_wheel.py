@@ -1,25 +1,37 @@
 """The wheel has what it must, and nothing else."""
 
+import os
+import subprocess
+import sys
+import venv
 import zipfile
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+LARGEST = 3_000_000
+"""Bytes of the wheel, most of which are the robots; the geometry kernel's has twenty times as many."""
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built from the checkout."""
     hatchling = pytest.importorskip("hatchling.builders.wheel")
     (path,) = hatchling.WheelBuilder(str(ROOT)).build(
         directory=str(tmp_path_factory.mktemp("dist")), versions=["standard"]
     )
-    return zipfile.ZipFile(path)
+    return Path(path)
+
+
+@pytest.fixture(scope="module")
+def wheel(built: Path) -> zipfile.ZipFile:
+    """What is in the wheel."""
+    return zipfile.ZipFile(built)
 
 
 def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
-    """Every module of both source roots, the type markers, the metadata; no tests, no robots, no caches."""
+    """Every module of both source roots, the type markers, the robots, the metadata; no tests, no caches."""
     packages = [ROOT / "src" / "stepbot", ROOT / "cli" / "stepbot_cli"]
     modules = {
         file.relative_to(package.parent).as_posix()
@@ -28,8 +40,46 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
         if file.suffix == ".py" or file.name == "py.typed"
     }
     content = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    assert content == modules
+    assert {name for name in content if not name.startswith("stepbot/robots/")} == modules
     assert {"stepbot/py.typed", "stepbot_cli/py.typed"} <= content
+
+
+def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile) -> None:
+    """Drawing, sidecar and page of each robot; neither the scripts nor the pictures. The wheel stays small."""
+    library = ROOT / "robot_library"
+    kept = [file for kind in ("*.step", "*.robot.yaml", "README.md") for file in library.glob(f"*/{kind}")]
+    content = {name for name in wheel.namelist() if name.startswith("stepbot/robots/")}
+    assert content == {f"stepbot/robots/{file.relative_to(library).as_posix()}" for file in kept}
+    assert wheel.filename is not None
+    assert Path(wheel.filename).stat().st_size < LARGEST
+
+
+@pytest.mark.long
+def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
+    """Installed by pip where nothing else is, far from the checkout, `stepbot library` does all that it promises."""
+    venv.create(tmp_path / "venv", with_pip=True)
+    programs = tmp_path / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
+    clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+
+    def run(program: str, *arguments: str) -> str:
+        command = [str(programs / program), *arguments]
+        done = subprocess.run(
+            command, cwd=tmp_path, env=clean, capture_output=True, text=True, encoding="utf-8", check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    run("python", "-m", "pip", "install", "--quiet", str(built))
+    names = {path.parent.name for path in (ROOT / "robot_library").glob("*/*.robot.yaml")}
+    assert {line.split()[0] for line in run("stepbot", "library", "list").splitlines()} == names
+    shown = run("stepbot", "library", "show", "ur5e")
+    assert str(tmp_path / "venv") in shown
+    assert "shoulder_pan_joint" in shown
+    told = run("stepbot", "library", "export", "four_bar", "-f", "mjcf", "-o", "four_bar", "--no-cache")
+    assert "files in four_bar" in told
+    assert (tmp_path / "four_bar" / "four_bar.xml").is_file()
+    load = "import mujoco; print(mujoco.MjModel.from_xml_path('four_bar/four_bar.xml').nbody)"
+    assert run("python", "-c", load).strip() == "5"  # the world and four links
 
 
 def test_wheel_names_the_command_and_the_licence(wheel: zipfile.ZipFile) -> None:

@@ -39,7 +39,8 @@ def test_opens_with_two_commands() -> None:
 def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Every command of the example ends well, and the files that the text names are there."""
     commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("stepbot ")]
-    assert [command.split()[1] for command in commands] == ["inspect", "check", "convert", "batch", "uptodate"]
+    names = [command.split()[1] for command in commands]
+    assert names == ["inspect", "check", "convert", "library", "library", "library", "batch", "uptodate"]
     for command in commands:
         code = main(shlex.split(command)[1:])
         captured = capsys.readouterr()

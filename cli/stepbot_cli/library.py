@@ -1,0 +1,130 @@
+"""``stepbot library``: the robots that come with stepbot."""
+
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stepbot.diagnostics import did_you_mean
+
+from .caching import cache_options, opened
+from .columns import aligned
+from .command import Command, concise_option, json_option
+from .convert import format_names, format_option, no_verify_option, run_conversion
+from .engines import limit_options
+from .terminal import write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.library import LibraryRobot
+
+WIDTH = 100
+
+
+@click.group(short_help="List, show or export the robots that come with stepbot.")
+def command() -> None:
+    """Robots that come with stepbot, each a STEP file, a sidecar and a page that tells where every number is from.
+
+    NAME is as `stepbot library list` prints it; the maker's part of it may be left out.
+    """
+
+
+@command.command("list", cls=Command, short_help="Name all robots.")
+@json_option
+def list_(as_json: bool) -> int:
+    """Print the name of every robot, and what it is."""
+    from stepbot.library import library_robots
+
+    robots = library_robots()
+    if as_json:
+        write_json({"robots": [_described(robot) for robot in robots]})
+    else:
+        write_result("\n".join(aligned([(robot.name, robot.facts(), robot.summary()) for robot in robots])))
+    return 0
+
+
+@command.command("show", cls=Command, short_help="Show one robot.")
+@click.argument("name")
+@json_option
+def show(name: str, as_json: bool) -> int:
+    """Print what the robot NAME is: its joints, its links, and where its files are."""
+    robot = _found(name)
+    if as_json:
+        write_json(_described(robot))
+        return 0
+    blocks = [robot.name, textwrap.fill(robot.overview(), WIDTH), robot.facts()]
+    blocks += ["\n".join(aligned(rows)) for rows in (robot.table("Joints"), robot.table("Links")) if rows]
+    files = (
+        ("sidecar", str(robot.sidecar)),
+        ("STEP", str(robot.step)),
+        ("page", f"{robot.page} (sources, verification, licence)"),
+    )
+    blocks += ["\n".join(aligned(files)), f"stepbot library export {robot.name} -o {robot.short_name}"]
+    write_result("\n\n".join(filter(None, blocks)))
+    return 0
+
+
+@command.command("export", cls=Command, short_help="Write one robot in the formats you want.")
+@click.argument("name")
+@format_option
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the files.  [default: named like the robot, in the current folder]",
+)
+@no_verify_option
+@limit_options
+@cache_options
+@json_option
+@concise_option
+def export(
+    name: str,
+    formats: tuple[str, ...],
+    output: Path | None,
+    no_verify: bool,
+    timeout: float,
+    memory_limit: int | None,
+    cache: Path | None,
+    no_cache: bool,
+    as_json: bool,
+    concise: bool,
+) -> int:
+    """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
+    from stepbot.conversion import Options
+
+    robot = _found(name)
+    options = Options(
+        output=output or Path(robot.short_name),
+        formats=format_names(formats),
+        verify=not no_verify,
+        timeout=timeout,
+        memory_limit=memory_limit,
+        cache=opened(cache, no_cache),
+    )
+    return run_conversion(robot.sidecar, options, as_json=as_json, concise=concise)
+
+
+def _found(name: str) -> "LibraryRobot":
+    from stepbot.library import library_robot, library_robots
+
+    try:
+        return library_robot(name)
+    except KeyError:
+        robots = library_robots()
+        same = [robot.name for robot in robots if robot.short_name == name]
+        known = [*(robot.name for robot in robots), *(robot.short_name for robot in robots)]
+        remedy = " or ".join(same) or "".join(did_you_mean(name, known)) or "`stepbot library list` names all"
+        raise click.BadParameter(f"no robot '{name}'; {remedy}", param_hint="NAME") from None
+
+
+def _described(robot: "LibraryRobot") -> dict[str, object]:
+    return {
+        "name": robot.name,
+        "summary": robot.summary(),
+        "facts": robot.facts(),
+        "sidecar": robot.sidecar.as_posix(),
+        "step": robot.step.as_posix(),
+        "page": robot.page.as_posix(),
+    }

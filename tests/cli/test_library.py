@@ -1,0 +1,51 @@
+"""``stepbot library``: the robots that come with stepbot."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from .conftest import Stepbot
+
+
+def test_list_names_every_robot(stepbot: Stepbot, robot_library: Path) -> None:
+    """One line per robot, and the same as JSON."""
+    run = stepbot("library", "list")
+    assert run.code == 0
+    folders = sorted(path.parent.name for path in robot_library.glob("*/*.robot.yaml"))
+    assert [line.split()[0] for line in run.out.splitlines()] == folders
+    document = json.loads(stepbot("library", "list", "--json").out)
+    assert [robot["name"] for robot in document["robots"]] == folders
+    assert all(Path(robot["step"]).is_file() and Path(robot["page"]).is_file() for robot in document["robots"])
+
+
+def test_show_tells_joints_links_and_files(stepbot: Stepbot, robot_library: Path) -> None:
+    """What somebody wants to know before taking the robot; its maker's name may be left out."""
+    run = stepbot("library", "show", "ur5e")
+    assert run.code == 0
+    assert run.out == stepbot("library", "show", "universal_robots_ur5e").out
+    assert "\nwrist_3_joint " in run.out
+    assert "\nforearm_link " in run.out
+    assert str(robot_library / "universal_robots_ur5e" / "ur5e.robot.yaml") in run.out
+    document = json.loads(stepbot("library", "show", "ur5e", "--json").out)
+    assert document["name"] == "universal_robots_ur5e"
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"), [("ur5", "did you mean 'ur5e'?"), ("x", "`stepbot library list` names all")]
+)
+def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) -> None:
+    """A near name is offered, or the list of names."""
+    run = stepbot("library", "show", name)
+    assert (run.code, run.out) == (2, "")
+    assert remedy in " ".join(run.err.split())
+
+
+def test_export_writes_what_was_asked_for(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file of one format with its meshes and the report, in the current folder unless another is named."""
+    monkeypatch.chdir(tmp_path)
+    run = stepbot("library", "export", "four_bar", "-f", "mjcf", "--no-verify")
+    assert run.code == 0, run.err
+    written = {path.name for path in (tmp_path / "four_bar").iterdir() if not path.name.startswith(".")}
+    assert written == {"four_bar.xml", "meshes", "report.json"}
+    assert stepbot("library", "export", "four_bar", "-f", "nope").code == 2
