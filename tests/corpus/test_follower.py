@@ -201,7 +201,8 @@ def test_every_check_that_an_engine_can_make_has_passed(follower: Conversion) ->
     wanted = {("urdf", "mujoco"), ("urdf", "yourdfpy"), ("sdf", "reader"), ("mjcf", "mujoco")}
     if "pybullet" in report["engines"]:
         wanted |= {("urdf", "pybullet"), ("sdf", "pybullet"), ("mjcf", "pybullet")}
-    assert loaded == wanted
+    assert loaded >= wanted
+    assert {engine for _, engine in loaded} == set(report["engines"]) | {"reader"}
 
 
 def test_nothing_of_the_step_is_lost(follower: Conversion) -> None:

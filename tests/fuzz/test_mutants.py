@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stepbot.cad.assembly import Assembly, Body, BodyKind, Component
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.isolation import RemoteError, WorkerDied
 from stepbot.mesh import TriMesh
 from tests.conftest import CORPUS_ABSENT, ROOT
@@ -138,6 +138,15 @@ def _say(code: str, message: str, *help: str, file: str = "box.step") -> Callabl
     return read
 
 
+def _bring(diagnostic: Diagnostic) -> Callable[[Path, Diagnostics], None]:
+    """As made elsewhere, in a worker: `Diagnostics.add` lets no line break through."""
+
+    def read(step: Path, found: Diagnostics) -> None:
+        found.extend([diagnostic])
+
+    return read
+
+
 def _warn(step: Path, found: Diagnostics) -> Assembly:
     np.float64(1e308) * np.float64(10.0)
     return _box()
@@ -151,7 +160,10 @@ def _warn(step: Path, found: Diagnostics) -> Assembly:
         (lambda step, found: None, "no assembly, and no error"),
         (_say("SB901", "met a state", "report it"), "internal error"),
         (_say("SB201", "is not a STEP file"), "no remedy"),
-        (_say("SB201", "two\nlines", "export it"), "not one printable line"),
+        (
+            _bring(Diagnostic("SB201", "error", "two\nlines", Span("box.step"), ("export it",))),
+            "not one printable line",
+        ),
         (_say("SB201", "is not a STEP file", "export it", file=""), "no place"),
         (lambda step, found: _box(unit_scale=float("nan")), "a length unit of nan"),
         (_warn, "RuntimeWarning"),

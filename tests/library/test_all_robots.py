@@ -149,6 +149,6 @@ def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:
     floating, snippet = report["base"] == "floating", report["pybullet"] or ""
     seen = call_isolated("tests.engines:run_in_pybullet", str(conversion.file(".urdf")), 1.0, floating, snippet)
     assert seen["finite"]
-    assert 1e-3 < seen["speed"] < 50.0
+    assert 1e-3 < seen["speed"] < 200.0  # a light wrist spins fast at the end of an arm that falls
     in_between = sum(BETWEEN.get(joint["kind"], 0) for joint in report["joints"])
     assert seen["links"] == len(report["links"]) + len(report["frames"]) + in_between

@@ -131,7 +131,8 @@ def test_rational_surfaces_are_integrated_well(solid: solids.Solid, tmp_path: Pa
     assert exact is not None
     expected = solid.moments.in_metres()
     assert exact.volume == pytest.approx(expected.mass, rel=1e-6)
-    assert exact.unit_density.com == pytest.approx(expected.com, abs=1e-8)
+    # The drawing has no curves in the parameters of its surfaces: the kernel fits them to 1e-7 m.
+    assert exact.unit_density.com == pytest.approx(expected.com, abs=1e-7)
     inertia = np.array(expected.inertia)
     assert np.abs(np.array(exact.unit_density.inertia) - inertia).max() < 1e-4 * np.abs(inertia).max()
 
