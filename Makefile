@@ -10,7 +10,7 @@ JOBS := auto --dist loadgroup
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
-.PHONY: help install demo test test-long format lint types contracts generate fresh check library build all lock clean
+.PHONY: help install demo test test-long format lint types contracts generate fresh check library benchmarks build all lock clean
 .DEFAULT_GOAL := help
 
 help:  ## print this
@@ -67,10 +67,13 @@ library: install  ## draw, convert, verify and render every robot of the library
 	$(BIN)/python -m pip install --quiet -e '.[draw]'
 	$(BIN)/python -m robot_library
 
+benchmarks: install  ## run every benchmark once on something small; docs/performance.md says how to measure
+	$(BIN)/python -m benchmarks smoke
+
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check test test-long library build  ## everything
+all: check test test-long library benchmarks build  ## everything
 
 lock: install  ## pin again what is installed on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt

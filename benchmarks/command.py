@@ -1,0 +1,147 @@
+"""The command line: generate assemblies, compare, and write down what came of it.
+
+python -m benchmarks generate definitions -o FOLDER     one of the large assemblies, or all
+python -m benchmarks cold SIDECAR...                    against the bare script, cascadio and an earlier stepbot
+python -m benchmarks check SIDECAR...                   an unchanged sidecar against ``import click``
+python -m benchmarks batch FOLDER                       all robots below a folder, on one core and on two
+python -m benchmarks scaling                            ever more definitions, ever more occurrences
+python -m benchmarks report                             tables and plot in docs/ from what ``--keep`` has kept
+python -m benchmarks smoke                              all of it on something small: does it still run?
+
+It runs on Linux and macOS, memory is measured on Linux alone, and nothing else should run meanwhile.
+"""
+
+import argparse
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from . import contenders as who
+from .assemblies import ASSEMBLIES, Assembly, generate
+from .comparison import Row, compare
+from .contenders import ROOT, Case, Contender
+from .report import write_report
+from .results import keep, table
+
+_STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE)
+_PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
+_LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.]+|\"[^\"]+\"):", re.MULTILINE)
+SCALES = {
+    "definitions": [Assembly(definitions=count) for count in (125, 250, 500, 1000)],
+    "occurrences": [Assembly(definitions=10, occurrences=count) for count in (1, 10, 100, 1000)],
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one of the commands above."""
+    options = _parser().parse_args(arguments)
+    with TemporaryDirectory(prefix="stepbot-benchmark-") as folder:
+        options.run(options, Path(folder))
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.partition("\n")[0])
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    made = commands.add_parser("generate", help="write a large assembly, with a sidecar")
+    made.add_argument("names", nargs="+", choices=sorted(ASSEMBLIES), metavar="NAME")
+    made.add_argument("-o", "--output", type=Path, default=Path("build/assemblies"), metavar="FOLDER")
+    made.set_defaults(run=_generate)
+    for name, run in (("cold", _cold), ("check", _check)):
+        one = commands.add_parser(name, help="compare on sidecars and the STEP files that they name")
+        one.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
+        one.add_argument("--step", type=Path, metavar="FILE", help="STEP file, instead of the one that is named")
+        one.add_argument("--against", metavar="REVISION", help="an earlier stepbot too")
+        _common(one, run)
+    many = commands.add_parser("batch", help="compare one core with two")
+    many.add_argument("folder", type=Path)
+    _common(many, _batch)
+    _common(commands.add_parser("scaling", help="time and memory over the size"), _scaling)
+    commands.add_parser("report", help="write docs/performance.md and its plot anew").set_defaults(run=_report)
+    commands.add_parser("smoke", help="run everything once on something small").set_defaults(run=_smoke)
+    return parser
+
+
+def _common(parser: argparse.ArgumentParser, run: object) -> None:
+    parser.add_argument("-n", "--rounds", type=int, default=5, metavar="N", help="[default: 5]")
+    parser.add_argument("--memory", action="store_true", help="measure memory too")
+    parser.add_argument("--keep", metavar="NAME", help="keep the results for `report`")
+    parser.set_defaults(run=run)
+
+
+def _generate(options: argparse.Namespace, _: Path) -> None:
+    for name in options.names:
+        print(generate(ASSEMBLIES[name], options.output, name))
+
+
+def _cold(options: argparse.Namespace, folder: Path) -> None:
+    against = [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.CASCADIO]
+    if options.against:
+        against.append(who.revision(options.against, folder / "earlier"))
+    _compare_sidecars(options, folder, against)
+
+
+def _check(options: argparse.Namespace, folder: Path) -> None:
+    _compare_sidecars(options, folder, [who.CLICK, who.CHECK])
+
+
+def _compare_sidecars(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> None:
+    for sidecar in options.sidecars:
+        case = case_of(sidecar, options.step, folder)
+        _tell(options, case.name, compare(case, contenders, options.rounds, memory=options.memory))
+
+
+def _batch(options: argparse.Namespace, folder: Path) -> None:
+    case = Case(options.folder.name, folder, folder, folder)
+    library = options.folder.resolve()
+    rows = compare(case, [who.batch(1, library), who.batch(2, library)], options.rounds, memory=options.memory)
+    _tell(options, case.name, rows)
+
+
+def _scaling(options: argparse.Namespace, folder: Path) -> None:
+    for kind, sizes in SCALES.items():
+        for assembly in sizes:
+            count = assembly.definitions if kind == "definitions" else assembly.definitions * assembly.occurrences
+            sidecar = generate(assembly, folder / "generated", f"{kind}-{count}")
+            case = case_of(sidecar, None, folder)
+            _tell(options, case.name, compare(case, [who.BARE, who.COLD], options.rounds, memory=options.memory))
+
+
+def _report(*_: object) -> None:
+    write_report(ROOT / "docs")
+
+
+def _smoke(_: argparse.Namespace, folder: Path) -> None:
+    sidecar = generate(Assembly(definitions=3, occurrences=2), folder / "generated", "smoke")
+    case = case_of(sidecar, None, folder)
+    memory = Path("/proc/self/smaps_rollup").exists()
+    for contenders in (
+        [who.CLICK, who.CHECK],
+        [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.batch(2, sidecar.parent)],
+    ):
+        print(table(compare(case, contenders, 1, warm_up=False, memory=memory)), flush=True)
+
+
+def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:
+    """A case in which the sidecar has a named frame to move, and nothing else is changed."""
+    text = sidecar.read_text(encoding="utf-8")
+    named = _STEP.search(text)
+    if step is None and named is None:
+        raise SystemExit(f"{sidecar}: names no STEP")
+    case = Case.of(sidecar, step or sidecar.parent / named[1], folder)
+    copy = text if named is None else f"{text[: named.start(1)]}{case.step.name}{text[named.end(1) :]}"
+    if "\nframes:" not in copy:
+        link = _LINK.search(copy)
+        if link is None:
+            raise SystemExit(f"{sidecar}: no link found to put a frame on")
+        copy = copy.rstrip("\n") + _PROBE.format(link=link[1])
+    case.sidecar.write_text(copy, encoding="utf-8", newline="\n")
+    return case
+
+
+def _tell(options: argparse.Namespace, name: str, rows: Sequence[Row]) -> None:
+    print(f"\n{name}, medians of {options.rounds} rounds")
+    print(table(rows), flush=True)
+    if options.keep:
+        keep(options.keep, name, rows, options.rounds)

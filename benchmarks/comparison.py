@@ -1,0 +1,71 @@
+"""Contenders in turn, round by round, on the same case: ratios of runs that met the same machine."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from .contenders import Case, Contender
+from .timing import Cost, peak_memory, timed
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one contender took, beside the first of its comparison."""
+
+    contender: str
+    wall: float
+    """Median [s]."""
+    cpu: float
+    """Median [s]."""
+    wall_ratio: float
+    """Median of the ratios to the first one in the same round."""
+    cpu_ratio: float
+    memory: float | None = None
+    """Peak [MiB]; None where it was not asked for."""
+
+
+def compare(
+    case: Case, contenders: Sequence[Contender], rounds: int, *, warm_up: bool = True, memory: bool = False
+) -> list[Row]:
+    """Time contenders against the first of them.
+
+    Args:
+        case: What they work on.
+        contenders: Who; each runs once a round, in this order.
+        rounds: How often.
+        warm_up: Whether a round that does not count comes first.
+        memory: Whether to run each once more and look at its memory, which takes time of its own.
+    """
+    for contender in contenders:
+        contender.before_all(case)
+    costs: dict[str, list[Cost]] = {contender.name: [] for contender in contenders}
+    for number in range(-1 if warm_up else 0, rounds):
+        for contender in contenders:
+            cost = _run(contender, case)
+            if number >= 0:
+                costs[contender.name].append(cost)
+    first = costs[contenders[0].name]
+    rows = []
+    for contender in contenders:
+        own = costs[contender.name]
+        rows.append(
+            Row(
+                contender.name,
+                median(cost.wall for cost in own),
+                median(cost.cpu for cost in own),
+                median(cost.wall / other.wall for cost, other in zip(own, first, strict=True)),
+                median(cost.cpu / other.cpu for cost, other in zip(own, first, strict=True)),
+                _memory(contender, case) if memory else None,
+            )
+        )
+    return rows
+
+
+def _run(contender: Contender, case: Case) -> Cost:
+    contender.before_each(case)
+    return timed(contender.command(case), case.folder, {**case.environment, **contender.environment})
+
+
+def _memory(contender: Contender, case: Case) -> float:
+    contender.before_each(case)
+    return peak_memory(contender.command(case), case.folder, {**case.environment, **contender.environment})

@@ -1,0 +1,125 @@
+"""Who is timed, and what each of them is to do with a STEP file."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+_CASCADIO = (
+    "import sys, cascadio; sys.exit(cascadio.step_to_glb(sys.argv[1], sys.argv[2],"
+    " tol_linear=0.002, tol_angular=0.2618, tol_relative=True, use_parallel=True))"
+)
+_STEPBOT = (sys.executable, "-m", "stepbot_cli")
+
+
+@dataclass
+class Case:
+    """One robot to convert, in a folder of its own."""
+
+    name: str
+    folder: Path
+    sidecar: Path
+    """Copy in ``folder`` that may be edited."""
+    step: Path
+    edits: int = 0
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """Nothing of what the caller's own stepbot has kept counts."""
+        return {**os.environ, "STEPBOT_CACHE": str(self.folder / "kept"), "STEPBOT_NO_CACHE": ""}
+
+    @staticmethod
+    def of(sidecar: Path, step: Path, folder: Path) -> "Case":
+        """A case from a sidecar and its STEP, both copied."""
+        name = sidecar.name.removesuffix(".robot.yaml")
+        folder = folder / name
+        folder.mkdir(parents=True)
+        copies = [folder / sidecar.name, folder / step.name]
+        shutil.copy(sidecar, copies[0])
+        shutil.copy(step, copies[1])
+        return Case(name, folder, *copies)
+
+    def edit(self) -> None:
+        """Change the sidecar so that every file that is written changes: a named frame moves by a hair."""
+        self.edits += 1
+        text = self.sidecar.read_text(encoding="utf-8")
+        start = text.index("\nframes:")
+        before, xyz, rest = text[start:].partition("xyz: [")
+        rest = rest.partition("]")[2]
+        self.sidecar.write_text(
+            f"{text[:start]}{before}{xyz}0, 0, {0.001 + 1e-6 * self.edits:.6f}]{rest}", encoding="utf-8", newline="\n"
+        )
+
+
+def _nothing(case: Case) -> None:
+    """What most contenders need before a run."""
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One way to spend time on a case."""
+
+    name: str
+    command: Callable[[Case], list[str]]
+    before_each: Callable[[Case], None] = _nothing
+    before_all: Callable[[Case], None] = _nothing
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+
+def _convert(*options: str) -> Callable[[Case], list[str]]:
+    return lambda case: [*_STEPBOT, "convert", case.sidecar.name, "-o", "out", *options]
+
+
+def _fill_cache(case: Case) -> None:
+    for command in (("convert", case.sidecar.name, "-o", "filled", "--no-verify"), ("check", case.sidecar.name)):
+        subprocess.run([*_STEPBOT, *command], cwd=case.folder, env=case.environment, check=True, capture_output=True)
+
+
+def _script(case: Case) -> list[str]:
+    return [sys.executable, str(ROOT / "benchmarks" / "bare_occt.py"), case.step.name]
+
+
+BARE = Contender("bare OCCT script", _script)
+CLICK = Contender("import click", lambda case: [sys.executable, "-c", "import click"])
+CASCADIO = Contender("cascadio, STEP to GLB", lambda case: [sys.executable, "-c", _CASCADIO, case.step.name, "out.glb"])
+COLD = Contender("stepbot, cold", _convert("--no-cache", "--no-verify"))
+VERIFIED = Contender("stepbot, cold, verified", _convert("--no-cache"))
+EDITED = Contender("stepbot, sidecar edited", _convert("--no-verify"), Case.edit, _fill_cache)
+EDITED_VERIFIED = Contender("stepbot, sidecar edited, verified", _convert(), Case.edit, _fill_cache)
+CHECK = Contender(
+    "stepbot check, unchanged", lambda case: [*_STEPBOT, "check", case.sidecar.name], before_all=_fill_cache
+)
+
+
+def batch(jobs: int, library: Path) -> Contender:
+    """All robots below a folder, on a number of cores."""
+
+    def fresh(case: Case) -> None:
+        shutil.rmtree(case.folder / "batch", ignore_errors=True)
+
+    return Contender(
+        f"stepbot batch -j {jobs}",
+        lambda case: [*_STEPBOT, "batch", str(library), "-o", "batch", "-j", str(jobs), "--no-cache"],
+        fresh,
+    )
+
+
+def revision(name: str, folder: Path) -> Contender:
+    """stepbot as it was at a commit or tag, without verification.
+
+    Args:
+        name: What git calls it.
+        folder: Receives its source.
+    """
+    source = folder / "source"
+    source.mkdir(parents=True)
+    archive = subprocess.run(["git", "archive", name, "src", "cli"], cwd=ROOT, check=True, capture_output=True).stdout
+    subprocess.run(["tar", "-x"], cwd=source, input=archive, check=True)
+    paths = os.pathsep.join([str(source / "src"), str(source / "cli")])
+    return Contender(
+        f"stepbot at {name}, cold", _convert("--no-cache", "--no-verify"), environment={"PYTHONPATH": paths}
+    )

@@ -1,0 +1,54 @@
+"""Results as they are kept, benchmarks/results.json, and as text."""
+
+import json
+import os
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from .comparison import Row
+
+FILE = Path(__file__).with_name("results.json")
+
+
+def keep(kind: str, case: str, rows: Sequence[Row], rounds: int) -> None:
+    """Put results into the file, in place of those of the same kind and case."""
+    known = load()
+    entry = {"machine": machine(), "rounds": rounds, "rows": [_rounded(row) for row in rows]}
+    known.setdefault(kind, {})[case] = entry
+    FILE.write_text(json.dumps(known, indent=1, ensure_ascii=False) + "\n", encoding="utf-8", newline="\n")
+
+
+def load() -> dict[str, dict[str, dict[str, object]]]:
+    """By kind and case: the machine, the number of rounds, and the rows."""
+    return json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}  # type: ignore[no-any-return]
+
+
+def rows_of(entry: dict[str, object]) -> list[Row]:
+    """The rows of what :func:`load` gives for a case."""
+    rows = entry["rows"]
+    assert isinstance(rows, list)
+    return [Row(**{field.name: row[field.name] for field in fields(Row)}) for row in rows]
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Rows as a table in Markdown; ratios to the first of them."""
+    has_memory = any(row.memory is not None for row in rows)
+    lines = ["| | wall s | ratio | cpu s | ratio |" + (" peak MiB |" if has_memory else "")]
+    lines.append("| --- | --: | --: | --: | --: |" + (" --: |" if has_memory else ""))
+    for row in rows:
+        line = f"| {row.contender} | {row.wall:.2f} | {row.wall_ratio:.2f} | {row.cpu:.2f} | {row.cpu_ratio:.2f} |"
+        memory = "" if row.memory is None else f"{row.memory:.0f}"
+        lines.append(line + (f" {memory} |" if has_memory else ""))
+    return "\n".join(lines)
+
+
+def machine() -> str:
+    """Processors, system and Python."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return f"{cores} cores, {platform.system()} {platform.machine()}, Python {platform.python_version()}"
+
+
+def _rounded(row: Row) -> dict[str, object]:
+    return {name: round(value, 4) if isinstance(value, float) else value for name, value in asdict(row).items()}

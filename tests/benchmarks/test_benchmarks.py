@@ -1,0 +1,123 @@
+"""The benchmarks measure what they say: assemblies of known volume, times of whole process trees, fresh results."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks import contenders as who
+from benchmarks.assemblies import ASSEMBLIES, Assembly, generate
+from benchmarks.command import case_of
+from benchmarks.comparison import compare
+from benchmarks.contenders import Case, Contender
+from benchmarks.plot import bars
+from benchmarks.report import PAGE, PLOT, page_with_results, plot
+from benchmarks.timing import CommandFailed, peak_memory, timed
+
+ROOT = Path(__file__).resolve().parents[2]
+BURN = "import time\nwhile time.process_time() < 0.3: pass"
+
+
+@pytest.mark.parametrize(
+    "assembly", [Assembly(definitions=3, occurrences=2), Assembly(cells=4)], ids=["plates", "relief"]
+)
+def test_volume_in_closed_form(tmp_path: Path, assembly: Assembly) -> None:
+    """The kernel finds the solids that were written, and in each definition the volume of the formula."""
+    sidecar = generate(assembly, tmp_path, "made")
+    script = [sys.executable, str(ROOT / "benchmarks" / "bare_occt.py"), "made.step"]
+    run = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=True)
+    told = json.loads(run.stdout.splitlines()[-1])
+    assert told["solids"] == (assembly.definitions or 1)
+    assert told["volume"] * assembly.occurrences == pytest.approx(assembly.volume, rel=1e-9)
+    assert case_of(sidecar, None, tmp_path / "case").step.name == "made.step"
+
+
+def test_assemblies_are_as_large_as_their_names_say() -> None:
+    """A thousand definitions, ten thousand occurrences, twenty thousand faces."""
+    assert ASSEMBLIES["definitions"].definitions == 1000
+    assert ASSEMBLIES["occurrences"].occurrences == 10_000
+    assert 2 * ASSEMBLIES["faces"].cells ** 2 == 20_000
+
+
+def test_same_bytes_each_time(tmp_path: Path) -> None:
+    """What is generated today is what was generated yesterday."""
+    for name in ("one", "two"):
+        generate(Assembly(definitions=2), tmp_path / name, "made")
+    assert (tmp_path / "one" / "made.step").read_bytes() == (tmp_path / "two" / "made.step").read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
+def test_time_of_all_processes(tmp_path: Path) -> None:
+    """What a child of the command burns is counted; a command that fails is no result."""
+    both = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {BURN!r}], check=True)"
+    cost = timed([sys.executable, "-c", both], tmp_path, os.environ)
+    assert cost.cpu >= 0.3
+    assert cost.wall > 0.0
+    with pytest.raises(CommandFailed, match="exit code 3"):
+        timed([sys.executable, "-c", "raise SystemExit(3)"], tmp_path, os.environ)
+
+
+@pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="memory is measured on Linux")
+def test_memory_of_all_processes(tmp_path: Path) -> None:
+    """What a child holds is counted."""
+    hold = "import time; held = bytearray(b'x' * 2**26); time.sleep(0.4)"
+    both = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {hold!r}], check=True)"
+    assert peak_memory([sys.executable, "-c", both], tmp_path, os.environ) > 64.0
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
+def test_ratios_are_to_the_first(tmp_path: Path) -> None:
+    """The first contender is 1; one that burns twice as much has a larger ratio, and each ran once a round."""
+    log = tmp_path / "log"
+
+    def contender(name: str, work: str) -> Contender:
+        return Contender(name, lambda case: [sys.executable, "-c", f"{work}\nopen('log', 'a').write('{name}')"])
+
+    case = Case("one", tmp_path, tmp_path, tmp_path)
+    rows = compare(case, [contender("a", "pass"), contender("b", BURN)], 2)
+    assert log.read_text() == "ababab"
+    assert [row.contender for row in rows] == ["a", "b"]
+    assert rows[0].wall_ratio == rows[0].cpu_ratio == 1.0
+    assert rows[1].cpu_ratio > 1.0
+
+
+def test_an_edit_changes_the_frame_and_nothing_else(tmp_path: Path) -> None:
+    """A sidecar that has frames gets none; each edit is another text of the same length."""
+    for text in ("links:\n  base: {rest: true}\n", 'links:\n  # a word\n  "a b":\n    rest: true\njoints: {}\n'):
+        sidecar = tmp_path / "arm.robot.yaml"
+        sidecar.write_text(f"version: 1\nrobot: arm\nstep: 'x.step'  # here\n{text}", encoding="utf-8")
+        (tmp_path / "x.step").write_bytes(b"")
+        case = case_of(sidecar, None, tmp_path / str(len(text)))
+        texts = []
+        for _ in range(3):
+            texts.append(case.sidecar.read_text(encoding="utf-8"))
+            case.edit()
+        assert len(set(texts)) == 3
+        assert len({len(text) for text in texts[1:]}) == 1
+        assert texts[0].startswith(sidecar.read_text(encoding="utf-8").rstrip())
+
+
+def test_page_and_plot_are_those_of_the_results() -> None:
+    """``python -m benchmarks report`` would change nothing."""
+    page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")
+    assert page_with_results(page) == page
+    assert (ROOT / "docs" / PLOT).read_text(encoding="utf-8") == plot()
+    for kind in ("cold", "check", "batch", "scaling"):
+        assert f"<!-- results: {kind} -->" in page
+
+
+def test_bars_are_as_long_as_the_numbers() -> None:
+    """Twice the number, twice the bar."""
+    picture = bars("title", {"one": [("a & b", 1.0), ("c", 2.0)], "two": [("c", 0.5)]})
+    widths = [float(part.partition('"')[0]) for part in picture.split('width="')[3:]]
+    assert widths == pytest.approx([0.5 * widths[1], widths[1], 0.25 * widths[1]], abs=0.1)
+    assert "a &amp; b" in picture
+
+
+def test_contenders_name_each_other_apart() -> None:
+    """Ratios are kept by name."""
+    everyone = [who.BARE, who.CLICK, who.CASCADIO, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.CHECK]
+    assert len({contender.name for contender in everyone}) == len(everyone)
