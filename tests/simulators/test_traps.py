@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from stepbot.isolation import RemoteError, WorkerDied, call_isolated
+from stepbot.model import Collision, Sphere
 from stepbot.simulators.observation import Observation, Quantity, Request
 from stepbot.simulators.workers import Engines, Fate
 from tests.robots import ROBOTS
@@ -42,6 +43,19 @@ def test_pybullet_poses_are_doubles(arm: Folder) -> None:
     for ours, theirs in zip(expected.poses, seen.poses, strict=True):
         for link in ours:
             assert max(ours[link].distance_to(theirs[link])) < 1e-12
+
+
+@pytest.mark.pybullet
+def test_pybullet_prints_a_question_mark_for_a_ball_beside_a_mesh(tmp_path: Path) -> None:
+    """Asked for the vertices of a link, it prints one for each shape that has none: no complaint about the file."""
+    robot = ROBOTS["two_link_arm"]()
+    link = robot.links[-1]
+    shapes = (Collision("hull", link.visuals[0].geometry), Collision("ball", Sphere(0.01)))
+    mixed = replace(robot, links=(*robot.links[:-1], replace(link, collisions=shapes)))
+    folder = write(mixed, tmp_path)
+    seen = look("pybullet", replace(folder.request("urdf"), simulate=0.0))
+    assert seen.warnings == ()
+    assert next(one for one in seen.links if one.name == link.name).collision_bounds is not None
 
 
 @pytest.mark.pybullet

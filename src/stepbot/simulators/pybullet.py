@@ -61,6 +61,8 @@ _TESSELLATED = b"unknown_file"
 """Name of the mesh that loadSDF makes of a cylinder, with 32 sides."""
 _IN_VAIN = "Couldn't parse vector3"
 """What loadSDF complains of, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
+_PLAIN = "?"
+"""The line that getMeshData prints for each ball, box or other plain shape beside the meshes of a link."""
 _NO_LIMIT = 1e15
 """SDFormat's word for no limit is 1e16."""
 
@@ -344,6 +346,8 @@ def _dynamics(body: Body, q: Mapping[str, float], rates: Rates) -> Dynamics:
 
 def _complaints(lines: Sequence[str], request: Request) -> list[str]:
     """The messages among printed lines, without folders and places in PyBullet's source."""
-    text = "\n".join(lines).replace(str(Path(request.file).parent) + os.sep, "")
+    text = "\n".join(line for line in lines if line.strip() != _PLAIN).replace(
+        str(Path(request.file).parent) + os.sep, ""
+    )
     parts = re.split(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:", text)
     return [" ".join(part.split()) for part in parts if part.strip()]

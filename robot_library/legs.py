@@ -1,0 +1,73 @@
+"""Legs of three joints, of dogs and of insects: where their links lie, and which positions bring the foot to a place.
+
+The first joint turns the leg about an axis of the body, x for a dog's leg and z for an insect's; hip and knee turn
+about y of what the first one carries. At q = 0 the leg is straight, along the unit vector ``straight``. ::
+
+    body --first--> hip link --hip, about y--> upper link --knee, about y--> lower link --> foot
+
+Lengths are in any one unit.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import acos, atan2, sqrt
+
+import numpy as np
+
+from .moments import Array, pose, turn
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """One leg."""
+
+    name: str
+    X_BF: Array
+    """Frame of the first joint in the body, shape (4, 4)."""
+    first: str
+    """``x`` or ``z``: the axis of the first joint."""
+    hip: tuple[float, float, float]
+    """The hip in the frame that the first joint turns."""
+    upper: float
+    lower: float
+    straight: tuple[float, float, float]
+    """Direction of the straight leg: -z for a dog, x for an insect."""
+    knee: int
+    """Sign of the knee's position: which way it bends."""
+
+    def places(self, q: Sequence[float]) -> tuple[Array, Array, Array, Array]:
+        """Frames in the body of what the three joints move, and of the foot, axes as those of the lower link."""
+        along = np.array(self.straight)
+        X_B1 = self.X_BF @ pose(rotation=turn(self.first, q[0]))
+        X_B2 = X_B1 @ pose(self.hip, turn("y", q[1]))
+        X_B3 = X_B2 @ pose(self.upper * along, turn("y", q[2]))
+        return X_B1, X_B2, X_B3, X_B3 @ pose(self.lower * along)
+
+    def reaching(self, foot: Array) -> tuple[float, float, float]:
+        """Inverse kinematics: joint positions [rad] that bring the foot to a place in the body, shape (3,).
+
+        Raises:
+            ValueError: The place is out of reach.
+        """
+        p = self.X_BF[:3, :3].T @ (foot - self.X_BF[:3, 3])
+        first = self._first(p)
+        from_hip = turn(self.first, first).T @ p - np.array(self.hip)
+        x, z = float(from_hip[0]), float(from_hip[2])
+        cosine = (x * x + z * z - self.upper**2 - self.lower**2) / (2 * self.upper * self.lower)
+        knee = self.knee * acos(cosine)
+        along = np.array(self.straight)
+        bent = self.upper * along + self.lower * (turn("y", knee) @ along)
+        return first, _near(atan2(x, z) - atan2(float(bent[0]), float(bent[2]))), knee
+
+    def _first(self, p: Array) -> float:
+        """The position of the first joint that puts the plane of hip and knee through a place."""
+        x, y, z = (float(value) for value in p)
+        if self.first == "z":
+            return atan2(y, x)
+        aside = self.hip[1]
+        return _near(atan2(z, y) - atan2(-sqrt(y * y + z * z - aside * aside), aside))
+
+
+def _near(angle: float) -> float:
+    """The same angle [rad] between -pi and pi."""
+    return atan2(np.sin(angle), np.cos(angle))

@@ -1,0 +1,54 @@
+"""Kinematics of the quadruped in closed form [m, rad]: where a foot is, and which positions bring it to a place."""
+
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+
+from ..expected import frame
+from ..moments import Array, pose, turn
+from . import dimensions as d
+
+LOWEST, HIGHEST = (-0.7, -1.2, -2.7), (0.7, 2.6, -0.35)
+"""Positions [rad] of roll, hip and knee within the limits of the sidecar."""
+JOINTS = ("roll", "hip", "knee")
+
+
+def foot(name: str, roll: float, hip: float, knee: float) -> Array:
+    """X_BF of a leg's foot in the trunk, shape (4, 4) [m]; axes as those of the shank."""
+    front, left = d.CORNERS[name]
+    back = d.THIGH * sin(hip) + d.SHANK * sin(hip + knee)
+    down = d.THIGH * cos(hip) + d.SHANK * cos(hip + knee)
+    aside = left * d.HIP_OFFSET
+    place = (
+        front * d.HIP_X - back,
+        left * d.HIP_Y + aside * cos(roll) + down * sin(roll),
+        aside * sin(roll) - down * cos(roll),
+    )
+    return pose(np.array(place) / 1000, turn("x", roll) @ turn("y", hip + knee))
+
+
+def reaching(name: str, place: Array) -> tuple[float, float, float]:
+    """Positions of roll, hip and knee [rad] that bring a foot to a place in the trunk, shape (3,) [m].
+
+    Raises:
+        ValueError: The place is out of reach.
+    """
+    return d.LEGS[name].reaching(1000 * place)
+
+
+def known() -> dict[str, Any]:
+    """What expected.json holds beyond links and joints: the feet at some positions of the joints."""
+    rng = np.random.default_rng(3)
+    low, high = np.array(LOWEST), np.array(HIGHEST)
+    states = [{name: d.drawn(name) for name in d.LEGS}]
+    states += [{name: tuple((low + (high - low) * rng.random(3)).tolist()) for name in d.LEGS} for _ in range(20)]
+    return {
+        "motions": [
+            {
+                "joints": {f"{name}_{joint}": q for name in d.LEGS for joint, q in zip(JOINTS, at[name], strict=True)},
+                "frames": {f"{name}_foot": frame(foot(name, *at[name])) for name in d.LEGS},
+            }
+            for at in states
+        ]
+    }

@@ -1,0 +1,87 @@
+"""Robots of legs and arms: their feet and hands are where closed forms say, and inverse kinematics finds back."""
+
+import importlib
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robot_library.moments import inverse
+from stepbot.isolation import call_isolated
+from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
+
+
+def expected(robot: str) -> dict[str, Any]:
+    """What the script that drew the robot knows of it."""
+    content: dict[str, Any] = json.loads((LIBRARY / robot / "expected.json").read_text(encoding="utf-8"))
+    return content
+
+
+LIMBED = tuple(robot for robot in ROBOTS if "motions" in expected(robot))
+"""Robots whose expected.json has ``motions``: positions of all joints, and frames in the frame of the root."""
+every_limbed_robot = pytest.mark.parametrize("robot", LIMBED)
+every_converted_limbed_robot = pytest.mark.parametrize(
+    "robot", [pytest.param(robot, marks=() if robot in SHORT else pytest.mark.long) for robot in LIMBED]
+)
+
+
+def pose(frame: dict[str, Any]) -> np.ndarray:
+    """X of a frame in expected.json."""
+    X = np.eye(4)
+    X[:3, 3], X[:3, :3] = frame["position"], frame["rotation"]
+    return X
+
+
+def test_there_are_robots_with_limbs() -> None:
+    """There is something for the tests below to find."""
+    assert "stepbot_quadruped" in LIMBED
+
+
+@pytest.mark.mujoco
+@every_converted_limbed_robot
+@pytest.mark.parametrize("suffix", [".urdf", ".xml"])
+def test_feet_and_hands_are_where_the_formula_says(robot: str, suffix: str, converted: Converted) -> None:
+    """As drawn and at 20 random positions of all joints, in the written files, to 1e-9."""
+    motions, root = expected(robot)["motions"], converted(robot).report["robot"]["root"]
+    engine = {".urdf": "poses_in_yourdfpy", ".xml": "poses_in_mujoco"}[suffix]
+    positions = [motion["joints"] for motion in motions]
+    seen = call_isolated(f"tests.library.test_reference:{engine}", str(converted(robot).file(suffix)), positions)
+    for motion, poses in zip(motions, seen, strict=True):
+        for name, frame in motion["frames"].items():
+            X_BF = inverse(np.array(poses[root])) @ np.array(poses[name])
+            np.testing.assert_allclose(X_BF, pose(frame), atol=1e-9, err_msg=f"{name} at {motion['joints']}")
+
+
+@every_limbed_robot
+def test_the_formula_is_what_was_drawn(robot: str) -> None:
+    """The first of the motions is the drawing, and expected.json is not older than the formulas."""
+    formulas = importlib.import_module(f"robot_library.{robot}.closed_form")
+    for kept, fresh in zip(expected(robot)["motions"], formulas.known()["motions"], strict=True):
+        assert kept["joints"] == pytest.approx(fresh["joints"], abs=1e-11)
+        for name, frame in fresh["frames"].items():
+            np.testing.assert_allclose(pose(kept["frames"][name]), pose(frame), atol=1e-11)
+
+
+@pytest.mark.parametrize("robot", [robot for robot in LIMBED if robot in ("stepbot_quadruped", "stepbot_hexapod")])
+def test_legs_are_their_formula_and_its_inverse(robot: str) -> None:
+    """The foot by turning frame after frame is that of the formula; the inverse gives the positions back."""
+    formulas = importlib.import_module(f"robot_library.{robot}.closed_form")
+    generator = np.random.default_rng(1)
+    for name, leg in formulas.d.LEGS.items():
+        for _ in range(20):
+            q = generator.uniform(formulas.LOWEST, formulas.HIGHEST).tolist()
+            X_BF = formulas.foot(name, *q)
+            chained = leg.places(q)[3]
+            chained[:3, 3] /= 1000
+            np.testing.assert_allclose(chained, X_BF, atol=1e-12)
+            found = formulas.reaching(name, X_BF[:3, 3])
+            if reaches_outwards(leg, q):
+                np.testing.assert_allclose(found, q, atol=1e-9)
+            np.testing.assert_allclose(formulas.foot(name, *found)[:3, 3], X_BF[:3, 3], atol=1e-12)
+
+
+def reaches_outwards(leg: Any, q: list[float]) -> bool:
+    """Whether a foot is on the leg's side of its first axis; elsewhere another position of that joint has it, too."""
+    foot = inverse(leg.places(q)[0]) @ leg.places(q)[3]
+    return bool(foot[:3, 3] @ np.array(leg.straight) > 0)
