@@ -106,7 +106,7 @@ def _produce(
         assembly = geometry.assembly
 
         progress("build")
-        robot = build_robot(assembly, sidecar, geometry.measures, found)
+        robot = build_robot(assembly, sidecar, geometry.measures, found, options.cache)
         stage_ends()
         assert robot is not None  # no robot without an error
         robot = run_passes(robot, found)
@@ -170,7 +170,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         if open_step:
             source = options.step or _named_step(loaded, found)
             geometry = _read(source, _what(loaded, options), options, found)
-            robot = build_robot(geometry.assembly, loaded, geometry.measures, found)
+            robot = build_robot(geometry.assembly, loaded, geometry.measures, found, options.cache)
             if robot is not None:
                 check_robot(run_passes(robot, found), found, loaded.span(), geometry.assembly.unit)
     except StepbotError as error:

@@ -8,6 +8,7 @@ masses    what each component weighs            overlaps  what is weighed twice
 
 from collections.abc import Sequence
 
+from ..cache import Cache
 from ..cad.assembly import Assembly, VolumeProperties
 from ..diagnostics import Diagnostics
 from ..model import Robot
@@ -25,7 +26,11 @@ from .weigh import Weighing, report_weighing, report_weightless, weigh
 
 
 def build_robot(
-    assembly: Assembly, sidecar: Sidecar, measures: Sequence[VolumeProperties | None], found: Diagnostics
+    assembly: Assembly,
+    sidecar: Sidecar,
+    measures: Sequence[VolumeProperties | None],
+    found: Diagnostics,
+    cache: Cache | None = None,
 ) -> Robot | None:
     """The robot that the sidecar makes of the assembly; None where there are errors, all of which are in ``found``.
 
@@ -34,6 +39,7 @@ def build_robot(
         sidecar: A sidecar whose own check found no error.
         measures: What trimesh measures on the mesh of each of ``assembly.bodies``; None where it encloses no volume.
         found: Receives SB3xx, SB4xx and SB5xx.
+        cache: Where it is kept what overlaps; None for nowhere.
     """
     document = sidecar.document
     binder = Binder(assembly, sidecar, found)
@@ -56,7 +62,7 @@ def build_robot(
     if found.has_errors or X_WR is None or joints is None or closures is None or named is None:
         return None
 
-    report_double_counting(binder, claims, weighed)
+    report_double_counting(binder, claims, weighed, cache=cache)
     X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
     built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
     links.report_flat()

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from ..cache import Cache
 from ..cad.paths import quoted
 from .binder import Binder, listed
 from .claims import Claims
@@ -14,7 +15,11 @@ _WEIGH = "or say what was weighed: `mass` in `parts`, or `inertial` in the link"
 
 
 def report_double_counting(
-    binder: Binder, claims: Claims, masses: Mapping[int, PartMass], max_faces: int = MAX_FACES
+    binder: Binder,
+    claims: Claims,
+    masses: Mapping[int, PartMass],
+    max_faces: int = MAX_FACES,
+    cache: Cache | None = None,
 ) -> None:
     """Report overlaps in links whose mass is computed; where an ``inertial`` gives it, nothing is counted twice.
 
@@ -23,10 +28,11 @@ def report_double_counting(
         claims: The link of each component.
         masses: Mass of every component that has a volume.
         max_faces: Limit of the work.
+        cache: Where the overlaps are kept; None for nowhere.
     """
     links = [name for name, link in binder.document.links.items() if link.inertial is None]
     parts = {link: claims.parts_of(link) for link in links}
-    found = find_overlaps(binder.assembly, parts, masses, max_faces)
+    found = find_overlaps(binder.assembly, parts, masses, max_faces, cache)
     slight: dict[str, Overlaps] = {}
     for link, overlaps in found.items():
         total = sum(masses[index].mass for index in parts[link] if index in masses)

@@ -3,6 +3,8 @@
 Each two bodies are intersected once for each relative pose, what could weigh most first. Where two densities meet, the
 lighter material is taken to give way to the denser one, as plastic does to a screw. Of a mass that was measured nothing
 is counted twice. Faces that touch are no overlap, whatever their meshes say: :attr:`.Intersection.noise`.
+
+That is most of the time that it takes to build a robot, and edits of joints change nothing about it: it is kept.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..cache import Cache, Digest, Shelf, environment
 from ..cad.assembly import Assembly
 from ..spatial import IDENTITY, Pose
 from .box_pairs import box_pairs, moved_boxes
@@ -41,19 +44,31 @@ class Pair:
     """Why the pair was not checked; empty where it was."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Overlaps:
     """The overlaps of one link."""
 
-    pairs: list[Pair] = field(default_factory=list)
+    pairs: tuple[Pair, ...] = ()
     mass: float = 0.0
     """What is counted more than once [kg]; less than the pairs together where three solids share something."""
-    unchecked: list[Pair] = field(default_factory=list)
+    unchecked: tuple[Pair, ...] = ()
+
+
+@dataclass(frozen=True)
+class FoundOverlaps:
+    """The overlaps of a robot."""
+
+    by_link: Mapping[str, Overlaps]
+    """Of every link, in order."""
 
 
 def find_overlaps(
-    assembly: Assembly, parts: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int = MAX_FACES
-) -> dict[str, Overlaps]:
+    assembly: Assembly,
+    parts: Mapping[str, Sequence[int]],
+    masses: Mapping[int, PartMass],
+    max_faces: int = MAX_FACES,
+    cache: Cache | None = None,
+) -> Mapping[str, Overlaps]:
     """What overlaps in each link, the heaviest pair first.
 
     Args:
@@ -61,14 +76,40 @@ def find_overlaps(
         parts: For each link the indices of its components.
         masses: Mass of every component that has a volume; the others overlap nothing.
         max_faces: Limit of the work.
+        cache: Where it is kept; None for nowhere.
     """
-    groups: dict[bytes, _Group] = {}
-    for link, indices in parts.items():
-        weighed = [index for index in indices if index in masses]
-        if len(weighed) > 1:
-            _collect(assembly, link, weighed, masses, groups)
-    _intersect(assembly, groups.values(), max_faces)
-    return _by_link(assembly, parts, groups.values())
+    weighed = {link: [index for index in indices if index in masses] for link, indices in parts.items()}
+    shelf = Shelf(cache, FoundOverlaps)
+    key = _key(assembly, weighed, masses, max_faces) if cache is not None else ""
+    known = shelf.get(key) if key else None
+    if known is None:
+        groups: dict[bytes, _Group] = {}
+        for link, indices in weighed.items():
+            if len(indices) > 1:
+                _collect(assembly, link, indices, masses, groups)
+        _intersect(assembly, groups.values(), max_faces)
+        known = FoundOverlaps(_by_link(assembly, parts, groups.values()))
+        shelf.put(key, known)
+    return known.by_link
+
+
+def _key(
+    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
+) -> str:
+    """Key of all that the overlaps depend on: meshes, where each is, and what it is made of."""
+    digest = Digest("overlaps").add(environment(), str(max_faces))
+    bodies: dict[int, None] = {}
+    for link, indices in weighed.items():
+        components = [assembly.components[index] for index in indices]
+        bodies.update(dict.fromkeys(component.body for component in components))
+        numbers = np.array([(component.index, component.body) for component in components], dtype=np.int64)
+        numbered = [(masses[index].density, masses[index].volume) for index in indices]
+        places = [component.X_WC.matrix for component in components]
+        digest.add(link, numbers.tobytes(), np.array(numbered, float).tobytes(), np.array(places, float).tobytes())
+    for body in bodies:
+        mesh = assembly.bodies[body].mesh
+        digest.add(str(body), mesh.vertices.tobytes(), mesh.faces.tobytes())
+    return digest.key
 
 
 @dataclass(frozen=True)
@@ -159,23 +200,29 @@ def _intersect(assembly: Assembly, groups: Iterable[_Group], max_faces: int) -> 
 
 
 def _by_link(assembly: Assembly, links: Iterable[str], groups: Iterable[_Group]) -> dict[str, Overlaps]:
-    found = {link: Overlaps() for link in links}
+    checked: dict[str, list[Pair]] = {link: [] for link in links}
+    unchecked: dict[str, list[Pair]] = {link: [] for link in checked}
+    twice = dict.fromkeys(checked, 0.0)
     shares: dict[tuple[str, int], list[_Share]] = {}
     for group in groups:
         for c in group.candidates:
             if group.unchecked:
-                found[c.link].unchecked.append(Pair(c.first, c.second, c.most, unchecked=group.unchecked))
+                unchecked[c.link].append(Pair(c.first, c.second, c.most, unchecked=group.unchecked))
             elif group.common is not None:
                 mass = c.density * group.common.volume
-                found[c.link].pairs.append(Pair(c.first, c.second, mass, group.common.volume, group.is_repeated))
+                checked[c.link].append(Pair(c.first, c.second, mass, group.common.volume, group.is_repeated))
                 share = _Share(mass, group.common, assembly.components[c.first].X_WC)
                 shares.setdefault((c.link, max(c.first, c.second)), []).append(share)
     for (link, _), of_one in shares.items():
-        found[link].mass += _shared_once(of_one)
-    for overlaps in found.values():
-        for pairs in (overlaps.pairs, overlaps.unchecked):
-            pairs.sort(key=lambda pair: (-pair.mass, pair.first, pair.second))
-    return found
+        twice[link] += _shared_once(of_one)
+    return {
+        link: Overlaps(_heaviest_first(checked[link]), twice[link], _heaviest_first(unchecked[link]))
+        for link in checked
+    }
+
+
+def _heaviest_first(pairs: Iterable[Pair]) -> tuple[Pair, ...]:
+    return tuple(sorted(pairs, key=lambda pair: (-pair.mass, pair.first, pair.second)))
 
 
 @dataclass(frozen=True, eq=False)

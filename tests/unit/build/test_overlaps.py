@@ -1,5 +1,6 @@
 """Mass that overlapping solids count twice, against closed forms, and what is not taken for an overlap."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -7,10 +8,12 @@ import pytest
 from stepbot.build.binder import Binder
 from stepbot.build.claims import claim
 from stepbot.build.double_counting import report_double_counting
+from stepbot.build.manifolds import Solid
 from stepbot.build.masses import masses
 from stepbot.build.matter import matters
 from stepbot.build.overlaps import Overlaps, find_overlaps
 from stepbot.build.weigh import weigh
+from stepbot.cache import Cache
 from stepbot.diagnostics import Diagnostics
 from tests.conftest import ReadDiagnostics
 from tests.unit.build.workshop import Workshop, at, build, sidecar
@@ -215,3 +218,32 @@ def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) 
     assert build(shop, tmp_path, WATER + ONE, found) is not None
     assert found.codes() == ["SB505", "SB514"]
     assert list(found)[1].notes == ('"a" and "b": a mesh is not closed; at most 0.5 g are counted twice',)
+
+
+def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same solids are intersected once; another place, density or link is another question."""
+    asked: list[Solid] = []
+    intersection = Solid.intersection
+    monkeypatch.setattr(Solid, "intersection", lambda a, b, X_AB: (asked.append(a), intersection(a, b, X_AB))[1])
+    cache = Cache(tmp_path / "kept")
+
+    def found(x: float, text: str) -> Mapping[str, Overlaps]:
+        shop = Workshop()
+        shop.box("a")
+        shop.box("b", X_PC=at(x, 0, 0))
+        binder = Binder(shop.assembly, sidecar(tmp_path, text), Diagnostics())
+        matter = matters(binder)
+        claims = claim(binder, matter.of)
+        weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+        return find_overlaps(
+            shop.assembly, {link: claims.parts_of(link) for link in binder.document.links}, weighed, cache=cache
+        )
+
+    first = found(5, WATER + ONE)
+    assert len(first["base"].pairs) == len(asked) == 1
+    assert found(5, WATER + ONE) == first
+    assert len(asked) == 1
+    assert found(6, WATER + ONE)["base"].mass == pytest.approx(0.4e-3)
+    assert found(5, WATER.replace("1000", "2000") + ONE)["base"].mass == pytest.approx(2 * first["base"].mass)
+    assert found(5, WATER + ONE.replace("base", "foot")) == {"foot": first["base"]}
+    assert len(asked) == 4

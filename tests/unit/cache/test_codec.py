@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from stepbot.build.overlaps import FoundOverlaps
 from stepbot.cache import Undecodable, codec_of
 from stepbot.cad.assembly import Assembly, ReadOptions
 from stepbot.diagnostics import Diagnostic, Span
@@ -104,7 +105,9 @@ def test_arrays_come_back_read_only() -> None:
         points[0, 0] = 2.0
 
 
-@pytest.mark.parametrize("kind", [Assembly, Diagnostic, Geometry, Observation, ReadOptions, Report, Request, Robot])
+@pytest.mark.parametrize(
+    "kind", [Assembly, Diagnostic, FoundOverlaps, Geometry, Observation, ReadOptions, Report, Request, Robot]
+)
 def test_all_that_is_kept_has_a_codec(kind: type) -> None:
     """Every field of what the cache holds has an annotation that the codec understands, all the way down."""
     seen: set[Any] = set()
