@@ -36,6 +36,7 @@ from stepbot.model import (
 )
 from stepbot.spatial import Pose, rotation_about
 from tests.closed_mechanisms import CLOSED, COUPLER, CRANK, GROUND, ROCKER, four_bar_angles
+from tests.devices import equipped
 from tests.mechanisms import MECHANISMS
 from tests.workshop import GLASS, ORANGE, STEEL, Workshop, at
 
@@ -397,6 +398,7 @@ ROBOTS: dict[str, Callable[[], Robot]] = (
             floating_biped,
             odd_names,
             primitives,
+            equipped,
         )
     }
     | MECHANISMS

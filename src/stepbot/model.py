@@ -13,6 +13,7 @@ from math import inf
 import numpy as np
 
 from .mesh import TriMesh
+from .sensors import Sensor
 from .spatial import (
     IDENTITY,
     ZERO3,
@@ -328,6 +329,9 @@ class Actuator:
     kv: float = 0.0
     """Velocity gain [N m s/rad] or [N s/m]."""
     gear: float = 1.0
+    """How many times the position of the joint the drive's position is."""
+    limit: Limit = Limit()
+    """Bounds of its own, at the joint, beside those of the joint."""
 
 
 @dataclass(frozen=True)
@@ -347,6 +351,7 @@ class Robot:
     base: Base = Base.FIXED
     source: str = ""
     """File name of the STEP that it was built from."""
+    sensors: tuple[Sensor, ...] = ()
 
     @property
     def root(self) -> Link:

@@ -17,13 +17,18 @@ import stepbot
 from .closure_snippet import pybullet_snippet
 from .diagnostics import Diagnostic
 from .kinematics import initial_configuration, link_poses
-from .model import Joint, JointKind, Link, LoopClosure, MassProperties, Robot, combined
+from .model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, MassProperties, Robot, combined
+from .sensors import SEEING, Sensor
 from .spatial import Pose
 
 VERSION = 1
 """Version of the schema."""
 
 Json = dict[str, Any]
+
+
+OWN_PARSERS = ("reader", "extensions")
+"""What reads files back for stepbot itself: it confirms the text, and no engine."""
 
 
 class Status(StrEnum):
@@ -123,6 +128,11 @@ class Report:
         """Whether any check failed."""
         return any(check.status is Status.FAILED for check in self.checks)
 
+    @property
+    def read_back(self) -> tuple[Check, ...]:
+        """The checks that passed because stepbot's own parsers say so, and no engine."""
+        return tuple(check for check in self.checks if check.status is Status.PASSED and check.engine in OWN_PARSERS)
+
     def rows(self) -> tuple[Row, ...]:
         """One row for each file and engine, in the order of the checks."""
         keys = dict.fromkeys((check.file, check.engine, check.against) for check in self.checks)
@@ -170,7 +180,10 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "version": VERSION,
         "generator": f"stepbot {stepbot.__version__}",
         "robot": None if report.robot is None else _robot(report, report.robot),
-        "summary": {status.name.lower(): statuses.count(status) for status in Status},
+        "summary": {
+            **{status.name.lower(): statuses.count(status) for status in Status},
+            "passed_by_own_parsers": len(report.read_back),
+        },
         "engines": dict(report.versions),
         "checks": [_check(check) for check in report.checks],
         "notes": {key: list(notes) for key, notes in report.notes.items()},
@@ -220,10 +233,8 @@ def _robot(report: Report, robot: Robot) -> Json:
             {"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF), "source": frame.source}
             for frame in robot.frames
         ],
-        "actuators": [
-            {"name": a.name, "joint": a.joint, "kind": a.kind.value, "kp": a.kp, "kv": a.kv, "gear": a.gear}
-            for a in robot.actuators
-        ],
+        "actuators": [_actuator(actuator) for actuator in robot.actuators],
+        "sensors": [_sensor(sensor) for sensor in robot.sensors],
         "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
     }
 
@@ -265,7 +276,7 @@ def _joint(joint: Joint) -> Json:
         "axis": list(joint.axis) if moves else None,
         "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
         "pitch": joint.pitch if joint.kind is JointKind.SCREW else None,
-        "limits": {name: _number(getattr(joint.limit, name)) for name in ("lower", "upper", "velocity", "effort")},
+        "limits": _limits(joint.limit),
         "dynamics": {
             name: float(getattr(joint.dynamics, name))
             for name in ("damping", "friction", "stiffness", "spring_reference", "armature")
@@ -275,6 +286,37 @@ def _joint(joint: Joint) -> Json:
         else {"joint": joint.mimic.joint, "multiplier": joint.mimic.multiplier, "offset": joint.mimic.offset},
         "drawn_position": joint.drawn_position,
         "source": joint.source,
+    }
+
+
+def _limits(limit: Limit) -> Json:
+    return {name: _number(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")}
+
+
+def _actuator(actuator: Actuator) -> Json:
+    return {
+        "name": actuator.name,
+        "joint": actuator.joint,
+        "kind": actuator.kind.value,
+        "kp": actuator.kp,
+        "kv": actuator.kv,
+        "gear": actuator.gear,
+        "limits": _limits(actuator.limit),
+    }
+
+
+def _sensor(sensor: Sensor) -> Json:
+    view = sensor.view
+    sees = {"fov": view.fov, "columns": view.columns, "rows": view.rows, "nearest": view.nearest}
+    return {
+        "name": sensor.name,
+        "kind": sensor.kind.value,
+        "link": sensor.link,
+        "joint": sensor.joint or None,
+        "pose": _pose(sensor.X_LS),
+        "rate": sensor.rate,
+        "view": {**sees, "farthest": _number(view.farthest)} if sensor.kind in SEEING else None,
+        "source": sensor.source,
     }
 
 

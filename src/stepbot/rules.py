@@ -33,6 +33,7 @@ from .model import (
     Sphere,
     Visual,
 )
+from .sensors import Sensor, SensorKind
 from .spatial import Array, Pose, Vector3, bounds, join_bounds, vector3
 
 LARGEST = 20.0
@@ -47,7 +48,7 @@ CLOSURE_ANGLE = 1e-3
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
-_Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Visual
+_Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
 _Extent = tuple[Vector3, Vector3]
 Report = Callable[..., None]
 
@@ -57,7 +58,7 @@ def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit
 
     Args:
         robot: Any robot, from wherever.
-        found: Receives SB41x, SB420, SB508 to SB510.
+        found: Receives SB410 to SB418, SB420, SB508 to SB510.
         span: Where the robot is described; its source as a whole, if left out.
         unit: Length unit of the robot's source, which is in doubt where the robot is very large or very light.
     """
@@ -68,7 +69,7 @@ def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):
-        for rule in (_check_limits, _check_masses, _check_closures):
+        for rule in (_check_limits, _check_masses, _check_closures, _check_contacts):
             rule(robot, report)
         _check_scale(robot, report, unit)
 
@@ -79,6 +80,7 @@ def _check_names(robot: Robot, report: Report) -> bool:
         "links and frames": (*robot.links, *robot.frames),
         "joints and closures": (*robot.joints, *robot.closures),
         "actuators": robot.actuators,
+        "sensors": robot.sensors,
         "meshes": robot.meshes,
         "visuals": tuple(visual for link in robot.links for visual in link.visuals),
         "collisions": tuple(collision for link in robot.links for collision in link.collisions),
@@ -99,6 +101,8 @@ def _check_references(robot: Robot, report: Report) -> bool:
     wanted += [(f"closure '{c.name}'", "link", name, links) for c in robot.closures for name in (c.link_a, c.link_b)]
     wanted += [(f"frame '{frame.name}'", "link", frame.link, links) for frame in robot.frames]
     wanted += [(f"actuator '{drive.name}'", "joint", drive.joint, joints) for drive in robot.actuators]
+    wanted += [(f"sensor '{sensor.name}'", "link", sensor.link, links) for sensor in robot.sensors]
+    wanted += [(f"sensor '{s.name}'", "joint", s.joint, joints) for s in robot.sensors if s.joint]
     wanted += [
         (f"link '{link.name}'", "mesh", shape.geometry.name, meshes)
         for link in robot.links
@@ -259,6 +263,14 @@ def _check_closures(robot: Robot, report: Report) -> None:
             )
 
 
+def _check_contacts(robot: Robot, report: Report) -> None:
+    """A contact sensor feels what its link touches with."""
+    for sensor in robot.sensors:
+        if sensor.kind is SensorKind.CONTACT and not robot.link_by_name[sensor.link].collisions:
+            message = f"sensor '{sensor.name}': link '{sensor.link}' has no collision geometry to feel with"
+            report("SB418", message, help=("give the link a `collision`, or leave the sensor out",))
+
+
 def _check_scale(robot: Robot, report: Report, unit: str) -> None:
     """A robot of thousandths of a gram or of dozens of metres is drawn in another unit than its file says."""
     question = f"is {unit or 'its length unit'} what {robot.source or 'its source'} was drawn in?"
@@ -312,6 +324,8 @@ def _poses(robot: Robot) -> Iterator[tuple[str, Pose]]:
         yield f"closure '{closure.name}'", closure.X_BF
     for frame in robot.frames:
         yield f"frame '{frame.name}'", frame.X_LF
+    for sensor in robot.sensors:
+        yield f"sensor '{sensor.name}'", sensor.X_LS
     for link in robot.links:
         for shape in _shapes(link):
             yield f"link '{link.name}'", shape.X_LG
@@ -328,6 +342,8 @@ def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:
         yield f"closure '{closure.name}'", [*closure.axis]
     for drive in robot.actuators:
         yield f"actuator '{drive.name}'", [drive.kp, drive.kv, drive.gear]
+    for sensor in robot.sensors:
+        yield f"sensor '{sensor.name}'", [sensor.rate, sensor.view.fov, sensor.view.nearest]
     for link in robot.links:
         m = link.mass_properties
         yield f"link '{link.name}'", [m.mass, *m.com, *np.array(m.inertia).reshape(-1).tolist()]

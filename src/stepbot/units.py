@@ -43,6 +43,7 @@ LINEAR_DAMPING = Dimension("damping", "N*s/m", ((1, 0, -1, 0),), "10 N*s/m")
 ANGULAR_DAMPING = Dimension("damping", "N*m*s/rad", ((1, 2, -1, -1), (1, 2, -1, 0)), "0.1 N*m*s/rad")
 LINEAR_STIFFNESS = Dimension("stiffness", "N/m", ((1, 0, -2, 0),), "200 N/m")
 ANGULAR_STIFFNESS = Dimension("stiffness", "N*m/rad", ((1, 2, -2, -1), (1, 2, -2, 0)), "5 N*m/rad")
+FREQUENCY = Dimension("rate", "Hz", ((0, 0, -1, 0),), "30 Hz")
 PITCH = Dimension("pitch", "m/rad", ((0, 1, 0, -1),), "2 mm/rev")
 RATIO = Dimension("ratio", "1", ((0, 0, 0, 0),), "0.2 %")
 
@@ -163,6 +164,8 @@ _UNITS: dict[str, UnitOfMeasure] = {
     "\N{DEGREE SIGN}": _DEGREE,
     "rev": _unit(1, _ANGLE_POWERS, 1),
     "rpm": _unit("1/60", (0, 0, -1, 1), 1),
+    "Hz": _unit(1, (0, 0, -1, 0)),
+    "kHz": _unit(1000, (0, 0, -1, 0)),
     "N": _unit(1, _FORCE_POWERS),
     "kN": _unit(1000, _FORCE_POWERS),
     "mN": _unit("1e-3", _FORCE_POWERS),

@@ -25,10 +25,12 @@ COMPARED = {
     ("urdf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST | {"mimic"},
     ("urdf", "pybullet"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures"},
     ("urdf", "yourdfpy"): NAMES | JOINTS | BODIES | {"poses", "warnings", "mimic"},
+    ("urdf", "extensions"): {"load", "dynamics", "actuators", "sensors", "warnings"},
     ("sdf", "pybullet"): NAMES | JOINTS | {"mass", "com", "poses", "meshes", "warnings"},
-    ("sdf", "reader"): NAMES | JOINTS | BODIES | MOTION | {"meshes", "warnings", "mimic", "closures", "frames"},
+    ("sdf", "reader"): NAMES | JOINTS | BODIES | MOTION
+    | {"meshes", "warnings", "mimic", "closures", "frames", "actuators", "sensors"},
     ("mjcf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST
-    | {"mimic", "closures", "frames", "actuators", "initial pose"},
+    | {"mimic", "closures", "frames", "actuators", "sensors", "initial pose"},
     ("mjcf", "pybullet"): {"load"},
     ("urdf", "pinocchio"): NAMES | JOINTS | BODIES | MOTION | {"warnings", "mimic"},
     ("mjcf", "pinocchio"): NAMES | {"axes"} | BODIES | MOTION | {"warnings"},
@@ -94,6 +96,7 @@ def _lacks(name: str) -> set[str]:
     lacks |= set() if robot.closures else {"closures"}
     lacks |= set() if robot.frames else {"frames"}
     lacks |= set() if robot.actuators else {"actuators"}
+    lacks |= set() if robot.sensors else {"sensors"}
     lacks |= set() if any(joint.drawn_position for joint in robot.joints) else {"initial pose"}
     return lacks
 

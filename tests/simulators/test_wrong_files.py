@@ -35,6 +35,21 @@ URDF = {
     "offset": ("gripper_with_mimic", r'(<mimic[^>]*offset=")(0.1[^"]*)', 1.001, {"mujoco", "yourdfpy"}, Q.MIMIC),
     "box": ("primitives", r'(<collision name="box[^$]*?size=")([^ ]*)', 1.01, {"mujoco", "pybullet"}, Q.MESHES),
     "visual": ("primitives", r'(<visual name="cylinder[^$]*?length=")([^"]*)', 1.01, {"mujoco"}, Q.MESHES),
+    "spring": ("equipped", r"(<springStiffness>)([^<]*)", 1.001, {"extensions"}, Q.DYNAMICS),
+    "gain": ("equipped", r'(<param name="kp">)([^<]*)', 1.001, {"extensions"}, Q.ACTUATORS),
+    "input": ("equipped", r'(<param name="max">)([^<]*)', 1.001, {"extensions"}, Q.ACTUATORS),
+    "force": ("equipped", r'(<param name="max_effort">)([^<]*)', 1.001, {"extensions"}, Q.ACTUATORS),
+    "gear": ("equipped", r"(<mechanicalReduction>)([^<]*)", 1.001, {"extensions"}, Q.ACTUATORS),
+    "reduction": ("equipped", r"(<mechanical_reduction>)([^<]*)", 1.001, {"extensions"}, Q.ACTUATORS),
+    "rate": ("equipped", r"(<update_rate>)([^<]*)", 1.001, {"extensions"}, Q.SENSORS),
+    "place of a sensor": (
+        "equipped",
+        r'(<joint name="imu_mount"[^$]*?xyz=")([^ ]*)',
+        1.001,
+        {"mujoco", "pybullet"},
+        Q.POSES,
+    ),
+    "fov": ("equipped", r"(<horizontal_fov>)([^<]*)", 1.001, {"extensions"}, Q.SENSORS),
 }
 SDF = {
     "mass": ("two_link_arm", r"(<mass>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.MASS),
@@ -58,6 +73,12 @@ SDF = {
     "closure": ("four_bar", r'(<joint name="rocker_pin"[^$]*?<pose>)([^ ]*)', 1.001, {"reader"}, Q.CLOSURES),
     "box": ("primitives", r'(<collision name="box[^$]*?<size>)([^ ]*)', 1.01, {"reader"}, Q.MESHES),
     "visual": ("primitives", r'(<visual name="cylinder[^$]*?<length>)([^<]*)', 1.01, {"reader"}, Q.MESHES),
+    "gain": ("equipped", r"(<p_gain>)([^<]*)", 1.001, {"reader"}, Q.ACTUATORS),
+    "force": ("equipped", r"(<cmd_max>)([^<]*)", 1.001, {"reader"}, Q.ACTUATORS),
+    "imu": ("equipped", r'(<sensor name="imu"[^$]*?<pose>)([^ ]*)', 1.001, {"reader"}, Q.SENSORS),
+    "samples": ("equipped", r"(<samples>)([^<]*)", 2.0, {"reader"}, Q.SENSORS),
+    "scan": ("equipped", r"(<max_angle>)([^<]*)", 1.001, {"reader"}, Q.SENSORS),
+    "clip": ("equipped", r"(<far>)([^<]*)", 1.001, {"reader"}, Q.SENSORS),
 }
 MJCF = {
     "mass": ("two_link_arm", r'(<inertial[^>]* mass=")([^"]*)', 1.001, {"mujoco"}, Q.MASS),
@@ -76,6 +97,13 @@ MJCF = {
     "axis of closure": ("four_bar", r'(<site name="rocker_pin/b/axis" pos=")([^ ]*)', 1.01, {"mujoco"}, Q.CLOSURES),
     "gain": ("two_link_arm", r'(kp=")([^"]*)', 1.001, {"mujoco"}, Q.ACTUATORS),
     "gear": ("two_link_arm", r'(gear=")([^"]*)', 1.001, {"mujoco"}, Q.ACTUATORS),
+    "input": ("equipped", r'(ctrlrange="[^ ]* )([^"]*)', 1.001, {"mujoco"}, Q.ACTUATORS),
+    "force": ("equipped", r'(forcerange="-)([^ ]*)', 0.5, {"mujoco"}, Q.ACTUATORS),
+    "imu": ("equipped", r'(<site name="imu/site" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.SENSORS),
+    "camera": ("equipped", r'(<camera[^>]*fovy=")([^"]*)', 1.001, {"mujoco"}, Q.SENSORS),
+    "scan": ("equipped", r'(<replicate count="9" euler="0 0 )([^"]*)', 1.001, {"mujoco"}, Q.SENSORS),
+    "reach": ("equipped", r'(cutoff=")([^"]*)', 1.001, {"mujoco"}, Q.SENSORS),
+    "rate": ("equipped", r'(<gyro[^>]*interval=")([^"]*)', 1.001, {"mujoco"}, Q.SENSORS),
     "home": ("two_link_arm", r'(qpos="0 )([^"]*)', 1.001, {"mujoco"}, Q.INITIAL),
     "box": ("primitives", r'(<geom name="box touched"[^$]*?size=")([^ ]*)', 1.01, {"mujoco"}, Q.MESHES),
 }

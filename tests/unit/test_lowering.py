@@ -134,7 +134,7 @@ def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
 
 def test_urdf_bounds_what_is_unlimited() -> None:
     """One-sided and missing limits get a number; a revolute joint without position limits becomes continuous."""
-    said = lowered(slider(), "urdf", "SB703", "SB704")
+    said = lowered(slider(), "urdf", "SB704", "SB725")
     assert said.joint_by_name["slide"].limit == Limit(-UNLIMITED, 0.25, 0.5, 30.0)
     assert said.joint_by_name["lift"].limit == Limit(-0.02, 0.1, UNLIMITED, UNLIMITED)
     robot = pendulum()
@@ -144,19 +144,19 @@ def test_urdf_bounds_what_is_unlimited() -> None:
     assert said.joints[0].limit == Limit(-inf, inf, UNLIMITED, 3.0)
 
 
-def test_springs_and_armatures_are_left_out_with_a_warning() -> None:
-    """URDF has neither, SDFormat no armature, MJCF both."""
+def test_springs_and_armatures_are_said_where_there_is_room() -> None:
+    """URDF has springs in an extension and no armature, SDFormat no armature, MJCF both."""
     robot = pendulum()
     dynamics = JointDynamics(damping=1.0, friction=2.0, stiffness=3.0, spring_reference=0.5, armature=4.0)
     robot = replace(robot, joints=(replace(robot.joints[0], dynamics=dynamics),))
-    assert lowered(robot, "urdf", "SB703").joints[0].dynamics == JointDynamics(1.0, 2.0)
+    assert lowered(robot, "urdf", "SB703", "SB725").joints[0].dynamics == JointDynamics(1.0, 2.0, 3.0, 0.5)
     assert lowered(robot, "sdf", "SB703").joints[0].dynamics == JointDynamics(1.0, 2.0, 3.0, 0.5)
     assert lowered(robot, "mjcf").joints[0].dynamics == dynamics
 
 
 def test_frames_become_links_in_urdf() -> None:
     """A frame is a link without mass at the end, on a fixed joint of a name that is free."""
-    said = lowered(two_link_arm(), "urdf", "SB702", "SB703", "SB706", "SB708")
+    said = lowered(two_link_arm(), "urdf", "SB703", "SB706", "SB708", "SB725")
     assert said.links[-2:] == (Link("tool0"), Link("camera"))
     assert [joint.name for joint in said.joints[-2:]] == ["tool0_mount", "camera_mount"]
     assert said.links[-1].mass_properties == MassProperties()
@@ -190,12 +190,12 @@ def test_capsules_become_cylinder_and_spheres() -> None:
 
 def test_loop_zeros_move_only_in_loops() -> None:
     """Joints above the loop, or outside it, keep their zero."""
-    said = lowered(four_bar_with_zeros(), "sdf", "SB702", "SB711")
+    said = lowered(four_bar_with_zeros(), "sdf", "SB704", "SB711", "SB725")
     assert [joint.drawn_position for joint in said.joints] == [0.0, 0.0, 0.0]
     robot = four_bar_with_zeros()
     extra = replace(robot.joints[0], name="turntable", child="plate", drawn_position=0.25)
     robot = replace(robot, links=(*robot.links, Link("plate")), joints=(*robot.joints, extra))
-    said = lowered(robot, "sdf", "SB702", "SB706", "SB711")
+    said = lowered(robot, "sdf", "SB704", "SB706", "SB711", "SB725")
     assert said.joint_by_name["turntable"].drawn_position == 0.25
 
 

@@ -106,7 +106,19 @@ def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012
     document = report_document(Report((PASSED, FAILED, ABSENT)), Diagnostics())
     validator.validate(document)
     assert document["robot"] is None
-    assert document["summary"] == {"passed": 1, "failed": 1, "not_run": 1}
+    assert document["summary"] == {"passed": 1, "failed": 1, "not_run": 1, "passed_by_own_parsers": 0}
+
+
+def test_what_no_engine_tells_is_counted_apart() -> None:
+    """Checks that stepbot's own parsers pass are among those that passed, and said to be theirs."""
+    read_back = replace(PASSED, file="a.sdf", format="sdf", engine="reader")
+    report = Report((PASSED, read_back, replace(read_back, file="a.urdf", engine="extensions"), FAILED))
+    assert report_document(report, Diagnostics())["summary"] == {
+        "passed": 3,
+        "failed": 1,
+        "not_run": 0,
+        "passed_by_own_parsers": 2,
+    }
 
 
 def test_the_schema_describes_everything(validator: jsonschema.Draft202012Validator) -> None:

@@ -1,9 +1,10 @@
 """Assembly and sidecar become a robot, free of any format.
 
 matter    what each component is made of        frames    where each origin is, as drawn
-claims    which link each component is in       joints    joints, closures, named frames
-weigh     whose volume, com and inertia counts  links     mass properties, visuals, collisions
-masses    what each component weighs            overlaps  what is weighed twice
+claims    which link each component is in       joints    joints, closures
+weigh     whose volume, com and inertia counts  devices   named frames, drives, sensors
+masses    what each component weighs            links     mass properties, visuals, collisions
+                                                overlaps  what is weighed twice
 """
 
 from collections.abc import Sequence
@@ -15,9 +16,10 @@ from ..model import Robot
 from ..sidecar.located import Sidecar
 from .binder import Binder
 from .claims import Claims, claim
+from .devices import build_actuators, build_frames, build_sensors
 from .double_counting import report_double_counting
 from .frames import Frames
-from .joints import build_actuators, build_closures, build_frames, build_joints, tree_order
+from .joints import build_closures, build_joints, tree_order
 from .links import Links, is_complete
 from .masses import masses
 from .matter import matters
@@ -51,6 +53,7 @@ def build_robot(
     joints = build_joints(binder, frames, order)
     closures = build_closures(binder, frames)
     named = build_frames(binder, frames)
+    sensors = build_sensors(binder, frames)
 
     weighings = weigh(assembly, measures, document.mass)
     weighed = masses(binder, matter, weighings)
@@ -59,7 +62,7 @@ def build_robot(
     _report_bodies(binder, claims, weighings)
     binder.report_fragile()
     X_WR = frames.link(root)
-    if found.has_errors or X_WR is None or joints is None or closures is None or named is None:
+    if found.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
         return None
 
     report_double_counting(binder, claims, weighed, cache=cache)
@@ -76,6 +79,7 @@ def build_robot(
         links.assets.all(),
         document.base,
         assembly.source,
+        sensors,
     )
 
 

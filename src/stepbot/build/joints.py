@@ -1,4 +1,4 @@
-"""The joints of the tree, the closures, frames and actuators, from the frames that their origins give.
+"""The joints of the tree and the closures, from the frames that their origins give.
 
 The frame that an origin gives is the joint's, and at q = 0 the child's. The CAD draws the joint at its ``zero``: there
 the child's frame, and what hangs on it, is turned or slid by that much. A closure binds as drawn, the only pose that is
@@ -7,7 +7,7 @@ known to close.
 
 import numpy as np
 
-from ..model import Actuator, Frame, Joint, LoopClosure, Mimic
+from ..model import Joint, LoopClosure, Mimic
 from ..sidecar.document import Document
 from ..sidecar.joint_settings import joint_dynamics, joint_limits
 from ..spatial import Array, Pose
@@ -54,21 +54,6 @@ def build_closures(binder: Binder, frames: Frames) -> tuple[LoopClosure, ...] | 
     return closures if len(closures) == len(built) else None
 
 
-def build_frames(binder: Binder, frames: Frames) -> tuple[Frame, ...] | None:
-    """The named frames in the sidecar's order; None where one is not known."""
-    built = [_frame(binder.document, frames, name) for name in binder.document.frames]
-    named = tuple(frame for frame in built if frame is not None)
-    return named if len(named) == len(built) else None
-
-
-def build_actuators(document: Document) -> tuple[Actuator, ...]:
-    """The drives in the sidecar's order."""
-    return tuple(
-        Actuator(name, drive.joint, drive.kind, drive.kp.value, drive.kv.value, drive.gear)
-        for name, drive in document.actuators.items()
-    )
-
-
 def tidy(pose: Pose) -> Pose:
     """The pose without the noise of the last bits, which differs between machines: to 1e-12 m, and 0 and 1 exactly.
 
@@ -113,11 +98,3 @@ def _closure(document: Document, frames: Frames, name: str) -> LoopClosure | Non
     X_AF, X_BF = tidy(X_WA.inverse() @ X_WF), tidy(X_WB.inverse() @ X_WF)
     source = frames.source("closures", name, "origin")
     return LoopClosure(name, section.type, section.link_a, X_AF, section.link_b, X_BF, section.axis, source)
-
-
-def _frame(document: Document, frames: Frames, name: str) -> Frame | None:
-    section = document.frames[name]
-    X_WF, X_WL = frames.resolve(section.origin, Wanted(("frames", name, "origin"))), frames.link(section.link)
-    if X_WF is None or X_WL is None:
-        return None
-    return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF), frames.source("frames", name, "origin"))

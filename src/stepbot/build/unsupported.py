@@ -8,8 +8,6 @@ from .binder import Binder
 def report_unsupported(binder: Binder) -> None:
     """Report everything that is parsed but not built."""
     document = binder.document
-    for name, sensor in document.sensors.items():
-        _report(binder, ("sensors", name, "type"), f"{sensor.type} sensors", "leave the sensor out for now")
     for pattern, rule in document.parts.items():
         if rule.collision is CollisionShape.DECOMPOSE:
             _report_decompose(binder, ("parts", pattern, "collision"))

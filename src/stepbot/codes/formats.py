@@ -16,10 +16,10 @@ CODES: tuple[Code, ...] = (
         "SB702",
         "warning",
         "actuator left out",
-        "The sidecar describes actuators, and this format has no element for them that engines agree on.",
+        "The sidecar describes actuators, and this format has no element for them.",
         "Gains and gear ratios are not in the file; whoever controls the robot has to know them from elsewhere. "
         "The joints' effort limits are there all the same.",
-        "Use the MJCF where the actuators matter, or configure the controller of your simulator.",
+        "Use a format that has them (`docs/mapping.md`), or configure the controller of your simulator.",
     ),
     Code(
         "SB703",
@@ -174,5 +174,49 @@ CODES: tuple[Code, ...] = (
         "The mechanism is the same. Links on the way between the two joints hang the other way round, and have the "
         "frames of the joints that are above them now.",
         "Nothing needs to be done; to have the same tree in all formats, close the loop at the pin in the sidecar.",
+    ),
+    Code(
+        "SB725",
+        "note",
+        "said in an extension of the format",
+        "The format itself has no place for this; it is said in a block that some of its readers know and the others pass "
+        "over: `<ros2_control>`, `<transmission>` and `<gazebo>` in URDF, `<plugin>` in SDFormat.",
+        "Engines that are not ROS or Gazebo do not see it. stepbot reads these blocks back with a parser of its own, and "
+        "counts that apart from what engines confirm.",
+        "Nothing needs to be done for ROS and Gazebo; name your hardware's plugin in `<ros2_control>`. For MuJoCo use the MJCF.",
+    ),
+    Code(
+        "SB726",
+        "note",
+        "gear multiplied into an actuator",
+        "The format's actuators act on the joint itself, without a gear.",
+        "Gains are those at the joint, kp and kv times the square of the gear. Inputs are positions, velocities and "
+        "efforts of the joint, not of the drive.",
+        "Nothing needs to be done; divide or multiply by the gear where you think in units of the drive.",
+    ),
+    Code(
+        "SB727",
+        "warning",
+        "setting of a sensor left out",
+        "The format has the sensor, but no place for its rate, or for the range in which it sees.",
+        "A simulated picture or scan shows what the real sensor would not see, or comes at another rate.",
+        "Ask for pictures at that rate and leave out what is too near or too far, in the program that uses them.",
+    ),
+    Code(
+        "SB728",
+        "warning",
+        "torque about another point",
+        "A force-torque sensor is away from the origin of its joint, where the format's sensors count torques about.",
+        "The torque differs by the cross product of the way between both points with the force.",
+        "Leave `origin` out, or carry the torque over by hand: tau_sensor = tau_joint - p x f.",
+    ),
+    Code(
+        "SB729",
+        "warning",
+        "bounds of an actuator left out",
+        "An actuator has bounds of its own for its input, narrower than those of its joint, and the format has no place "
+        "for them.",
+        "There it can be told to go as far, or to push as hard, as the joint can.",
+        "Bound the input in the controller, or give the joint these limits.",
     ),
 )

@@ -110,6 +110,14 @@ CODES = (
         "Correct the name in the sidecar; if it is right, please report it.",
     ),
     Code(
+        "SB418",
+        "error",
+        "contact sensor that feels nothing",
+        "A contact sensor is on a link that has no collision geometry.",
+        "Nothing touches such a link in a simulation, and formats name the shapes that such a sensor watches.",
+        "Give the link collision geometry, put the sensor on another link, or leave it out.",
+    ),
+    Code(
         "SB420",
         "warning",
         "robot larger than 20 m",

@@ -134,8 +134,8 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB816",
         "error",
-        "actuators or initial pose differ",
-        "An actuator, or the pose in which the file says that the robot starts, is not what it should be.",
+        "actuators, sensors or initial pose differ",
+        "An actuator, a sensor, or the pose in which the file says that the robot starts, is not what it should be.",
         "Controllers find another robot, or find it elsewhere.",
         _OURS,
     ),

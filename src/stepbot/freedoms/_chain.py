@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from ..free_names import free_name
 from ..model import Joint, JointKind, Limit, Link, Robot
+from ..sensors import Sensor, SensorKind
 from ..spatial import Pose, Vector3
 
 Steps = Mapping[str, Joint]
@@ -15,6 +16,8 @@ def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -
     """The robot with a chain in place of every joint of a kind; the links between have neither mass nor shape.
 
     All frames of a chain coincide at q = 0: the first joint is placed where the joint was, the others in that frame.
+    A joint sensor becomes one for each joint of the chain that moves by itself; the force in a joint is that in the
+    last of its chain, which carries the same child.
     """
     if not any(joint.kind is kind for joint in robot.joints):
         return robot
@@ -22,12 +25,31 @@ def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -
     taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
     joints: list[Joint] = []
     links = [robot.root]
+    chains: dict[str, list[Joint]] = {}
     for joint in robot.joints:
         chain = _chain(joint, steps_of(joint), taken) if joint.kind is kind else [joint]
+        chains[joint.name] = chain
         joints += chain
         links += [Link(step.child) for step in chain[:-1]]
         links.append(robot.link_by_name[joint.child])
-    return replace(robot, links=tuple(links), joints=tuple(joints))
+    sensors = tuple(part for sensor in robot.sensors for part in _sensors(sensor, chains.get(sensor.joint, [])))
+    return replace(robot, links=tuple(links), joints=tuple(joints), sensors=sensors)
+
+
+def _sensors(sensor: Sensor, chain: list[Joint]) -> list[Sensor]:
+    """What measures a chain in place of a sensor on the joint that it stands for."""
+    if len(chain) < 2:
+        return [sensor]
+    if sensor.kind is not SensorKind.JOINT:
+        return [replace(sensor, joint=chain[-1].name)]
+    free = [step for step in chain if step.mimic is None]
+    if len(free) == 1:
+        return [replace(sensor, joint=free[0].name, link=free[0].child)]
+    stem = sensor.joint
+    return [
+        replace(sensor, name=f"{sensor.name}{step.name.removeprefix(stem)}", joint=step.name, link=step.child)
+        for step in free
+    ]
 
 
 def turn(joint: Joint, axis: Vector3) -> Joint:

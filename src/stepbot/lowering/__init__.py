@@ -6,7 +6,7 @@ both. What it returns is what the file says, so it is also what an engine that r
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 
 from ..diagnostics import Diagnostics, Span
@@ -20,6 +20,31 @@ from ..freedoms import (
     universal_to_revolutes,
 )
 from ..model import Base, JointKind, Robot
+from ..sensors import SensorKind
+from .devices import (
+    bound_drives,
+    bound_views,
+    bounded_by_joints,
+    drives_where,
+    gears_at_joints,
+    has_camera_extras,
+    has_place,
+    is_blind_when_near,
+    is_bounded_drive,
+    is_off_joint,
+    is_open_drive,
+    is_open_view,
+    is_timed_encoder,
+    seeing_what_is_near,
+    sensors_as_links,
+    sensors_of,
+    sensors_where,
+    without_camera_extras,
+    without_drives,
+    without_encoder_rates,
+    without_rates,
+    without_sensors,
+)
 from .joints import (
     UNLIMITED,
     bound,
@@ -78,6 +103,9 @@ class _Handling:
     affected: Callable[[Robot], list[str]]
     """What of the robot is concerned, for the message; empty where the robot does not have the notion."""
     rewrite: Callable[[Robot], Robot] = lambda robot: robot
+    """What the format says in place of the notion."""
+    leave_out: Callable[[Robot], Robot] | None = None
+    """Without the notion, for formats that have no place for it; ``rewrite`` where there is none."""
 
 
 def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
@@ -92,12 +120,17 @@ def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
         affected = [] if support.level is Level.EXACT else handling.affected(robot)
         if affected:
             found.add(support.code, f"{written.TITLE}: {support.how}: {', '.join(affected)}", span)
-            robot = handling.rewrite(robot)
+            left_out = support.level is Level.REPORTED and handling.leave_out is not None
+            robot = handling.leave_out(robot) if left_out and handling.leave_out else handling.rewrite(robot)
     return robot
 
 
 def _root_if(base: Base) -> Callable[[Robot], list[str]]:
     return lambda robot: [f"'{robot.root.name}' is {robot.base}"] if robot.base is base else []
+
+
+def _sensors(kind: SensorKind) -> _Handling:
+    return _Handling(sensors_of(kind), leave_out=without_sensors(kind))
 
 
 # In this order: names before what refers to them, zeros of loops before limits and drawn poses.
@@ -122,19 +155,34 @@ _HANDLINGS: Mapping[Notion, _Handling] = {
     Notion.VELOCITY: _Handling(
         joints_where(lambda joint: joint.kind is not JointKind.FIXED and isfinite(joint.limit.velocity))
     ),
-    Notion.SPRING: _Handling(joints_where(lambda joint: joint.dynamics.stiffness != 0.0), each_joint(without_spring)),
+    Notion.SPRING: _Handling(
+        joints_where(lambda joint: joint.dynamics.stiffness != 0.0), leave_out=each_joint(without_spring)
+    ),
     Notion.ARMATURE: _Handling(
         joints_where(lambda joint: joint.dynamics.armature != 0.0), each_joint(without_armature)
     ),
     Notion.MIMIC: _Handling(joints_where(lambda joint: joint.mimic is not None)),
     Notion.MIMIC_CHAIN: _Handling(chained_mimics, flatten_mimics),
-    Notion.ACTUATOR: _Handling(
-        lambda robot: [f"'{actuator.name}' on '{actuator.joint}'" for actuator in robot.actuators],
-        lambda robot: replace(robot, actuators=()),
-    ),
     Notion.FRAME: _Handling(
         lambda robot: [f"'{frame.name}' on '{frame.link}'" for frame in robot.frames], frames_as_links
     ),
+    Notion.ACTUATOR: _Handling(drives_where(lambda _robot, _actuator: True), leave_out=without_drives),
+    Notion.GEAR: _Handling(drives_where(lambda _robot, actuator: actuator.gear != 1.0), gears_at_joints),
+    Notion.DRIVE_INPUT: _Handling(drives_where(is_bounded_drive), leave_out=bounded_by_joints),
+    Notion.OPEN_DRIVE: _Handling(drives_where(is_open_drive), bound_drives),
+    Notion.JOINT_SENSOR: _sensors(SensorKind.JOINT),
+    Notion.IMU: _sensors(SensorKind.IMU),
+    Notion.FORCE_TORQUE: _sensors(SensorKind.FORCE_TORQUE),
+    Notion.OFF_JOINT: _Handling(sensors_where(is_off_joint)),
+    Notion.CAMERA: _sensors(SensorKind.CAMERA),
+    Notion.LIDAR: _sensors(SensorKind.LIDAR),
+    Notion.CONTACT: _sensors(SensorKind.CONTACT),
+    Notion.SENSOR_PLACE: _Handling(sensors_where(has_place), sensors_as_links),
+    Notion.SENSOR_RATE: _Handling(sensors_where(lambda sensor: sensor.rate != 0.0), leave_out=without_rates),
+    Notion.ENCODER_RATE: _Handling(sensors_where(is_timed_encoder), leave_out=without_encoder_rates),
+    Notion.CAMERA_EXTRAS: _Handling(sensors_where(has_camera_extras), leave_out=without_camera_extras),
+    Notion.LIDAR_NEAREST: _Handling(sensors_where(is_blind_when_near), leave_out=seeing_what_is_near),
+    Notion.OPEN_VIEW: _Handling(sensors_where(is_open_view), bound_views),
     Notion.CAPSULE: _Handling(links_with_capsules, split_capsules),
     Notion.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Notion.CONCAVE_COLLISION: _Handling(concave_collisions),

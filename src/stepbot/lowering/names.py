@@ -33,6 +33,7 @@ def rename_joints(robot: Robot) -> Robot:
         joints=tuple(renamed(joint) for joint in robot.joints),
         closures=tuple(replace(closure, name=closures[closure.name]) for closure in robot.closures),
         actuators=tuple(replace(actuator, joint=joints[actuator.joint]) for actuator in robot.actuators),
+        sensors=tuple(replace(s, joint=joints[s.joint]) if s.joint else s for s in robot.sensors),
     )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..model import Collision, Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Robot, Visual
+from ..sensors import PLACED, SensorKind
 from ..spatial import Pose, Vector3
 
 _CLOSES_AS = {
@@ -53,12 +54,14 @@ def _way_to_cut(robot: Robot, closure: LoopClosure) -> tuple[Joint, ...]:
             link = above[link].parent
         return joints
 
+    # A joint that turns around would tell the opposite force.
+    weighed = {sensor.joint for sensor in robot.sensors if sensor.kind is SensorKind.FORCE_TORQUE}
     up_a, up_b = way_up(closure.link_a), way_up(closure.link_b)
     shared = {joint.name for joint in up_a} & {joint.name for joint in up_b}
     ways = []
     for joints in ([joint for joint in up if joint.name not in shared] for up in (up_b, up_a)):
         ends = [i for i, joint in enumerate(joints) if _can_close(robot, joint)]
-        if ends:
+        if ends and not any(joint.name in weighed for joint in joints[: ends[0] + 1]):
             ways.append(tuple(joints[: ends[0] + 1]))
     return min(ways, key=len, default=())
 
@@ -66,6 +69,7 @@ def _way_to_cut(robot: Robot, closure: LoopClosure) -> tuple[Joint, ...]:
 def _can_close(robot: Robot, joint: Joint) -> bool:
     """Whether a closure says all of a joint."""
     involved = {actuator.joint for actuator in robot.actuators}
+    involved |= {sensor.joint for sensor in robot.sensors}
     involved |= {other.mimic.joint for other in robot.joints if other.mimic is not None}
     plain = joint.limit == Limit() and joint.dynamics == JointDynamics() and joint.mimic is None
     return joint.kind in _CLOSES_AS and plain and joint.name not in involved
@@ -88,7 +92,12 @@ def _recut(robot: Robot, closure: LoopClosure, way: tuple[Joint, ...]) -> Robot:
     closures = [pin if one.name == closure.name else _moved_closure(one, X_LN) for one in robot.closures]
     links = [_moved_link(link, X_LN[link.name].inverse()) if link.name in X_LN else link for link in robot.links]
     frames = [replace(f, X_LF=_moved(f.link, f.X_LF, X_LN)) for f in robot.frames]
-    rebuilt = replace(robot, closures=tuple(closures), frames=tuple(frames))
+    turned_child = {joint.name: joint.child for joint in turned.values()}
+    sensors = []
+    for sensor in robot.sensors:
+        X_LS = _moved(sensor.link, sensor.X_LS, X_LN) if sensor.kind in PLACED else sensor.X_LS
+        sensors.append(replace(sensor, link=turned_child.get(sensor.joint, sensor.link), X_LS=X_LS))
+    rebuilt = replace(robot, closures=tuple(closures), frames=tuple(frames), sensors=tuple(sensors))
     return _in_tree_order(rebuilt, links, [*joints, slide])
 
 

@@ -3,10 +3,11 @@
 from ..diagnostics import Diagnostics
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .connections import check_connections
+from .device_rules import check_drives, check_sensors
 from .joint_rules import check_joints
 from .located import Sidecar
 from .magnitudes import check_magnitudes
-from .mechanics import check_closures, check_drives, check_mimics
+from .mechanics import check_closures, check_mimics
 from .names import check_names
 from .references import check_references
 from .text import file_name
@@ -19,6 +20,7 @@ _CHECKS = (
     check_mimics,
     check_closures,
     check_drives,
+    check_sensors,
     check_magnitudes,
 )
 

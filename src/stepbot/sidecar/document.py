@@ -10,7 +10,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
 
-from ..model import ActuatorKind, Base, JointKind
+from ..model import Base, JointKind
+from .devices import ActuatorSection, FrameSection, SensorSection
+from .motion import DynamicsSection, LimitsSection
 from .origins import (
     AutoOrigin,
     AxisOrigin,
@@ -28,14 +30,7 @@ from .quantities import (
     Color,
     Density,
     Inertia,
-    JointBound,
-    JointDamping,
-    JointEffort,
-    JointFriction,
-    JointInertia,
     JointPosition,
-    JointSpeed,
-    JointStiffness,
     JointValue,
     LengthVector,
     Mass,
@@ -173,34 +168,6 @@ class RootSection(Section):
     """Frame of the root link; the assembly's frame when left out."""
 
 
-class LimitsSection(Section):
-    """Bounds of a joint; the units are those of its type."""
-
-    lower: JointBound | None = None
-    """Lowest position [rad or m]; `-inf` for none."""
-    upper: JointBound | None = None
-    """Highest position [rad or m]; `inf` for none."""
-    effort: JointEffort | None = None
-    """Highest torque or force [N m or N]."""
-    velocity: JointSpeed | None = None
-    """Highest speed [rad/s or m/s]."""
-
-
-class DynamicsSection(Section):
-    """Passive forces of a joint; the units are those of its type."""
-
-    damping: JointDamping | None = None
-    """Viscous damping [N m s/rad or N s/m]."""
-    friction: JointFriction | None = None
-    """Coulomb friction [N m or N]."""
-    stiffness: JointStiffness | None = None
-    """Rate of a spring in the joint [N m/rad or N/m]."""
-    spring_reference: JointPosition | None = None
-    """Position [rad or m] where the spring is at rest."""
-    armature: JointInertia | None = None
-    """Inertia [kg m^2] or mass [kg] of the drive, seen at the joint."""
-
-
 class MimicSection(Section):
     """q = multiplier * q of `joint` + offset."""
 
@@ -263,54 +230,6 @@ class ClosureSection(Section):
     """Axis in the closure's frame, `z` when left out."""
 
 
-class FrameSection(Section):
-    """A named frame on a link."""
-
-    link: Name
-    """The link that it is fixed to."""
-    origin: Origin
-    """Where it is; `auto` cannot be, since there is no second link."""
-
-
-class ActuatorSection(Section):
-    """A drive on a joint."""
-
-    joint: Name
-    """The joint that it drives."""
-    kind: ActuatorKind = ActuatorKind.MOTOR
-    """What its input is: a position, a velocity, or (motor) an effort."""
-    kp: JointStiffness = JointValue(0.0)
-    """Position gain [N m/rad or N/m]."""
-    kv: JointDamping = JointValue(0.0)
-    """Velocity gain [N m s/rad or N s/m]."""
-    gear: Number = 1.0
-    """Ratio of drive to joint."""
-
-
-class SensorKind(StrEnum):
-    """What a sensor measures."""
-
-    IMU = "imu"
-    FORCE_TORQUE = "force_torque"
-    JOINT = "joint"
-    CAMERA = "camera"
-    LIDAR = "lidar"
-    CONTACT = "contact"
-
-
-class SensorSection(Section):
-    """A sensor on a link or a joint."""
-
-    type: SensorKind
-    """What it measures."""
-    link: Name | None = None
-    """The link that it is mounted on."""
-    joint: Name | None = None
-    """The joint that it measures."""
-    origin: Origin | None = None
-    """Where it is; the link's or joint's frame when left out."""
-
-
 class Document(Section):
     """A robot's sidecar for stepbot: what its STEP file does not say."""
 
@@ -355,7 +274,6 @@ class Document(Section):
 
 
 __all__ = [
-    "ActuatorSection",
     "AutoOrigin",
     "AxisOrigin",
     "BoxShape",
@@ -371,7 +289,6 @@ __all__ = [
     "Document",
     "DynamicsSection",
     "ExplicitOrigin",
-    "FrameSection",
     "InertiaSection",
     "InertialSection",
     "JointDefaults",
@@ -391,8 +308,6 @@ __all__ = [
     "RobotName",
     "RootSection",
     "Section",
-    "SensorKind",
-    "SensorSection",
     "Shape",
     "SphereShape",
     "StepDensity",

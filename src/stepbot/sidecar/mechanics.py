@@ -1,18 +1,15 @@
-"""What joints do to each other and with each other: mimics, closures, actuators."""
+"""What joints do to each other and with each other: mimics and closures."""
 
 from math import isfinite
 
 from ..diagnostics import Diagnostics
-from ..model import ActuatorKind, JointKind
+from ..model import JointKind
 from .connections import rings
-from .document import ActuatorSection
-from .joint_rules import WITH_AXIS, check_unit
-from .joint_settings import ONE_FREEDOM, joint_limits, position_dimension, settings_of
+from .joint_rules import WITH_AXIS
+from .joint_settings import ONE_FREEDOM, joint_limits, position_dimension
 from .located import Sidecar
 
 _CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.FIXED)
-_GAINS = {ActuatorKind.POSITION: ("kp", "kv"), ActuatorKind.VELOCITY: ("kv",), ActuatorKind.MOTOR: ()}
-_NEEDED_GAIN = {ActuatorKind.POSITION: "kp", ActuatorKind.VELOCITY: "kv"}
 _TOLERANCE = 1e-6
 """How far [rad or m] positions may be apart that a mimic makes equal: rounded numbers, not contradictions."""
 
@@ -82,41 +79,3 @@ def check_closures(sidecar: Sidecar, found: Diagnostics) -> None:
         elif "axis" in closure.model_fields_set and closure.type not in WITH_AXIS:
             message = f"{who}: a {closure.type} closure has no 'axis'"
             found.add("SB137", message, sidecar.key_span("closures", name, "axis"))
-
-
-def check_drives(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report, actuator by actuator, SB121, SB125, SB137, SB138 and SB459."""
-    document = sidecar.document
-    for name, actuator in document.actuators.items():
-        who = f"actuator '{name}'"
-        _check_gains(sidecar, name, actuator, found)
-        joint = document.joints.get(actuator.joint)
-        if joint is None:
-            continue
-        place = sidecar.span("actuators", name, "joint")
-        if joint.type not in ONE_FREEDOM:
-            message = f"{who}: cannot drive '{actuator.joint}': a {joint.type} joint has no one position"
-            found.add("SB459", message, place, help=[f"joints that can be driven: {', '.join(ONE_FREEDOM)}"])
-        elif joint.mimic is not None:
-            message = f"{who}: cannot drive '{actuator.joint}', which follows joint '{joint.mimic.joint}'"
-            found.add("SB459", message, place, help=[f"drive '{joint.mimic.joint}'"])
-        else:
-            known = settings_of(joint.type)
-            kp, kv = ("actuators", name, "kp"), ("actuators", name, "kv")
-            check_unit(sidecar, who, joint.type, actuator.kp.dimension, known["stiffness"], kp, found)
-            check_unit(sidecar, who, joint.type, actuator.kv.dimension, known["damping"], kv, found)
-
-
-def _check_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:
-    who, kind = f"actuator '{name}'", actuator.kind
-    for gain in ("kp", "kv"):
-        if gain in actuator.model_fields_set and gain not in _GAINS[kind]:
-            help = [f"{kind.value} for {gain}" for kind, gains in _GAINS.items() if gain in gains]
-            message = f"{who}: an actuator of kind {kind} has no '{gain}'"
-            found.add("SB137", message, sidecar.key_span("actuators", name, gain), help=[f"kinds: {', '.join(help)}"])
-    needed = _NEEDED_GAIN.get(kind)
-    if needed is not None and needed not in actuator.model_fields_set:
-        message = f"{who}: key '{needed}' is missing: without it a {kind} actuator exerts nothing"
-        found.add("SB121", message, sidecar.key_span("actuators", name), help=[f"for example `{needed}: 100`"])
-    if actuator.gear == 0.0:
-        found.add("SB125", f"{who}: gear: a drive with ratio 0 exerts nothing", sidecar.span("actuators", name, "gear"))

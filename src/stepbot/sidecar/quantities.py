@@ -200,6 +200,31 @@ def _tolerance(value: Any) -> ToleranceValue:
     return ToleranceValue(0.0, _finite(units.LENGTH, above=0.0)(value))
 
 
+def _count(value: Any) -> int:
+    """A whole number of at least one."""
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise fault("SB122", f"must be a whole number, not {described(value)}")
+    if value < 1:
+        raise fault("SB125", f"{value} is not a number of at least 1")
+    return value
+
+
+def _two(value: Any) -> Any:
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise fault("SB122", f"two values are needed, [first, second], not {described(value)}")
+    if len(value) != 2:
+        raise fault("SB122", f"two values are needed, [first, second], not {len(value)}")
+    return value
+
+
+def _distance(value: Any) -> float:
+    """A length that is not negative, perhaps infinite."""
+    number = float(_quantity(value, units.LENGTH))
+    if number < 0.0:
+        raise fault("SB125", f"{number:g} m is not a length of at least 0")
+    return number
+
+
 def _json(*dimensions: Dimension, **bounds: float) -> WithJsonSchema:
     """JSON Schema of a quantity: a number in SI, or a text with the unit."""
     examples = [d.example for d in dimensions]
@@ -247,6 +272,16 @@ Angle = Annotated[
     BeforeValidator(_finite(units.ANGLE, above=0.0, high=math.pi)),
     _json(units.ANGLE, exclusiveMinimum=0, maximum=math.pi),
 ]
+FieldOfView = Annotated[
+    float,
+    BeforeValidator(_finite(units.ANGLE, low=0.0, high=math.tau)),
+    _json(units.ANGLE, minimum=0, maximum=math.tau),
+]
+Frequency = Annotated[float, BeforeValidator(_finite(units.FREQUENCY, low=0.0)), _json(units.FREQUENCY, minimum=0)]
+Count = Annotated[int, BeforeValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
+Resolution = Annotated[tuple[Count, Count], BeforeValidator(_two)]
+_Distance = Annotated[float, BeforeValidator(_distance), _json(units.LENGTH, minimum=0)]
+DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(_two)]
 Mass = Annotated[float, BeforeValidator(_finite(units.MASS, above=0.0)), _json(units.MASS, exclusiveMinimum=0)]
 Density = Annotated[float, BeforeValidator(_finite(units.DENSITY, above=0.0)), _json(units.DENSITY, exclusiveMinimum=0)]
 Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), _json(units.INERTIA)]

@@ -4,7 +4,9 @@ from collections.abc import Collection
 from fnmatch import fnmatchcase
 
 from ..diagnostics import Diagnostics, did_you_mean
-from .document import AutoOrigin, Document, Origin, SensorKind, SensorSection
+from ..sensors import SensorKind
+from .devices import SensorSection
+from .document import AutoOrigin, Document, Origin
 from .located import Sidecar
 from .subjects import subject
 from .tree import Keys

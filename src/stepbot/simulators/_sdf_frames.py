@@ -33,6 +33,19 @@ def numbers(text: str | None) -> list[float]:
         raise EngineRefused(str(error)) from error
 
 
+def number_at(element: Element | None, path: str, default: float) -> float:
+    """The number below an element, or the default where there is none.
+
+    Raises:
+        EngineRefused: There are several.
+    """
+    text = None if element is None else element.findtext(path)
+    values = numbers(text) if text is not None else [default]
+    if len(values) != 1:
+        raise EngineRefused(f"<{path}> holds {len(values)} numbers, 1 expected")
+    return values[0]
+
+
 def read_pose(element: Element | None) -> Pose:
     """The ``<pose>`` below an element, in the frame that it is relative to; the identity where there is none.
 

@@ -41,14 +41,26 @@ OPTIONAL = True
 STEP = 1e-3
 """Step [s] of the plant."""
 _NOT_TOLD = "pydrake does not tell"
+_EFFORTS = "Drake keeps an effort limit for each actuator, compared with those of the joints"
+_NO_SENSORS = "Drake does not read sensors"
 _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
-    "urdf": {Quantity.CLOSURES: "URDF holds no loops", Quantity.MIMIC: _NOT_TOLD},
-    "sdf": {Quantity.MIMIC: "Drake does not read <mimic> of SDFormat"},
+    "urdf": {
+        Quantity.CLOSURES: "URDF holds no loops",
+        Quantity.MIMIC: _NOT_TOLD,
+        Quantity.ACTUATORS: _EFFORTS,
+        Quantity.SENSORS: _NO_SENSORS,
+    },
+    "sdf": {
+        Quantity.MIMIC: "Drake does not read <mimic> of SDFormat",
+        Quantity.ACTUATORS: _EFFORTS,
+        Quantity.SENSORS: _NO_SENSORS,
+    },
     "mjcf": {
         Quantity.MIMIC: "Drake does not read equalities of joints",
         Quantity.CLOSURES: "Drake does not read equalities of sites",
         Quantity.FRAMES: "Drake does not read sites",
         Quantity.ACTUATORS: "Drake reads motors only",
+        Quantity.SENSORS: _NO_SENSORS,
         Quantity.LIMITS: "Drake reads no actuatorfrcrange",
     },
 }

@@ -1,16 +1,28 @@
 """What stepbot's own model says of a robot, in the form in which engines say what they see: the reference."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import stepbot
 
+from ..drives import control_range, force_range
 from ..dynamics import equations_of_motion
 from ..kinematics import Tree, complete, initial_configuration, link_poses
 from ..loops import closure_gap
-from ..model import Collision, Joint, JointKind, Link, LoopClosure, MeshRef, Robot, Visual
+from ..model import Actuator, ActuatorKind, Collision, Joint, JointKind, Link, LoopClosure, MeshRef, Robot, Visual
+from ..sensors import PLACED, SEEING, Sensor, SensorKind
 from ..spatial import Pose, join_bounds
 from ._bounds import Bounds, mesh_bounds, primitive_bounds
-from .observation import Dynamics, Observation, ObservedClosure, ObservedJoint, ObservedLink, Request
+from .observation import (
+    Dynamics,
+    Observation,
+    ObservedActuator,
+    ObservedClosure,
+    ObservedJoint,
+    ObservedLink,
+    ObservedSensor,
+    Request,
+)
 
 NAME = "model"
 
@@ -39,7 +51,8 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations),
         closures=tuple(_closure(closure, poses[len(request.configurations) :]) for closure in robot.closures),
         frames={frame.name: (frame.link, frame.X_LF) for frame in robot.frames},
-        actuators=robot.actuators,
+        actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
+        sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
         initial=initial_configuration(robot),
     )
 
@@ -100,4 +113,36 @@ def _closure(closure: LoopClosure, poses: Sequence[Mapping[str, Pose]]) -> Obser
         closure.axis,
         residual=max(gaps, default=0.0),
         angle_error=0.0,
+    )
+
+
+def _actuator(robot: Robot, actuator: Actuator) -> ObservedActuator:
+    joint = robot.joint_by_name[actuator.joint]
+    motor = actuator.kind is ActuatorKind.MOTOR
+    return ObservedActuator(
+        actuator.name,
+        actuator.joint,
+        actuator.kind.value,
+        0.0 if actuator.kind is not ActuatorKind.POSITION else actuator.kp,
+        0.0 if motor else actuator.kv,
+        actuator.gear,
+        control_range(actuator, joint),
+        None if motor else force_range(actuator, joint),  # a motor's input is its force
+    )
+
+
+def _sensor(sensor: Sensor) -> ObservedSensor:
+    seen = ObservedSensor(
+        sensor.name,
+        sensor.kind.value,
+        sensor.link if sensor.kind is not SensorKind.JOINT else None,
+        sensor.joint or None,
+        sensor.X_LS if sensor.kind in PLACED else None,
+        sensor.rate,
+    )
+    view = sensor.view
+    if sensor.kind not in SEEING:
+        return seen
+    return replace(
+        seen, fov=view.fov, columns=view.columns, rows=view.rows, nearest=view.nearest, farthest=view.farthest
     )

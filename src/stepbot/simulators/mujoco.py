@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..dynamics import GRAVITY, Rates
-from ..model import Actuator, ActuatorKind
 from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia
 from ._mujoco_coordinates import Balls, Coordinates
+from ._mujoco_devices import observed_actuators, observed_frames, observed_sensors
 from ._mujoco_joints import observed_joints
 from ._mujoco_shapes import shape_bounds
 from ._resources import resolve
@@ -33,8 +33,13 @@ NAME = "mujoco"
 FORMATS = ("urdf", "mjcf")
 
 _URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
+_EXTENSION = "MuJoCo passes over the blocks of a URDF that hold it"
 _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
-    "urdf": {Quantity.CLOSURES: "URDF holds no loops"},
+    "urdf": {
+        Quantity.CLOSURES: "URDF holds no loops",
+        Quantity.ACTUATORS: _EXTENSION,
+        Quantity.SENSORS: _EXTENSION,
+    },
     "mjcf": {},
 }
 _FOR_COMPILING = 1e-6
@@ -192,9 +197,9 @@ class Compiled:
 
 
 def _static(compiled: Compiled, request: Request) -> Observation:
-    model = compiled.model
     closed = [q for way in request.ways for q in way]
     mjcf = request.format == "mjcf"
+    sensors = observed_sensors(compiled)
     return Observation(
         engine=NAME,
         version=compiled.engine.__version__,
@@ -205,8 +210,9 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         coordinates=compiled.coordinates.names,
         poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
         dynamics=tuple(_dynamics(compiled, *at) for at in request.moments),
-        frames=_frames(compiled) if mjcf else None,
-        actuators=tuple(_actuator(compiled, a) for a in range(model.nu)) if mjcf else None,
+        frames=observed_frames(compiled, sensors) if mjcf else None,
+        actuators=observed_actuators(compiled) if mjcf else None,
+        sensors=sensors if mjcf else None,
         initial=_initial(compiled) if mjcf else None,
         not_run=_NOT_RUN[request.format],
     )
@@ -256,31 +262,6 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynam
     finally:
         model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = kept
     return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
-
-
-def _frames(compiled: Compiled) -> dict[str, tuple[str, Pose]]:
-    model = compiled.model
-    return {
-        compiled.name("SITE", s): (
-            compiled.name("BODY", int(model.site_bodyid[s])),
-            Pose.from_quaternion(model.site_quat[s].tolist(), model.site_pos[s]),
-        )
-        for s in range(model.nsite)
-    }
-
-
-def _actuator(compiled: Compiled, a: int) -> Actuator:
-    """What drives a joint; told apart by its bias, as MuJoCo's shortcuts set it."""
-    model = compiled.model
-    gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
-    joint = compiled.name("JOINT", int(model.actuator_trnid[a][0]))
-    gear = float(model.actuator_gear[a][0])
-    name = compiled.name("ACTUATOR", a)
-    if bias[1]:
-        return Actuator(name, joint, ActuatorKind.POSITION, kp=gain, kv=-bias[2], gear=gear)
-    if bias[2]:
-        return Actuator(name, joint, ActuatorKind.VELOCITY, kv=gain, gear=gear)
-    return Actuator(name, joint, ActuatorKind.MOTOR, gear=gear * gain)
 
 
 def _initial(compiled: Compiled) -> dict[str, float] | None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics import Rates
-from ..model import Actuator, JointDynamics, Limit, LoopClosure, Mimic
+from ..model import JointDynamics, Limit, LoopClosure, Mimic
 from ..spatial import Matrix3, Pose, Vector3
 
 
@@ -38,6 +38,7 @@ class Quantity(StrEnum):
     MESHES = "meshes"
     FRAMES = "frames"
     ACTUATORS = "actuators"
+    SENSORS = "sensors"
     INITIAL = "initial pose"
     SELF_COLLISION = "self-collision"
     SIMULATION = "simulation"
@@ -123,6 +124,47 @@ class ObservedClosure:
     """Worst deviation [rad or m] over the range of the engine's closed configuration from the reference's."""
 
 
+@dataclass(frozen=True)
+class ObservedActuator:
+    """A drive as an engine or parser sees it; bounds are infinite where there are none, None where it does not tell."""
+
+    name: str
+    """Empty where the format has no names for drives."""
+    joint: str
+    kind: str
+    """An :class:`stepbot.model.ActuatorKind` value, or other words for anything else."""
+    kp: float = 0.0
+    kv: float = 0.0
+    gear: float = 1.0
+    control: tuple[float, float] | None = None
+    """Lowest and highest input, at the drive."""
+    force: tuple[float, float] | None = None
+    """Lowest and highest force [N m or N], at the drive."""
+
+
+@dataclass(frozen=True)
+class ObservedSensor:
+    """A sensor as an engine or parser sees it; None where it does not tell, or the kind of sensor has none."""
+
+    name: str
+    """Empty where the format has no names for such sensors."""
+    kind: str
+    """A :class:`stepbot.sensors.SensorKind` value, or the engine's own words for anything else."""
+    link: str | None = None
+    joint: str | None = None
+    X_LS: Pose | None = None
+    rate: float | None = None
+    """[Hz]; 0 for a measurement in every step."""
+    fov: float | None = None
+    """Horizontal field of view [rad]."""
+    columns: int | None = None
+    rows: int | None = None
+    nearest: float | None = None
+    """[m]."""
+    farthest: float | None = None
+    """[m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Observation:
     """All that one engine sees in one file."""
@@ -145,7 +187,8 @@ class Observation:
     closures: tuple[ObservedClosure, ...] | None = None
     frames: Mapping[str, tuple[str, Pose]] | None = None
     """Frame name to link and pose in the link."""
-    actuators: tuple[Actuator, ...] | None = None
+    actuators: tuple[ObservedActuator, ...] | None = None
+    sensors: tuple[ObservedSensor, ...] | None = None
     initial: Mapping[str, float] | None = None
     """The pose [rad], [m] in which the file says that the robot starts."""
     missing_meshes: tuple[str, ...] = ()

@@ -40,6 +40,7 @@ _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.SIMULATION: "Pinocchio does not simulate",
     Quantity.CLOSURES: "left to the engines that simulate",
     Quantity.ACTUATORS: "Pinocchio does not read actuators",
+    Quantity.SENSORS: "Pinocchio does not read sensors",
 }
 _MJCF_NOT_RUN: Mapping[Quantity, str] = {
     Quantity.MIMIC: "Pinocchio does not read equalities of joints",

@@ -42,7 +42,7 @@ FORMATS = ("urdf", "sdf", "mjcf")
 _NO_INERTIA = "loadSDF ignores <inertia> and takes it from the collision shapes"
 _NOT_READ = "PyBullet does not read it from the file"
 _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
-    "urdf": {Quantity.MIMIC: _NOT_READ},
+    "urdf": {Quantity.MIMIC: _NOT_READ, Quantity.ACTUATORS: _NOT_READ, Quantity.SENSORS: _NOT_READ},
     "sdf": {
         Quantity.INERTIA: _NO_INERTIA,
         Quantity.MASS_MATRIX: _NO_INERTIA,
@@ -53,6 +53,7 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
         Quantity.CLOSURES: "PyBullet crashes on loops in SDFormat: it read a copy without them",
         Quantity.FRAMES: _NOT_READ,
         Quantity.ACTUATORS: _NOT_READ,
+        Quantity.SENSORS: _NOT_READ,
     },
 }
 _MJCF_REASON = "PyBullet's MJCF reader gets poses wrong: it only loads the file"

@@ -18,7 +18,9 @@ from ..dynamics import GRAVITY, equations_of_motion
 from ..kinematics import MOVING, Tree, link_poses
 from ..model import Joint, JointDynamics, JointKind, Limit, Link, MassProperties, Mimic, Robot
 from ..spatial import Pose, matrix3, turn_inertia, unit, vector3
-from ._sdf_frames import Frames, numbers, read_pose
+from ._gz_plugins import plugin_actuators, plugin_sensors
+from ._sdf_frames import Frames, number_at, read_pose
+from ._sdf_sensors import model_sensors
 from ._sdf_shapes import shapes_of
 from ._sdf_tree import closing_joints, ends, joints_to_world, read_model
 from .observation import (
@@ -85,10 +87,11 @@ def observe(request: Request) -> Observation:
         joints=tuple(_joint(joint, frames) for joint in tree),
         closures=tuple(_closure(joint, frames) for joint in closing),
         frames={frame.get("name", ""): _frame(frame, frames) for frame in model.findall("frame")},
+        actuators=tuple(plugin_actuators(model)),
+        sensors=(*model_sensors(model, frames), *plugin_sensors(model)),
         missing_meshes=tuple(missing),
         not_run={
             Quantity.SIMULATION: "a parser does not simulate",
-            Quantity.ACTUATORS: "SDFormat has no actuators",
         },
         notes=(_NOTE,),
     )
@@ -98,7 +101,7 @@ def observe(request: Request) -> Observation:
 def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
     inertial = link.find("inertial")
     X_LI = read_pose(inertial)
-    mass = _number(inertial, "mass", 1.0)  # the specification's default
+    mass = number_at(inertial, "mass", 1.0)  # the specification's default
     inertia = np.array([[_inertia(inertial, i, j) for j in "xyz"] for i in "xyz"])
     visuals, collisions = link.findall("visual"), link.findall("collision")
     seen, lost = shapes_of(visuals, file)
@@ -118,15 +121,7 @@ def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
 
 def _inertia(inertial: Element | None, i: str, j: str) -> float:
     tag = f"inertia/i{min(i, j)}{max(i, j)}"
-    return _number(inertial, tag, 1.0 if i == j else 0.0)
-
-
-def _number(element: Element | None, path: str, default: float) -> float:
-    text = None if element is None else element.findtext(path)
-    values = numbers(text) if text is not None else [default]
-    if len(values) != 1:
-        raise EngineRefused(f"<{path}> holds {len(values)} numbers, 1 expected")
-    return values[0]
+    return number_at(inertial, tag, 1.0 if i == j else 0.0)
 
 
 def _kind(joint: Element) -> str:
@@ -150,7 +145,7 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
         child,
         axis=vector3(a_C),
         axis2=b_C,
-        pitch=_number(joint, "screw_thread_pitch", 0.0) / (2.0 * pi) if _kind(joint) == "screw" else None,
+        pitch=number_at(joint, "screw_thread_pitch", 0.0) / (2.0 * pi) if _kind(joint) == "screw" else None,
         limit=limit,
         dynamics=dynamics,
         dynamics_fields=("damping", "friction", "stiffness", "spring_reference"),
@@ -161,16 +156,16 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
 
 def _dynamics(axis: Element) -> JointDynamics:
     return JointDynamics(
-        damping=_number(axis, "dynamics/damping", 0.0),
-        friction=_number(axis, "dynamics/friction", 0.0),
-        stiffness=_number(axis, "dynamics/spring_stiffness", 0.0),
-        spring_reference=_number(axis, "dynamics/spring_reference", 0.0),
+        damping=number_at(axis, "dynamics/damping", 0.0),
+        friction=number_at(axis, "dynamics/friction", 0.0),
+        stiffness=number_at(axis, "dynamics/spring_stiffness", 0.0),
+        spring_reference=number_at(axis, "dynamics/spring_reference", 0.0),
     )
 
 
 def _limit(axis: Element) -> Limit:
-    lower, upper = _number(axis, "limit/lower", -inf), _number(axis, "limit/upper", inf)
-    velocity, effort = _number(axis, "limit/velocity", inf), _number(axis, "limit/effort", inf)
+    lower, upper = number_at(axis, "limit/lower", -inf), number_at(axis, "limit/upper", inf)
+    velocity, effort = number_at(axis, "limit/velocity", inf), number_at(axis, "limit/effort", inf)
     return Limit(
         lower=-inf if lower <= -NO_LIMIT else lower,
         upper=inf if upper >= NO_LIMIT else upper,
@@ -184,8 +179,8 @@ def _mimic(axis: Element) -> Mimic | None:
     mimic = axis.find("mimic")
     if mimic is None:
         return None
-    multiplier = _number(mimic, "multiplier", 1.0)
-    offset = _number(mimic, "offset", 0.0) - multiplier * _number(mimic, "reference", 0.0)
+    multiplier = number_at(mimic, "multiplier", 1.0)
+    offset = number_at(mimic, "offset", 0.0) - multiplier * number_at(mimic, "reference", 0.0)
     return Mimic(mimic.get("joint", ""), multiplier, offset)
 
 

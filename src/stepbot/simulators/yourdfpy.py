@@ -22,6 +22,7 @@ NAME = "yourdfpy"
 FORMATS = ("urdf",)
 
 _NO_DYNAMICS = "yourdfpy has no dynamics"
+_EXTENSION = "yourdfpy passes over the blocks that hold it"
 _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.MASS_MATRIX: _NO_DYNAMICS,
     Quantity.GRAVITY: _NO_DYNAMICS,
@@ -29,6 +30,8 @@ _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.SIMULATION: _NO_DYNAMICS,
     Quantity.MESHES: "left to the engines that simulate",
     Quantity.CLOSURES: "URDF holds no loops",
+    Quantity.ACTUATORS: _EXTENSION,
+    Quantity.SENSORS: _EXTENSION,
 }
 _MOVING = ("revolute", "continuous", "prismatic")
 

@@ -27,6 +27,7 @@ CODES: Mapping[Quantity, str] = {
     Quantity.CLOSURES: "SB808",
     Quantity.MESHES: "SB809",
     Quantity.ACTUATORS: "SB816",
+    Quantity.SENSORS: "SB816",
     Quantity.INITIAL: "SB816",
     Quantity.SIMULATION: "SB811",
 }

@@ -10,9 +10,9 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
-from ..model import Actuator, ActuatorKind
 from ..simulators.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from ..spatial import Array, Vector3, unit
+from .devices import compare_actuators, compare_sensors
 from .gauge import Gauge
 from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
 from .tolerances import tolerance
@@ -250,28 +250,6 @@ def _compare_frames(gauge: Gauge, reference: Observation, observed: Observation)
         gauge.off(angle, f"frame '{name}'", "rad")
 
 
-def _compare_actuators(gauge: Gauge, reference: Observation, observed: Observation) -> None:
-    if reference.actuators is None or observed.actuators is None:
-        return
-    ours, theirs = ({actuator.name: actuator for actuator in side.actuators or ()} for side in (reference, observed))
-    _compare_names(gauge, "actuator", list(ours), list(theirs))
-    for name in (name for name in ours if name in theirs):
-        _compare_actuator(gauge, ours[name], theirs[name])
-
-
-def _compare_actuator(gauge: Gauge, a: Actuator, b: Actuator) -> None:
-    gauge.equal(a.joint == b.joint, f"actuator '{a.name}': on joint '{b.joint}', '{a.joint}' expected")
-    gauge.equal(a.kind == b.kind, f"actuator '{a.name}': {b.kind}, {a.kind} expected")
-    fields = {
-        "gear": True,
-        "kp": a.kind is ActuatorKind.POSITION,
-        "kv": a.kind in (ActuatorKind.POSITION, ActuatorKind.VELOCITY),
-    }
-    for name in (name for name, told in fields.items() if told):
-        expected = getattr(a, name)
-        gauge.near(getattr(b, name), expected, f"{name} of actuator '{a.name}'", "SI", _size(expected))
-
-
 def _compare_initial(gauge: Gauge, reference: Observation, observed: Observation) -> None:
     if reference.initial is None or observed.initial is None:
         return
@@ -308,7 +286,8 @@ _COMPARISONS: Mapping[Quantity, Comparison] = {
     Quantity.CLOSURES: compare_closures,
     Quantity.MESHES: _compare_meshes,
     Quantity.FRAMES: _compare_frames,
-    Quantity.ACTUATORS: _compare_actuators,
+    Quantity.ACTUATORS: compare_actuators,
+    Quantity.SENSORS: compare_sensors,
     Quantity.INITIAL: _compare_initial,
     Quantity.SIMULATION: _compare_simulation,
     Quantity.WARNINGS: _compare_warnings,
@@ -341,6 +320,7 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.MESHES: _has_shapes,
     Quantity.FRAMES: lambda observation: bool(observation.frames),
     Quantity.ACTUATORS: lambda observation: bool(observation.actuators),
+    Quantity.SENSORS: lambda observation: bool(observation.sensors),
     Quantity.INITIAL: lambda observation: observation.initial is not None and any(observation.initial.values()),
 }
 """Whether a robot has something of the quantity at all; every robot has the others."""

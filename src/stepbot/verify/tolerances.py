@@ -43,6 +43,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.MESHES: Tolerance(absolute=1e-6),
     Quantity.FRAMES: Tolerance(absolute=1e-9),
     Quantity.ACTUATORS: Tolerance(absolute=1e-9, relative=1e-9),
+    Quantity.SENSORS: Tolerance(absolute=1e-9, relative=1e-9),
     Quantity.INITIAL: Tolerance(absolute=1e-9),
     Quantity.SELF_COLLISION: EQUAL,
     Quantity.SIMULATION: EQUAL,

@@ -22,12 +22,15 @@ FORMAT = "drake.sdf"
 
 
 def for_drake(robot: Robot) -> Robot:
-    """The robot without drives of universal joints: Drake takes any limit but 0 for an actuator, and has none there."""
+    """The robot without sensors, which Drake knows none of, and without drives of universal joints.
+
+    Drake takes any limit but 0 for an actuator, and has none on joints of several freedoms.
+    """
     joints = tuple(
         replace(joint, limit=replace(joint.limit, effort=0.0)) if joint.kind is JointKind.UNIVERSAL else joint
         for joint in robot.joints
     )
-    return replace(robot, joints=joints)
+    return replace(robot, joints=joints, sensors=())
 
 
 def constrain(model: Element, robot: Robot) -> None:

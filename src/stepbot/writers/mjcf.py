@@ -16,7 +16,6 @@ from ..freedoms import steps_by_child
 from ..kinematics import initial_configuration, neighbours
 from ..lowering import Notion, exact, free_name, lowered, refused, reported
 from ..model import (
-    Actuator,
     ActuatorKind,
     Base,
     Box,
@@ -35,7 +34,9 @@ from ..model import (
     Visual,
 )
 from ..spatial import Pose
+from . import _mjcf_devices as devices
 from ._companion import Companion
+from ._mjcf_devices import mjcf_pose
 from ._xml import Element, Value, document, element, root
 
 NAME = "mjcf"
@@ -82,6 +83,22 @@ EXPRESSES = {
     Notion.INITIAL_POSE: exact("keyframe `home`"),
     Notion.FRAME: exact("`<site>`"),
     Notion.ACTUATOR: exact("`<position>`, `<velocity>`, `<motor>`"),
+    Notion.GEAR: exact("`gear`"),
+    Notion.DRIVE_INPUT: exact("`ctrlrange`"),
+    Notion.OPEN_DRIVE: exact("no attribute"),
+    Notion.JOINT_SENSOR: exact("`<jointpos>`, `<jointvel>`; `<ballquat>`, `<ballangvel>`"),
+    Notion.IMU: exact("`<accelerometer>`, `<gyro>`, `<framequat>` at a site"),
+    Notion.FORCE_TORQUE: exact("`<force>`, `<torque>` at a site"),
+    Notion.OFF_JOINT: exact("`<force>`, `<torque>` at a site"),
+    Notion.CAMERA: exact("`<camera>`"),
+    Notion.LIDAR: exact("`<rangefinder>` at each of `<replicate>` sites"),
+    Notion.CONTACT: exact("`<contact>` of a body"),
+    Notion.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
+    Notion.SENSOR_RATE: exact("`interval`"),
+    Notion.ENCODER_RATE: exact("`interval`"),
+    Notion.CAMERA_EXTRAS: reported("SB727", "MuJoCo draws when it is asked to, from one near to one far plane for all"),
+    Notion.LIDAR_NEAREST: reported("SB727", "nothing is too near for a `<rangefinder>`"),
+    Notion.OPEN_VIEW: exact("no `cutoff`"),
     Notion.JOINT_NAME: exact("each kind of element has names of its own"),
     Notion.FRAME_NAME: exact("each kind of element has names of its own"),
     Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
@@ -108,7 +125,8 @@ def render(robot: Robot) -> bytes:
     _bodies(top, robot)
     _contact(top, robot)
     _equality(top, robot)
-    _actuators(top, robot)
+    devices.actuators(top, robot)
+    devices.sensors(top, robot)
     _velocity_limits(top, robot)
     _keyframe(top, robot)
     return document(top)
@@ -145,7 +163,7 @@ def _bodies(top: Element, robot: Robot) -> None:
     for link in robot.links:
         joint = joint_of.get(link.name)
         above = parents[joint.parent] if joint else parents[robot.root.name]
-        body = element(above, "body", name=link.name, **_pose(joint.X_PC if joint else Pose()))
+        body = element(above, "body", name=link.name, **mjcf_pose(joint.X_PC if joint else Pose()))
         parents[link.name] = body
         _inertial(body, link.mass_properties)
         if joint is not None:
@@ -159,6 +177,7 @@ def _bodies(top: Element, robot: Robot) -> None:
         for collision in link.collisions:
             _geom(body, "collision", collision, names.of(collision.name))
         _sites(body, link, robot)
+        devices.mounts(body, link, robot)
 
 
 class _GeomNames:
@@ -208,7 +227,7 @@ def _joint(body: Element, joint: Joint) -> None:
 
 def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **more: Value) -> None:
     kind, size = _geometry(shape.geometry)
-    element(body, "geom", name=name, class_=class_, type=kind, **size, **_pose(shape.X_LG), **more)
+    element(body, "geom", name=name, class_=class_, type=kind, **size, **mjcf_pose(shape.X_LG), **more)
 
 
 def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
@@ -229,12 +248,12 @@ def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
 def _sites(body: Element, link: Link, robot: Robot) -> None:
     for frame in robot.frames:
         if frame.link == link.name:
-            element(body, "site", name=frame.name, **_pose(frame.X_LF))
+            element(body, "site", name=frame.name, **mjcf_pose(frame.X_LF))
     for closure in robot.closures:
         for side, holder, X_LF in (("a", closure.link_a, closure.X_AF), ("b", closure.link_b, closure.X_BF)):
             if holder == link.name:
                 name = f"{closure.name}/{side}"
-                element(body, "site", name=name, **_pose(X_LF))
+                element(body, "site", name=name, **mjcf_pose(X_LF))
                 if closure.kind is JointKind.REVOLUTE:
                     element(body, "site", name=f"{name}/axis", pos=X_LF.apply(_second_point(closure)).tolist())
 
@@ -272,35 +291,6 @@ def _equality(top: Element, robot: Robot) -> None:
         if closure.kind is JointKind.REVOLUTE:
             on_axis = {side: f"{site}/axis" for side, site in sides.items()}
             element(equality, kind, name=f"{closure.name}/axis", **on_axis)
-
-
-def _actuators(top: Element, robot: Robot) -> None:
-    if robot.actuators:
-        xml = element(top, "actuator")
-        for actuator in robot.actuators:
-            _actuator(xml, actuator, robot.joint_by_name[actuator.joint])
-
-
-def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
-    """An actuator; its control and force are on the motor's side of the gear, its joint's limits on the other."""
-    gear, limit = actuator.gear, joint.limit
-    optional: dict[str, Value] = {"gear": gear} if gear != 1.0 else {}
-    match actuator.kind:
-        case ActuatorKind.POSITION:
-            optional["kp"] = actuator.kp
-            if actuator.kv:
-                optional["kv"] = actuator.kv
-            control = sorted((limit.lower * gear, limit.upper * gear))
-        case ActuatorKind.VELOCITY:
-            optional["kv"] = actuator.kv
-            control = [-limit.velocity * abs(gear), limit.velocity * abs(gear)]
-        case ActuatorKind.MOTOR:
-            control = [-limit.effort / abs(gear), limit.effort / abs(gear)]
-    if all(map(isfinite, control)):
-        optional["ctrlrange"] = control
-    if isfinite(limit.effort) and actuator.kind is not ActuatorKind.MOTOR:
-        optional["forcerange"] = (-limit.effort / abs(gear), limit.effort / abs(gear))
-    element(parent, actuator.kind.value, name=actuator.name, joint=actuator.joint, **optional)
 
 
 def _velocity_limits(top: Element, robot: Robot) -> None:
@@ -345,12 +335,3 @@ def _depth_first(robot: Robot) -> list[str]:
         order.append(joint.child)
         stack += reversed(below[joint.child])
     return order
-
-
-def _pose(X: Pose) -> dict[str, Value]:
-    pose: dict[str, Value] = {}
-    if any(X.position):
-        pose["pos"] = X.position
-    if X.rotation != Pose().rotation:
-        pose["quat"] = X.quaternion
-    return pose

@@ -30,6 +30,8 @@ from ..model import (
 from ..spatial import IDENTITY, Pose, Vector3
 from . import _drake
 from ._companion import Companion
+from ._gz_plugins import plugins
+from ._sdf_sensors import sdf_pose, sensors_on_joint, sensors_on_link
 from ._xml import Element, document, element, root
 
 NAME = "sdf"
@@ -81,7 +83,23 @@ EXPRESSES = {
     Notion.LOOP_ZERO: lowered("SB711", "a loop closes at q = 0, so zeros are moved to the drawn pose"),
     Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
     Notion.FRAME: exact("`<frame>` attached to its link"),
-    Notion.ACTUATOR: reported("SB702", "actuators are left out"),
+    Notion.ACTUATOR: lowered("SB725", "actuators are plugins of Gazebo, under no name"),
+    Notion.GEAR: lowered("SB726", "gears are multiplied into gains and inputs, which count at the joint"),
+    Notion.DRIVE_INPUT: reported("SB729", "bounds of inputs are those of the joints"),
+    Notion.OPEN_DRIVE: lowered("SB704", "1e9 stands for a missing effort limit of an actuator"),
+    Notion.JOINT_SENSOR: lowered("SB725", "joint sensors are plugins of Gazebo, under no name"),
+    Notion.IMU: exact("`imu`"),
+    Notion.FORCE_TORQUE: exact("`force_torque` in its joint"),
+    Notion.OFF_JOINT: reported("SB728", "torques count about the joint's origin"),
+    Notion.CAMERA: exact("`camera`"),
+    Notion.LIDAR: exact("`gpu_lidar`"),
+    Notion.CONTACT: exact("`contact` with the collisions of its link"),
+    Notion.SENSOR_PLACE: exact("`<pose>`"),
+    Notion.SENSOR_RATE: exact("`<update_rate>`"),
+    Notion.ENCODER_RATE: reported("SB727", "the state of joints is published in every step"),
+    Notion.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
+    Notion.LIDAR_NEAREST: exact("`<range>`"),
+    Notion.OPEN_VIEW: lowered("SB704", "0.1 m and 100 m stand for missing bounds of what a sensor sees"),
     Notion.JOINT_NAME: lowered("SB710", "links, joints and frames share their names"),
     Notion.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
     Notion.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` mean something else"),
@@ -102,6 +120,7 @@ def render(robot: Robot) -> bytes:
     model = _tree(top, robot)
     for closure in robot.closures:
         _closure(model, closure, robot)
+    plugins(model, robot)
     return document(top)
 
 
@@ -120,13 +139,13 @@ def _tree(top: Element, robot: Robot) -> Element:
     model = element(top, "model", name=robot.name)
     X_ML = _link_poses(robot)
     for link in robot.links:
-        _link(model, link, X_ML[link.name], robot)
+        sensors_on_link(_link(model, link, X_ML[link.name], robot), link, robot.sensors)
     if robot.base is Base.FIXED:
         _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
     for joint in robot.joints:
-        _joint(model, joint)
+        sensors_on_joint(_joint(model, joint), joint.name, robot.sensors)
     for frame in robot.frames:
-        _pose(element(model, "frame", name=frame.name, attached_to=frame.link), frame.X_LF)
+        sdf_pose(element(model, "frame", name=frame.name, attached_to=frame.link), frame.X_LF)
     return model
 
 
@@ -151,9 +170,9 @@ def _world_joint_name(robot: Robot) -> str:
     return free_name(f"world_to_{robot.root.name}", "_joint", taken)
 
 
-def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> None:
+def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
     xml = element(model, "link", name=link.name)
-    _pose(xml, X_ML)
+    sdf_pose(xml, X_ML)
     mass = link.mass_properties
     inertial = element(xml, "inertial")
     element(inertial, "pose", (*mass.com, 0.0, 0.0, 0.0))
@@ -169,11 +188,12 @@ def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> None:
         element(material, "diffuse", visual.rgba)
     for collision in link.collisions:
         _shape(xml, "collision", collision, robot)
+    return xml
 
 
 def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
     xml = element(parent, tag, name=shape.name)
-    _pose(xml, shape.X_LG)
+    sdf_pose(xml, shape.X_LG)
     _geometry(element(xml, "geometry"), shape.geometry, robot)
     return xml
 
@@ -205,12 +225,12 @@ def _joint_head(model: Element, name: str, kind: str, parent: str, child: str) -
     return xml
 
 
-def _joint(model: Element, joint: Joint) -> None:
+def _joint(model: Element, joint: Joint) -> Element:
     xml = _joint_head(model, joint.name, joint.kind.value, joint.parent, joint.child)
     if joint.kind is JointKind.SCREW:
         element(xml, "screw_thread_pitch", joint.pitch * 2.0 * pi)
     if joint.kind in (JointKind.FIXED, JointKind.BALL):
-        return
+        return xml
     axis = _axis(xml, "axis", joint.axis)
     _limit(axis, joint.kind, joint.limit)
     _dynamics(axis, joint.dynamics)
@@ -223,6 +243,7 @@ def _joint(model: Element, joint: Joint) -> None:
         element(mimic, "multiplier", joint.mimic.multiplier)
         element(mimic, "offset", joint.mimic.offset)
         element(mimic, "reference", 0.0)
+    return xml
 
 
 def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
@@ -231,7 +252,7 @@ def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
     if child == robot.root.name:
         parent, child, X_CF = closure.link_b, closure.link_a, closure.X_AF
     xml = _joint_head(model, closure.name, closure.kind.value, parent, child)
-    _pose(xml, X_CF)
+    sdf_pose(xml, X_CF)
     if closure.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC):
         _limit(_axis(xml, "axis", closure.axis), closure.kind, Limit())
 
@@ -264,8 +285,3 @@ def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
     element(xml, "friction", dynamics.friction)
     element(xml, "spring_reference", dynamics.spring_reference)
     element(xml, "spring_stiffness", dynamics.stiffness)
-
-
-def _pose(parent: Element, X: Pose) -> None:
-    if not X.is_identity:
-        element(parent, "pose", (*X.position, *X.rpy))

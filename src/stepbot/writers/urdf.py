@@ -11,6 +11,7 @@ from ..lowering import Notion, exact, lowered, refused, reported
 from ..model import Box, Capsule, Collision, Cylinder, Geometry, Joint, JointKind, Link, MeshRef, Robot, Sphere, Visual
 from ..spatial import Pose
 from ._companion import Companion
+from ._urdf_extensions import extensions
 from ._xml import Element, document, element, root
 
 NAME = "urdf"
@@ -48,7 +49,7 @@ EXPRESSES = {
     Notion.EFFORT: exact("`effort`"),
     Notion.VELOCITY: exact("`velocity`"),
     Notion.FRICTION: exact("`<dynamics>`"),
-    Notion.SPRING: reported("SB703", "springs are left out"),
+    Notion.SPRING: lowered("SB725", "springs are in `<gazebo>`"),
     Notion.ARMATURE: reported("SB703", "armatures are left out"),
     Notion.MIMIC: exact("`<mimic>`"),
     Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
@@ -58,7 +59,23 @@ EXPRESSES = {
     Notion.LOOP_ZERO: exact("the tree alone is written"),
     Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
     Notion.FRAME: lowered("SB708", "frames are links without mass on fixed joints"),
-    Notion.ACTUATOR: reported("SB702", "actuators are left out"),
+    Notion.ACTUATOR: lowered("SB725", "actuators are in `<ros2_control>` and `<transmission>`"),
+    Notion.GEAR: exact("`<mechanicalReduction>`"),
+    Notion.DRIVE_INPUT: exact("`min`, `max` of the command interface"),
+    Notion.OPEN_DRIVE: exact("no limit"),
+    Notion.JOINT_SENSOR: lowered("SB725", "joint sensors are in `<ros2_control>`"),
+    Notion.IMU: lowered("SB725", "IMUs are in `<gazebo>` and `<ros2_control>`"),
+    Notion.FORCE_TORQUE: lowered("SB725", "force-torque sensors are in `<gazebo>` and `<ros2_control>`"),
+    Notion.OFF_JOINT: reported("SB728", "torques count about the joint's origin"),
+    Notion.CAMERA: lowered("SB725", "cameras are in `<gazebo>`"),
+    Notion.LIDAR: lowered("SB725", "lidars are in `<gazebo>`"),
+    Notion.CONTACT: lowered("SB725", "contact sensors are in `<gazebo>`"),
+    Notion.SENSOR_PLACE: lowered("SB708", "these sensors are on links without mass, on fixed joints"),
+    Notion.SENSOR_RATE: exact("`<update_rate>`"),
+    Notion.ENCODER_RATE: reported("SB727", "ros2_control reads all joints at its own rate"),
+    Notion.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
+    Notion.LIDAR_NEAREST: exact("`<range>`"),
+    Notion.OPEN_VIEW: lowered("SB704", "0.1 m and 100 m stand for missing bounds of what a sensor sees"),
     Notion.JOINT_NAME: exact("links and joints have names of their own"),
     Notion.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
     Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
@@ -77,6 +94,7 @@ def render(robot: Robot) -> bytes:
         _link(top, link, robot)
     for joint in robot.joints:
         _joint(top, joint)
+    extensions(top, robot)
     return document(top)
 
 

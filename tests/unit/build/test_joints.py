@@ -197,21 +197,18 @@ def test_what_is_not_built_is_an_error(tmp_path: Path, found: ReadDiagnostics) -
       b: {type: fixed, parent: upper, child: lower, origin: {xyz: [0, 0, 0]}}
     closures:
       c: {type: prismatic, link_a: base, link_b: lower, origin: {xyz: [0, 0, 0]}}
-    sensors:
-      imu: {type: imu, link: base}
 """
     )
     assert build(_chain(), tmp_path, text, found) is None
     assert set(found.codes()) == {"SB307"}
     assert [d.message.split(":")[0] for d in found] == [
-        "sensor 'imu'",
         "parts rule 'base'",
         "link 'lower'",
     ]
     assert all("parsed but not yet supported" in d.message and d.help for d in found)
     lines = (tmp_path / "test.robot.yaml").read_text(encoding="utf-8").splitlines()
     told = [lines[d.span.line - 1][d.span.column - 1 :] for d in found]
-    assert [text.split(",")[0].rstrip("}") for text in told] == ["imu", "decompose", "decompose"]
+    assert [text.split(",")[0].rstrip("}") for text in told] == ["decompose", "decompose"]
 
 
 def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) -> None:

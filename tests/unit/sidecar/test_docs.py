@@ -9,9 +9,10 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.model import JointKind
+from stepbot.sensors import SensorKind
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.compose import compose
-from stepbot.sidecar.document import CollisionShape, SensorKind
+from stepbot.sidecar.document import CollisionShape
 from stepbot.sidecar.fields import section_classes
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.tree import plain_data

@@ -1,0 +1,128 @@
+"""What drives and sensors ask of their keys, and of the joints and links that they are on."""
+
+from math import pi
+
+from ..diagnostics import Diagnostics
+from ..model import ActuatorKind, JointKind
+from ..sensors import PLACED, SEEING, SensorKind
+from .devices import ActuatorSection, SensorSection
+from .joint_rules import check_unit
+from .joint_settings import ONE_FREEDOM, settings_of
+from .located import Sidecar
+from .motion import LimitsSection
+
+_GAINS = {ActuatorKind.POSITION: ("kp", "kv"), ActuatorKind.VELOCITY: ("kv",), ActuatorKind.MOTOR: ()}
+_NEEDED_GAIN = {ActuatorKind.POSITION: "kp", ActuatorKind.VELOCITY: "kv"}
+_BOUNDS = {
+    ActuatorKind.POSITION: ("lower", "upper", "effort"),
+    ActuatorKind.VELOCITY: ("velocity", "effort"),
+    ActuatorKind.MOTOR: ("effort",),
+}
+"""Limits that a drive may have: of its input, and of its force."""
+
+_KINDS_WITH: dict[str, tuple[SensorKind, ...]] = {
+    "origin": PLACED,
+    "fov": SEEING,
+    "range": SEEING,
+    "resolution": (SensorKind.CAMERA,),
+    "samples": (SensorKind.LIDAR,),
+}
+
+
+def check_drives(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report, actuator by actuator, SB121, SB125, SB137, SB138, SB456 and SB459."""
+    document = sidecar.document
+    driven: dict[tuple[str, ActuatorKind], str] = {}
+    for name, actuator in document.actuators.items():
+        who = f"actuator '{name}'"
+        _check_gains(sidecar, name, actuator, found)
+        _check_bounds(sidecar, name, actuator, found)
+        joint = document.joints.get(actuator.joint)
+        if joint is None:
+            continue
+        place = sidecar.span("actuators", name, "joint")
+        first = driven.setdefault((actuator.joint, actuator.kind), name)
+        if joint.type not in ONE_FREEDOM:
+            message = f"{who}: cannot drive '{actuator.joint}': a {joint.type} joint has no one position"
+            found.add("SB459", message, place, help=[f"joints that can be driven: {', '.join(ONE_FREEDOM)}"])
+        elif joint.mimic is not None:
+            message = f"{who}: cannot drive '{actuator.joint}', which follows joint '{joint.mimic.joint}'"
+            found.add("SB459", message, place, help=[f"drive '{joint.mimic.joint}'"])
+        elif first != name:
+            message = f"{who}: cannot drive '{actuator.joint}': '{first}' is a {actuator.kind} actuator on it already"
+            found.add("SB459", message, place, help=["keep one of them, or make them of different kinds"])
+        else:
+            _check_units(sidecar, name, actuator, joint.type, found)
+
+
+def _check_units(sidecar: Sidecar, name: str, actuator: ActuatorSection, kind: JointKind, found: Diagnostics) -> None:
+    who, known = f"actuator '{name}'", settings_of(kind)
+    for key, value, field in (("kp", actuator.kp, "stiffness"), ("kv", actuator.kv, "damping")):
+        check_unit(sidecar, who, kind, value.dimension, known[field], ("actuators", name, key), found)
+    for field in LimitsSection.model_fields:
+        bound = getattr(actuator.limits, field)
+        if bound is not None and field in known:
+            keys = ("actuators", name, "limits", field)
+            check_unit(sidecar, who, kind, bound.dimension, known[field], keys, found)
+
+
+def _check_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:
+    who, kind = f"actuator '{name}'", actuator.kind
+    for gain in ("kp", "kv"):
+        if gain in actuator.model_fields_set and gain not in _GAINS[kind]:
+            help = [f"{kind.value} for {gain}" for kind, gains in _GAINS.items() if gain in gains]
+            message = f"{who}: an actuator of kind {kind} has no '{gain}'"
+            found.add("SB137", message, sidecar.key_span("actuators", name, gain), help=[f"kinds: {', '.join(help)}"])
+    needed = _NEEDED_GAIN.get(kind)
+    if needed is not None and needed not in actuator.model_fields_set:
+        message = f"{who}: key '{needed}' is missing: without it a {kind} actuator exerts nothing"
+        found.add("SB121", message, sidecar.key_span("actuators", name), help=[f"for example `{needed}: 100`"])
+    if actuator.gear == 0.0:
+        found.add("SB125", f"{who}: gear: a drive with ratio 0 exerts nothing", sidecar.span("actuators", name, "gear"))
+
+
+def _check_bounds(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:
+    who, kind, limits = f"actuator '{name}'", actuator.kind, actuator.limits
+    for field in LimitsSection.model_fields:
+        if field in limits.model_fields_set and field not in _BOUNDS[kind]:
+            message = f"{who}: an actuator of kind {kind} has no 'limits.{field}'"
+            help = [f"limits that it can have: {', '.join(_BOUNDS[kind])}"]
+            found.add("SB137", message, sidecar.key_span("actuators", name, "limits", field), help=help)
+    if limits.lower is not None and limits.upper is not None and limits.lower.value >= limits.upper.value:
+        message = f"{who}: lower {limits.lower.value:g} is not below upper {limits.upper.value:g}"
+        found.add("SB456", message, sidecar.span("actuators", name, "limits", "lower"))
+
+
+def check_sensors(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report, sensor by sensor, SB125, SB136 and SB137."""
+    document = sidecar.document
+    moved = {joint.child for joint in document.joints.values()}
+    for name, sensor in document.sensors.items():
+        who, place = f"sensor '{name}'", sidecar.key_span("sensors", name)
+        for key, kinds in _KINDS_WITH.items():
+            if key in sensor.model_fields_set and sensor.type not in kinds:
+                help = [f"sensors that have it: {', '.join(kinds)}"]
+                message = f"{who}: a sensor of type {sensor.type} has no '{key}'"
+                found.add("SB137", message, sidecar.key_span("sensors", name, key), help=help)
+        if sensor.type is SensorKind.FORCE_TORQUE and sensor.link in document.links and sensor.link not in moved:
+            message = f"{who}: no joint is above link '{sensor.link}', so that nothing is pulled there"
+            help = ["name a joint, or a link that hangs from one"]
+            found.add("SB136", message, place, help=help)
+        joint = document.joints.get(sensor.joint or "")
+        if sensor.type is SensorKind.JOINT and joint is not None and joint.type is JointKind.FIXED:
+            found.add("SB136", f"{who}: joint '{sensor.joint}' is fixed, and has no position to measure", place)
+        _check_view(sidecar, name, sensor, found)
+
+
+def _check_view(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
+    """Fields of view that a camera cannot have, rays that have nowhere to go, ranges that hold nothing."""
+    who = f"sensor '{name}'"
+    if sensor.type is SensorKind.CAMERA and sensor.fov is not None and not 0.0 < sensor.fov < pi:
+        message = f"{who}: fov: a camera sees more than 0 and less than 180 deg"
+        found.add("SB125", message, sidecar.span("sensors", name, "fov"))
+    elif sensor.type is SensorKind.LIDAR and (sensor.fov == 0.0) != (sensor.samples == 1):
+        message = f"{who}: one ray alone has a field of view of 0, and several have more"
+        found.add("SB125", message, sidecar.key_span("sensors", name), help=["`fov: 0, samples: 1` is one ray along x"])
+    if sensor.range is not None and sensor.range[0] >= sensor.range[1]:
+        message = f"{who}: range: the shortest distance is not below the longest"
+        found.add("SB125", message, sidecar.span("sensors", name, "range"))

@@ -1,0 +1,83 @@
+"""Sensors as SDFormat has them: http://sdformat.org/spec?elem=sensor. URDF holds the same in `<gazebo>`.
+
+Gazebo has no lidar but that of the graphics card: hence ``gpu_lidar``. A joint sensor is none of the format's.
+"""
+
+from ..model import Link
+from ..sensors import Sensor, SensorKind
+from ..spatial import IDENTITY, Pose
+from ._xml import Element, element
+
+_TYPES = {
+    SensorKind.IMU: "imu",
+    SensorKind.FORCE_TORQUE: "force_torque",
+    SensorKind.CAMERA: "camera",
+    SensorKind.LIDAR: "gpu_lidar",
+    SensorKind.CONTACT: "contact",
+}
+"""The format's word for each kind."""
+
+
+def sensors_on_link(xml: Element, link: Link, sensors: tuple[Sensor, ...]) -> None:
+    """Add the sensors that are mounted on a link."""
+    for sensor in sensors:
+        if sensor.link == link.name and sensor.kind in _TYPES and sensor.kind is not SensorKind.FORCE_TORQUE:
+            sdf_sensor(xml, sensor, link)
+
+
+def sensors_on_joint(xml: Element, joint: str, sensors: tuple[Sensor, ...]) -> None:
+    """Add the force-torque sensors of a joint."""
+    for sensor in sensors:
+        if sensor.joint == joint and sensor.kind is SensorKind.FORCE_TORQUE:
+            sdf_sensor(xml, sensor, None)
+
+
+def sdf_sensor(parent: Element, sensor: Sensor, link: Link | None) -> Element:
+    """Add one sensor; ``link`` is the one that it is on, whose shapes a contact sensor watches."""
+    xml = element(parent, "sensor", name=sensor.name, type=_TYPES[sensor.kind])
+    sdf_pose(xml, sensor.X_LS)
+    if sensor.rate:
+        element(xml, "update_rate", sensor.rate)
+    match sensor.kind:
+        case SensorKind.FORCE_TORQUE:
+            cell = element(xml, "force_torque")
+            if sensor.X_LS.rotation != IDENTITY.rotation:
+                element(cell, "frame", "sensor")
+            element(cell, "measure_direction", "parent_to_child")
+        case SensorKind.CAMERA:
+            _camera(xml, sensor)
+        case SensorKind.LIDAR:
+            _lidar(xml, sensor)
+        case SensorKind.CONTACT:
+            contact = element(xml, "contact")
+            for collision in link.collisions if link is not None else ():
+                element(contact, "collision", collision.name)
+    return xml
+
+
+def _camera(xml: Element, sensor: Sensor) -> None:
+    camera = element(xml, "camera")
+    element(camera, "horizontal_fov", sensor.view.fov)
+    image = element(camera, "image")
+    element(image, "width", sensor.view.columns)
+    element(image, "height", sensor.view.rows)
+    clip = element(camera, "clip")
+    element(clip, "near", sensor.view.nearest)
+    element(clip, "far", sensor.view.farthest)
+
+
+def _lidar(xml: Element, sensor: Sensor) -> None:
+    lidar = element(xml, "lidar")
+    horizontal = element(element(lidar, "scan"), "horizontal")
+    element(horizontal, "samples", sensor.view.columns)
+    element(horizontal, "min_angle", -0.5 * sensor.view.fov)
+    element(horizontal, "max_angle", 0.5 * sensor.view.fov)
+    reach = element(lidar, "range")
+    element(reach, "min", sensor.view.nearest)
+    element(reach, "max", sensor.view.farthest)
+
+
+def sdf_pose(parent: Element, X: Pose) -> None:
+    """Add a pose, which is left out where it is the identity."""
+    if not X.is_identity:
+        element(parent, "pose", (*X.position, *X.rpy))

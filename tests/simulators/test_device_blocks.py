@@ -1,0 +1,112 @@
+"""Blocks that no engine reads: whatever is taken out of them is noticed by the parser that reads them back."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from lxml import etree
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.simulators.observation import EngineRefused
+from stepbot.writers import render
+from tests.devices import equipped
+from tests.simulators.conftest import Folder, failures, look, write
+
+BLOCKS = {
+    "urdf": ("extensions", ("gazebo", "transmission", "ros2_control")),
+    "sdf": ("reader", ("link/sensor", "joint/sensor", "plugin")),
+}
+
+DEFAULTS = {"min_angle": ("0",), "max_angle": ("0",)}
+"""What the formats' specifications have where nothing is said: it cannot be missed."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """The equipped robot on disk."""
+    return write(equipped(), tmp_path_factory.mktemp("equipped"))
+
+
+def _without_one_thing(file: Path, blocks: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
+    """The file without one element or attribute of its blocks, and what was taken out."""
+    count = len(list(_things(etree.parse(str(file)).getroot(), blocks)))
+    for index in range(count):
+        top = etree.parse(str(file)).getroot()
+        element, attribute = list(_things(top, blocks))[index]
+        name = f"<{element.tag}{''.join(f' {key}={value!r}' for key, value in element.attrib.items())}>"
+        if attribute:
+            del element.attrib[attribute]
+        else:
+            element.getparent().remove(element)
+        yield f"{attribute or 'all'} of {name}", top
+
+
+def _things(top: Any, blocks: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
+    model = top.find("model") if top.tag == "sdf" else top
+    for block in (found for path in blocks for found in model.findall(path)):
+        for element in block.iter():
+            if element.text not in DEFAULTS.get(element.tag, ()):
+                yield element, ""
+            yield from ((element, attribute) for attribute in element.attrib)
+
+
+@pytest.mark.parametrize("written_in", BLOCKS)
+def test_nothing_of_a_block_is_missing_unnoticed(written_in: str, folder: Folder, tmp_path: Path) -> None:
+    """Each element and each attribute, one at a time."""
+    engine, blocks = BLOCKS[written_in]
+    file = folder.written[written_in].path
+    request = replace(folder.request(written_in), simulate=0.0, configurations=())
+    expected = replace(folder.expected(written_in), poses=(), dynamics=())
+    damaged = tmp_path / file.name
+    survivors, count = [], 0
+    for what, top in _without_one_thing(file, blocks):
+        count += 1
+        damaged.write_bytes(etree.tostring(top))
+        try:
+            seen = look(engine, replace(request, file=str(damaged)))
+        except EngineRefused:
+            continue
+        if not failures(expected, seen):
+            survivors.append(what)
+    assert count > 90
+    assert not survivors, "\n".join(survivors)
+
+
+def test_blocks_of_others_are_read_too(tmp_path: Path) -> None:
+    """Drives of ros2_control without transmissions, transmissions of ROS 1 alone, a sensor of a kind of its own."""
+    file = tmp_path / "other.urdf"
+    file.write_text(
+        """<robot name="other"><link name="a"/><link name="b"/>
+        <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
+        <gazebo reference="b"><sensor name="sonar" type="sonar"/></gazebo>
+        <transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+        <joint name="j"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
+        <actuator name="t"><mechanicalReduction>7</mechanicalReduction></actuator></transmission>
+        <ros2_control name="x" type="system"><hardware><plugin>a/B</plugin></hardware><joint name="j">
+        <command_interface name="velocity"><param name="max">2</param></command_interface>
+        <state_interface name="position"/><state_interface name="velocity"/><state_interface name="effort"/>
+        </joint></ros2_control></robot>""",
+        encoding="utf-8",
+    )
+    from stepbot.simulators.observation import Request
+
+    seen = look("extensions", Request(str(file), "urdf"))
+    assert seen.actuators is not None
+    assert [(a.name, a.joint, a.kind, a.gear) for a in seen.actuators] == [
+        ("t", "j", "motor", 7.0),
+        ("", "j", "velocity", 1.0),
+    ]
+    assert seen.sensors is not None
+    assert [(s.name, s.kind, s.link) for s in seen.sensors] == [("sonar", "sonar", "b")]
+    assert seen.warnings == ()
+
+
+def test_robots_without_devices_have_no_blocks() -> None:
+    """Nothing is written of what is not there."""
+    bare = replace(equipped(), actuators=(), sensors=(), frames=())
+    bare = replace(bare, joints=tuple(replace(joint, dynamics=type(joint.dynamics)()) for joint in bare.joints))
+    for name, words in (("urdf", ("gazebo", "transmission", "ros2_control")), ("sdf", ("sensor", "plugin"))):
+        text = next(iter(render(bare, name, Diagnostics()).values())).decode()
+        assert not [word for word in words if f"<{word}" in text]

@@ -1,0 +1,120 @@
+"""What sensors of the written MJCF measure in MuJoCo: closed forms, so that no convention is only our own word."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lxml import etree
+
+from stepbot.kinematics import complete, link_poses
+from stepbot.model import Robot
+from stepbot.sensors import Sensor, SensorKind, View
+from stepbot.spatial import Pose
+from tests.devices import equipped
+from tests.robots import ROBOTS
+from tests.simulators.conftest import failures, look, skip_without, write
+from tests.workshop import at
+
+pytestmark = pytest.mark.mujoco
+G = 9.81
+
+
+def _at_rest(robot: Robot, folder: Path, wall: str = "") -> Any:
+    """MuJoCo's state of a robot at q = 0 that is held still there, perhaps in front of a wall."""
+    skip_without("mujoco")
+    import mujoco
+
+    file = write(robot, folder).written["mjcf"].path
+    text = file.read_text(encoding="utf-8").replace("<worldbody>", f"<worldbody>{wall}", 1)
+    # Contacts, drives and springs would push; what is left are the weights and what bears them.
+    held = text.replace("</mujoco>", '<option><flag contact="disable" actuation="disable"/></option></mujoco>')
+    file.write_text(held.replace('stiffness="0.7"', ""), encoding="utf-8")
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_inverse(model, data)
+    data.qfrc_applied[:] = data.qfrc_inverse
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.qacc, 0.0, atol=1e-9)
+    return data
+
+
+def _below(robot: Robot, link: str) -> list[str]:
+    names = [link]
+    for name in names:
+        names += [joint.child for joint in robot.joints if joint.parent == name]
+    return names
+
+
+def test_an_imu_at_rest_feels_the_ground_push_up(tmp_path: Path) -> None:
+    """The accelerometer tells 1 g along what is up in its own frame, the gyro nothing."""
+    data = _at_rest(equipped(), tmp_path)
+    (imu,) = (sensor for sensor in equipped().sensors if sensor.name == "imu")
+    up = imu.X_LS.R.T @ np.array([0.0, 0.0, G])
+    np.testing.assert_allclose(data.sensor("imu/accelerometer").data, up, atol=1e-9)
+    np.testing.assert_allclose(data.sensor("imu/gyro").data, 0.0, atol=1e-12)
+    np.testing.assert_allclose(data.sensor("imu/orientation").data, imu.X_LS.quaternion, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["shoulder_cell", "wrist_cell"])
+def test_a_cell_bears_the_weight_of_what_hangs_from_it(name: str, tmp_path: Path) -> None:
+    """The parent holds the child up against its weight, about the sensor's origin, in the sensor's axes."""
+    robot = equipped()
+    data = _at_rest(robot, tmp_path)
+    (cell,) = (sensor for sensor in robot.sensors if sensor.name == name)
+    X_W = link_poses(robot, complete(robot, {}))
+    X_WS = X_W[cell.link] @ cell.X_LS
+    force, torque = np.zeros(3), np.zeros(3)
+    for link in _below(robot, cell.link):
+        body = robot.link_by_name[link].mass_properties
+        weight = np.array([0.0, 0.0, -G * body.mass])
+        force += weight
+        torque += np.cross(X_W[link].apply(body.com) - X_WS.p, weight)
+    np.testing.assert_allclose(data.sensor(f"{name}/force").data, -X_WS.R.T @ force, atol=1e-9)
+    np.testing.assert_allclose(data.sensor(f"{name}/torque").data, -X_WS.R.T @ torque, atol=1e-9)
+
+
+def test_rays_of_a_lidar_meet_a_wall_ahead(tmp_path: Path) -> None:
+    """A wall square to x, 2 m away: each ray goes 2 m over the cosine of its angle; the first is on the right."""
+    lidar = Sensor("lidar", SensorKind.LIDAR, "base", at(x=0.5, z=0.3), view=View(math.pi / 2, 5, 1))
+    robot = replace(equipped(), sensors=(lidar,))
+    data = _at_rest(robot, tmp_path, '<geom type="box" size="0.1 9 9" pos="2.6 0 0"/>')
+    seen = [float(data.sensor(f"lidar/range/{i}").data[0]) for i in range(5)]
+    angles = np.linspace(-math.pi / 4, math.pi / 4, 5)
+    np.testing.assert_allclose(seen, 2.0 / np.cos(angles), rtol=1e-6)
+    data = _at_rest(robot, tmp_path, '<geom type="box" size="9 0.1 9" pos="0.5 -1.1 0"/>')
+    assert data.sensor("lidar/range/0").data[0] == pytest.approx(math.sqrt(2.0), rel=1e-6)
+    assert data.sensor("lidar/range/4").data[0] == -1.0
+
+
+def test_a_camera_looks_along_x_with_z_up(tmp_path: Path) -> None:
+    """MuJoCo's camera looks along its -z, with y up; its image is as wide as the sensor's field of view says."""
+    robot = equipped()
+    data = _at_rest(robot, tmp_path)
+    (camera,) = (sensor for sensor in robot.sensors if sensor.name == "camera")
+    X_WS = link_poses(robot, complete(robot, {}))[camera.link] @ camera.X_LS
+    R_WC = data.camera("camera").xmat.reshape(3, 3)
+    np.testing.assert_allclose(-R_WC[:, 2], X_WS.R[:, 0], atol=1e-12)
+    np.testing.assert_allclose(R_WC[:, 1], X_WS.R[:, 2], atol=1e-12)
+    up = math.radians(float(data.model.camera("camera").fovy[0]))
+    wide = camera.view.columns / camera.view.rows
+    assert 2 * math.atan(wide * math.tan(up / 2)) == pytest.approx(camera.view.fov, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in ("ball", "universal", "screw", "floating", "planar") if name in ROBOTS]
+)
+def test_joints_of_every_kind_can_be_measured(name: str, tmp_path: Path) -> None:
+    """A sensor on a joint of several freedoms is read back as one, on that joint."""
+    robot = ROBOTS[name]()
+    moving = [joint for joint in robot.joints if joint.kind.value == name]
+    sensors = tuple(Sensor(f"encoder_{i}", SensorKind.JOINT, j.child, Pose(), j.name) for i, j in enumerate(moving))
+    folder = write(replace(robot, sensors=sensors), tmp_path)
+    for written_in, engine in (("mjcf", "mujoco"), ("urdf", "extensions"), ("sdf", "reader")):
+        request = replace(folder.request(written_in), simulate=0.0)
+        assert failures(folder.expected(written_in), look(engine, request)) == set()
+    assert moving
+    top = etree.parse(str(folder.written["mjcf"].path)).getroot()
+    assert len(list(top.find("sensor"))) >= 2 * len(moving)
