@@ -85,6 +85,7 @@ def discard(folder: Path) -> None:
 
 def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[Path]) -> None:
     before = _read_manifest(folder)
+    _check_others(files, before, folder)
     after = {**before, **_manifest_of(files)}
     stale = _stale(before, after)
     # While files are on the move the manifest lists old and new, so that a killed run leaves nothing unknown behind.
@@ -235,6 +236,25 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
         if other != path:
             message = f"'{other}' and '{path}' are one file on this file system"
             _refuse(folder, message, "give them names in the sidecar that differ in more than upper and lower case")
+
+
+def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> None:
+    """Two robots may share a folder, and meshes that are alike, but neither may change what the other refers to."""
+    digests = _manifest_of(files)
+    ours = {_robot_of(name) for name in digests}
+    changed = {path: digest for needs in digests.values() for path, digest in needs.items() if "/" in path}
+    descriptions = {name: needs for name, needs in before.items() if not name.endswith(".json")}
+    for name, needs in descriptions.items():
+        lost = [path for path, digest in needs.items() if changed.get(path, digest) != digest]
+        if lost and _robot_of(name) not in ours and (folder / name).exists():
+            message = f"'{lost[0]}' is a mesh of '{name}' already, and another one"
+            _refuse(folder, message, f"give each robot a folder of its own with -o, or remove '{name}'")
+
+
+def _robot_of(name: str) -> str:
+    """The robot that a file at the top is named after; its formats may have suffixes of two parts."""
+    stem, _, _ = name.rpartition(".")
+    return stem.removesuffix(".drake")
 
 
 def _refuse(

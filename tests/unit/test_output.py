@@ -68,6 +68,23 @@ def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
     assert set(contents(tmp_path)) == {"arm.urdf", "arm.xml", "leg.urdf", *(f"meshes/{x}.obj" for x in "bcd")}
 
 
+def test_robots_in_one_folder_do_not_change_each_others_meshes(tmp_path: Path) -> None:
+    """A mesh of another robot may be used again, not replaced; other formats of the same robot may replace it."""
+    write_atomically({**ARM, "report.json": b"{}"}, tmp_path)
+    before = contents(tmp_path)
+    with pytest.raises(StepbotError) as error:
+        write_atomically({"leg.urdf": b"leg", "report.json": b"2", "meshes/a.obj": b"a of the leg"}, tmp_path)
+    assert codes(error.value) == ["SB004"]
+    assert "'meshes/a.obj' is a mesh of 'arm.urdf'" in str(next(iter(error.value.diagnostics)))
+    assert contents(tmp_path) == before
+    write_atomically({"arm.drake.sdf": b"sdf", "meshes/a.obj": b"new"}, tmp_path)
+    (tmp_path / "arm.urdf").unlink()
+    (tmp_path / "arm.xml").unlink()
+    (tmp_path / "arm.drake.sdf").unlink()
+    write_atomically({"leg.urdf": b"leg", "report.json": b"2", "meshes/a.obj": b"a of the leg"}, tmp_path)
+    assert contents(tmp_path)["meshes/a.obj"] == b"a of the leg"
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"files": 3}', '{"files": {"arm.urdf": ["meshes/b.obj"]}}'])
 def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
     """Where the list of earlier files is broken, they are all left alone."""

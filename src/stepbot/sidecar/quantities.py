@@ -109,7 +109,7 @@ def _finite(
         if not math.isfinite(number):
             raise fault("SB125", f"{number:g} is not finite")
         if number < low or number <= above:
-            bound = f"at least {low:g}" if number < low else f"greater than {above:g}"
+            bound = f"of at least {low:g}" if number < low else f"greater than {above:g}"
             raise fault("SB125", f"{number:g} {dimension.unit} is not a {dimension.name} {bound}")
         if number > high:
             hint = f"a plain number is in {dimension.unit}; with its unit it reads, for example, {dimension.example}"

@@ -64,17 +64,20 @@ def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -
 
 def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
     keys = ("sensors", name)
+    help = _sensor_place(sensor.type)
     if sensor.link is None and sensor.joint is None:
         message = "names neither a link nor a joint"
     elif sensor.link is not None and sensor.joint is not None:
         message = "names a link and a joint; it can be on one of them"
+        both = sensor.type in _ON_LINKS and sensor.type in _ON_JOINTS
+        help = f"remove `{'joint' if sensor.type in _ON_LINKS else 'link'}`{', or `link`' if both else ''}"
     elif sensor.joint is not None and sensor.type not in _ON_JOINTS:
         message = f"a sensor of type {sensor.type} is on a link"
     elif sensor.link is not None and sensor.type not in _ON_LINKS:
         message = f"a sensor of type {sensor.type} is on a joint"
     else:
         return
-    found.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[_sensor_place(sensor.type)])
+    found.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[help])
 
 
 def _sensor_place(kind: SensorKind) -> str:
