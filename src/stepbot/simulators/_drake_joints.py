@@ -58,6 +58,8 @@ def _joint(
     name, kind = joint.name(), _KINDS.get(joint.type_name(), joint.type_name())
     parent, child = joint.parent_body().name(), joint.child_body().name()
     sdf = built.request.format.endswith("sdf")
+    if kind == "fixed" and built.request.format == "mjcf":
+        name = ""  # MJCF has none for what holds two bodies together: this is Drake's own
     if kind in ("fixed", "ball", "planar"):
         return ObservedJoint(name, kind, parent, child)
     axis, axis2 = _axes(built, joint, kind)

@@ -64,7 +64,7 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
         Quantity.LIMITS: "Drake reads no actuatorfrcrange",
     },
 }
-_GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|will be ignored", re.IGNORECASE)
+_GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
 """What Drake says of things that it knows, and does nothing about."""
 _LOOP = "form one or more loops"
 _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
