@@ -92,11 +92,11 @@ def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
         lines += ["", *_wrapped(f"{report.degrees_of_freedom} degree{several} of freedom, driven by {driven}", width)]
     statuses = [check.status.value for check in report.checks]
     counts = ", ".join(f"{statuses.count(status)} {status}" for status in _COLORS)
+    lines.append("")
     if report.read_back:
-        counts += (
-            f"; {len(report.read_back)} of those passed are stepbot's own parsers reading back what no engine tells"
-        )
-    return [*lines, "", *_wrapped(f"{len(statuses)} checks: {counts}", width)]
+        own = f"{len(report.read_back)} passed by what stepbot's own parsers read back, since no engine tells of it"
+        lines += _wrapped(own, width)
+    return [*lines, *_wrapped(f"{len(statuses)} checks: {counts}", width)]
 
 
 def _wrapped(text: str, width: int) -> list[str]:

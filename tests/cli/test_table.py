@@ -40,6 +40,14 @@ def test_reasons_and_counts(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[-1] == "5 checks: 2 passed, 1 failed, 2 not run"
 
 
+def test_what_own_parsers_say_is_counted_apart(capsys: pytest.CaptureFixture[str]) -> None:
+    """What passed because no engine told of it, but a parser of stepbot's own, has a line before the counts."""
+    own = Check("a.urdf", "urdf", "extensions", "sensors", Status.PASSED)
+    lines = table(capsys, PASSED, own)
+    assert lines[-2].startswith("1 passed by what stepbot's own parsers read back")
+    assert lines[-1] == "2 checks: 2 passed, 0 failed, 0 not run"
+
+
 def test_what_files_are_compared_with(capsys: pytest.CaptureFixture[str]) -> None:
     """Where files are compared with one another the table says with which."""
     other = Check("a.sdf", "sdf", "pybullet", "mass", Status.PASSED, 0.0, 1e-9, "kg", against="a.urdf (mujoco)")
