@@ -13,15 +13,6 @@ CODES: tuple[Code, ...] = (
         "Use the SDFormat or the MJCF where the loop matters, or leave this format out with `-f`.",
     ),
     Code(
-        "SB702",
-        "warning",
-        "actuator left out",
-        "The sidecar describes actuators, and this format has no element for them.",
-        "Gains and gear ratios are not in the file; whoever controls the robot has to know them from elsewhere. "
-        "The joints' effort limits are there all the same.",
-        "Use a format that has them (`docs/mapping.md`), or configure the controller of your simulator.",
-    ),
-    Code(
         "SB703",
         "warning",
         "passive force of a joint left out",
