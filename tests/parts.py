@@ -14,7 +14,7 @@ from pathlib import Path
 from robot_library.moments import NOTHING, Array, Moments, mirror, pose, total, turn
 from robot_library.step_file import Assembly, LengthUnit, Occurrence, Part, write_step
 
-from .solids import Solid, box, compound, cone, cylinder, faces, joined, sphere, triangles
+from .solids import Solid, box, compound, cone, cylinder, faces, joined, solid_of, sphere, triangles
 
 STEEL, ALUMINIUM = 7850.0, 2700.0
 """[kg/m^3]."""
@@ -176,16 +176,7 @@ def write_surface_body(path: Path) -> Drawing:
 
 def write_open_solid(path: Path) -> Drawing:
     """A box that calls itself a solid but lacks one face; its volume means nothing."""
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
-
-    builder, shell, solid = BRep_Builder(), TopoDS_Shell(), TopoDS_Solid()
-    builder.MakeShell(shell)
-    for face in faces(box(40, 40, 40).shape)[1:]:
-        builder.Add(shell, face)
-    builder.MakeSolid(solid)
-    builder.Add(solid, shell)
-    return draw(path, Drawn("open box", solid))
+    return draw(path, Drawn("open box", solid_of(faces(box(40, 40, 40).shape)[1:])))
 
 
 def write_tessellated(path: Path, closed: bool = True) -> Drawing:

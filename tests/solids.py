@@ -4,7 +4,7 @@ A :class:`Solid` is a shape of the kernel next to its integrals, so that a cut i
 :mod:`robot_library.moments`, never from the kernel. Lengths are in millimetres.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -113,6 +113,30 @@ def compound(*shapes: Any) -> Any:
     for shape in shapes:
         builder.Add(compound, shape)
     return compound
+
+
+def solid_of(*shells: Sequence[Any]) -> Any:
+    """A solid bounded by shells of these faces, as they are: nothing checks whether they close, or cross."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
+
+    builder, solid = BRep_Builder(), TopoDS_Solid()
+    builder.MakeSolid(solid)
+    for of_shell in shells:
+        shell = TopoDS_Shell()
+        builder.MakeShell(shell)
+        for face in of_shell:
+            builder.Add(shell, face)
+        builder.Add(solid, shell)
+    return solid
+
+
+def unsewn(shape: Any, gap: float = 0.0) -> Any:
+    """A solid of copies of a shape's faces, which share no edges, each of them off by a gap [mm]."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+
+    copies = (BRepBuilderAPI_Copy(face).Shape() for face in faces(shape))
+    return solid_of([moved(face, pose([gap * ((i + k) % 3 - 1) for k in range(3)])) for i, face in enumerate(copies)])
 
 
 def faces(shape: Any) -> list[Any]:

@@ -13,10 +13,12 @@ from ..mesh import TriMesh
 from ..model import Rgba
 from .assembly import AxisFace, Body, BodyKind, MeshTolerance, VolumeProperties
 from .axis_faces import axis_faces
+from .crossing import share_within
 from .exact import has_rational_faces, integrate, integrate_adaptively, surface_area, volume_properties
 from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
 from .parting import parted
+from .sewing import sewn
 from .source import BodySource
 from .step import MILLIMETRES_PER_METRE
 from .stitching import Stitched, is_watertight, merged_by_position
@@ -25,6 +27,8 @@ from .triangles import faces_of, faceted_faces
 
 _DOUBTFUL = 1e-3
 """Share by which the volumes of mesh and exact shape may differ before rational faces are integrated anew."""
+_ROUNDING = 1e-12
+"""Volume over area^1.5 below which there is no volume."""
 _AGREEMENT = 2e-4
 """Share within which both integrations say the same."""
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
@@ -82,12 +86,14 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     if not _has_surfaces(shape):
         return _triangles_only(source, shape)
     work = _healed(source, shape)
-    if request.area:
-        work.area = surface_area(work.healed.shape)
     size = diagonal(work.healed.shape)
     wanted = fineness(request.tolerances, size)
-    faces = axis_faces(faces_of(work.healed.shape))
     result = fitted(work.healed.shape, wanted, size)
+    if result.mesh.open_edges and _sew(work):
+        result = fitted(work.healed.shape, wanted, size)
+    if request.area:
+        work.area = surface_area(work.healed.shape)
+    faces = axis_faces(faces_of(work.healed.shape))
     mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
     watertight = is_watertight(mesh.faces)
     defect = _defect(work, result, wanted, watertight)
@@ -118,6 +124,16 @@ def _healed(source: BodySource, shape: object) -> _Work:
     return work
 
 
+def _sew(work: _Work) -> bool:
+    """Whether an open solid could be closed by joining edges; says so."""
+    closed = sewn(work.healed, work.source.precision) if work.kind == BodyKind.SOLID else None
+    if closed is None:
+        return False
+    work.healed, work.exact = closed, volume_properties(integrate(closed.shape))
+    work.say("SB228", "its faces did not share their edges; they were sewn together")
+    return True
+
+
 def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: bool) -> str:
     """What is wrong with the body's mesh, for people; also drops exact numbers that mean nothing."""
     count = len(result.mesh.faces)
@@ -138,8 +154,16 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
         )
     if not watertight:
         return work.say("SB604", "edges of its mesh do not each join two faces")
-    if work.exact is None:
+    if work.exact is None or _is_nothing(work.exact, result.mesh):
+        work.exact = None
         return work.say("SB602", "it encloses no volume")
+    if within := share_within(result.mesh):
+        return work.say(
+            "SB607",
+            f"it passes through itself: {within:.0%} of its surface lies within it; its volume is that of no real body",
+            "repair it in CAD, or give its mass in the sidecar",
+            "a body of thin walls may need a finer `mesh`",
+        )
     if _doubt(work.exact, result.mesh) > _DOUBTFUL and has_rational_faces(faces_of(work.healed.shape)):
         work.exact = _second_opinion(work.exact, work.healed.shape)
     if _doubt(work.exact, result.mesh) > result.volume_tolerance:
@@ -154,6 +178,11 @@ def _second_opinion(plain: VolumeProperties, shape: object) -> VolumeProperties:
     if adaptive is None or abs(adaptive.volume - plain.volume) < _AGREEMENT * plain.volume:
         return plain
     return adaptive
+
+
+def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:
+    """Whether a volume is no more than what rounding leaves of surfaces that cancel each other."""
+    return exact.volume * MILLIMETRES_PER_METRE**3 < _ROUNDING * mesh.area**1.5
 
 
 def _doubt(exact: VolumeProperties, mesh: Stitched) -> float:

@@ -91,6 +91,8 @@ def derived_unit(measure: Any) -> DerivedUnit | None:
     size, mass, length, names = 1.0, 0.0, 0.0, []
     for index in range(1, derived.NbElements() + 1):
         element = derived.ElementsValue(index)
+        if element is None:  # the file names something there that is no unit
+            return None
         unit, exponent = declared_unit(element.Unit()), element.Exponent()
         if unit.size <= 0.0 or abs(exponent) > 12:
             return None

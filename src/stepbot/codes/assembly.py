@@ -204,6 +204,14 @@ CODES = (
         "Nothing to do.",
     ),
     Code(
+        "SB228",
+        "note",
+        "solid sewn together",
+        "Faces of a solid met within the file's precision, but did not share their edges; they were joined there.",
+        "No face was moved, and the volume cannot have changed by more than a thousandth.",
+        "Nothing to do; a newer export may write the solid properly.",
+    ),
+    Code(
         "SB224",
         "error",
         "names not in the declared encoding",

@@ -51,4 +51,14 @@ CODES = (
         "The mass properties by mesh are less exact than asked for; the report holds both.",
         "Use `mass: auto` or `mass: exact`.",
     ),
+    Code(
+        "SB607",
+        "warning",
+        "solid that passes through itself",
+        "The solid closes, but parts of its surface lie within it: lobes that overlap, or shells that cross.",
+        "What lies in two lobes is counted twice or subtracted, by the kernel and by any mesh alike, so that mass, com and "
+        "inertia are those of no real body.",
+        "Repair the solid in CAD, or give its mass in the sidecar. Walls thinner than the mesh is exact cross in the mesh "
+        "only: ask for a finer `mesh` then.",
+    ),
 )
