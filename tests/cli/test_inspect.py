@@ -3,13 +3,15 @@
 import json
 import math
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
 from stepbot.cad.assembly import Quantity
-from tests import parts, solids
+from tests import command_line, parts, solids
 from tests.stating import Stating
 
 from .conftest import Stepbot
@@ -161,3 +163,21 @@ def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
     document = json.loads(stepbot("inspect", "no.step", "--json").out)
     assert document["exit_code"] == run.code
     assert document["diagnostics"][0]["file"].endswith("no.step")
+
+
+def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
+    """The kernel prints its complaints to standard output; that of the command holds one JSON document all the same."""
+    path = parts.write_colored_faces(tmp_path / "block.step").path
+    text = path.read_text(encoding="utf-8")
+    text, lost = re.subn(r"#\d+\s*=\s*(COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR)[^;]*;", "", text)
+    assert lost
+    path.write_text(text, encoding="utf-8", newline="\n")
+    kernel = (
+        "import sys; from pathlib import Path; from stepbot.cad.step import read_model; read_model(Path(sys.argv[1]))"
+    )
+    told = subprocess.run([sys.executable, "-c", kernel, str(path)], capture_output=True, text=True, check=True)
+    assert "ERR" in told.stdout
+    run = command_line.stepbot("inspect", path, "--json", cwd=tmp_path)
+    document = json.loads(run.out)
+    assert [finding["code"] for finding in document["diagnostics"]] == ["SB223"]
+    assert document["components"][0]["solids"] == 1

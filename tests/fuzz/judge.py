@@ -27,7 +27,8 @@ Read = Callable[[Path, Diagnostics], Assembly | None]
 """Reads a STEP file; None where errors say why."""
 
 FAILED = "FAILED"
-OUTCOMES = ("robot", "no robot", "refused", "body failed", "kernel died", "out of time", FAILED)
+OUT_OF_TIME = "out of time"
+OUTCOMES = ("robot", "no robot", "refused", "body failed", "kernel died", OUT_OF_TIME, FAILED)
 """Files made; read, but not fit for a robot; not read; read but for a body; the kernel's process ended; our fault."""
 
 _SIDECAR = """\
@@ -113,7 +114,7 @@ def _refusal(trial: _Trial) -> str:
     died = [diagnostic for diagnostic in trial.found if diagnostic.code == _DIED]
     if not died:
         return "refused"
-    return "out of time" if "no result after" in died[0].message else "kernel died"
+    return OUT_OF_TIME if "no result after" in died[0].message else "kernel died"
 
 
 def _has_errors(trial: _Trial) -> bool:

@@ -24,7 +24,7 @@ from pathlib import Path
 from tests.conftest import ROOT
 
 from . import bases as base_files
-from .judge import FAILED, OUTCOMES, Verdict
+from .judge import FAILED, OUT_OF_TIME, OUTCOMES, Verdict
 from .mutant import ALL_KINDS, Mutant, plan
 from .runner import TIMEOUT
 
@@ -193,7 +193,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             trials.append(trial)
             if arguments.only:
                 sys.stdout.write(f"{trial.mutant.name}: {trial.verdict.outcome} {trial.verdict.message}\n")
-            ended_badly = trial.verdict.outcome in (FAILED, "kernel died", "out of time")
+            ended_badly = trial.verdict.outcome in (FAILED, "kernel died", OUT_OF_TIME)
             if arguments.keep and (ended_badly or arguments.only):
                 _keep(trial, bases, arguments.keep)
             if len(trials) % 100 == 0:

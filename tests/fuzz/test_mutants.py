@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from stepbot.cad.assembly import Assembly, Body, BodyKind, Component
+from stepbot.cores import core_count
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.isolation import RemoteError, WorkerDied
 from stepbot.mesh import TriMesh
@@ -45,6 +46,15 @@ def test_mutants_find_no_fault(bases: Path, origin: str) -> None:
     failed = [trial for trial in trials if trial.verdict.faults]
     assert not failed, "\n".join(map(described, failed))
     assert {trial.verdict.outcome for trial in trials} >= {"robot", "refused"}, table(trials)
+
+
+@pytest.mark.long
+def test_two_thousand_mutants(bases: Path) -> None:
+    """All of them, of every base and every kind of damage: the numbers are in docs/reading.md."""
+    trials = list(try_all(plan(base_files.names(bases), 2000, seed=1), bases, jobs=core_count()))
+    failed = [trial for trial in trials if trial.verdict.faults]
+    assert not failed, "\n".join(map(described, failed)) + table(trials)
+    assert len(trials) == 2000
 
 
 # The mutants

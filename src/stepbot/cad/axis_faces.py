@@ -55,6 +55,8 @@ def _axis_face(face: Any) -> AxisFace | None:
         radius, is_cone = max(_cone_radius(quadric, low), _cone_radius(quadric, high)), True
     else:
         radius, is_cone = quadric.Radius(), False
+    if not radius > 0.0:  # a line, as broken files have it
+        return None
     point, direction, scale = axis.Location(), axis.Direction(), MILLIMETRES_PER_METRE
     return AxisFace(
         (point.X() / scale, point.Y() / scale, point.Z() / scale),

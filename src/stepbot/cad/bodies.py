@@ -182,7 +182,7 @@ def _second_opinion(plain: VolumeProperties, shape: object) -> VolumeProperties:
 
 def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:
     """Whether a volume is no more than what rounding leaves of surfaces that cancel each other."""
-    return exact.volume * MILLIMETRES_PER_METRE**3 < _ROUNDING * mesh.area**1.5
+    return bool(exact.volume * MILLIMETRES_PER_METRE**3 < _ROUNDING * mesh.area**1.5)
 
 
 def _doubt(exact: VolumeProperties, mesh: Stitched) -> float:

@@ -22,6 +22,11 @@ from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face
 from ..spatial import Array
 from .stitching import EdgeUse, FacetedFace
 
+
+class BrokenTriangles(RuntimeError):
+    """A triangle names a corner that is not there, as tessellated STEP may do."""
+
+
 _SECTION = b"\nTriangulations "
 _COUNTS_AND_FLAGS = 10
 
@@ -53,6 +58,8 @@ def faceted_faces(faces: list[Any]) -> tuple[list[FacetedFace], list[int]]:
     arrays = _arrays([facets.triangulation for _, facets in meshed])
     result = []
     for (place, facets), (nodes, triangles) in zip(meshed, arrays, strict=True):
+        if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(nodes):
+            raise BrokenTriangles(f"a triangle names a corner other than the {len(nodes)} that there are")
         if not facets.location.IsIdentity():
             nodes = _moved(nodes, facets.location.Transformation())
         if _is_turned(facets):

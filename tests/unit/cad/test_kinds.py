@@ -1,21 +1,24 @@
 """What STEP files call a body: voids, facets, faces that are not sewn or cross each other; bodies of assemblies."""
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from robot_library.moments import Moments, pose
+from robot_library.moments import Moments, mirror, pose, turn
 from robot_library.step_file import Assembly as Tree
 from robot_library.step_file import Occurrence, Part, write_step
 from stepbot.cad.assembly import Body, BodyKind
 from stepbot.cad.crossing import share_within
 from stepbot.cad.stitching import Stitched
 from tests import parts, solids
-from tests.conftest import ReadDiagnostics
+from tests.conftest import ROOT, ReadDiagnostics
 from tests.unit.cad.here import by_path, read_here, read_quietly
 
 BLOCK = solids.box(40, 30, 20).at(5, 7, 11)
@@ -307,3 +310,90 @@ def test_a_part_in_another_unit_than_its_assembly(tmp_path: Path, found: ReadDia
     assert sizes["block"] == pytest.approx([0.010, 0.020, 0.030])
     assert sizes["pin"] == pytest.approx([0.0254, 0.0508, 0.0762])
     assert by_path(assembly)["pin"].X_WC.position == pytest.approx((0.1, 0.0, 0.0))
+
+
+def test_axes_of_mirror_images(tmp_path: Path) -> None:
+    """A slanting bore and its mirror image: each axis is where the closed form has it; all images are one body."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+
+    X_PB = pose((12.0, 8.0, -3.0), turn("x", 0.4) @ turn("y", 0.3))
+    shape = BRepAlgoAPI_Cut(
+        solids.box(60, 50, 30).shape, solids.cylinder(3, 80).at(0, 0, -40).moved(X_PB).shape
+    ).Shape()
+    part = Part("bracket", shape)
+    places = [pose((0, 0, 0)), pose((-100, 0, 0), mirror("x")), pose((0, 90, 7), turn("z", 0.8) @ mirror("x"))]
+    path = tmp_path / "brackets.step"
+    write_step(path, Tree("three", [Occurrence(part, f"bracket:{i}", X) for i, X in enumerate(places, start=1)]))
+    assembly = read_quietly(path)
+    shown = [c for c in assembly.components if c.body >= 0]
+    assert len(shown) == 3
+    assert shown[1].body == shown[2].body != shown[0].body
+    assert len(assembly.bodies) == 2
+    for component, X_WP in zip(shown, places, strict=True):
+        (face,) = assembly.bodies[component.body].axis_faces
+        assert (face.bore, face.radius) == (True, pytest.approx(0.003))
+        X_WB = X_WP @ X_PB
+        direction = component.X_WC.R @ face.direction
+        assert abs(direction @ X_WB[:3, 2]) == pytest.approx(1.0, abs=1e-12)
+        apart = component.X_WC.R @ face.point + component.X_WC.position - X_WB[:3, 3] / 1000
+        assert np.linalg.norm(np.cross(apart, direction)) < 1e-12
+
+
+def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A tessellated body with a corner that is not there fails alone, and is named."""
+    path = parts.write_tessellated(tmp_path / "scan.step").path
+    text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
+    faces = re.search(r"TRIANGULATED_FACE\(.*?\(\((\d+),", text)
+    assert faces, text
+    broken = text[: faces.start(1)] + "2147483647" + text[faces.end(1) :]
+    path.write_text(broken, encoding="utf-8", newline="\n")
+    read_here(path, found)
+    assert found.codes() == ["SB213"]
+
+
+def test_what_occurrences_cost(tmp_path: Path) -> None:
+    """In time and memory one more occurrence costs a small part of one more definition."""
+    drawn = [parts.drawn(f"ball {i}", solids.sphere(10 + 0.1 * i)) for i in range(40)]
+    costs = {}
+    for name, shown in (("one", drawn[:1]), ("defined", drawn), ("shown", drawn[:1] * 2000)):
+        path = tmp_path / f"{name}.step"
+        write_step(path, Tree("row", [Occurrence(p, f"p:{i}", pose((0, 0, 40 * i))) for i, p in enumerate(shown)]))
+        costs[name] = cost_of(path)
+        assert costs[name].components == len(shown) + 1
+    by_definition = [(costs["defined"][i] - costs["one"][i]) / 39 for i in (0, 1)]
+    by_occurrence = [(costs["shown"][i] - costs["one"][i]) / 1999 for i in (0, 1)]
+    assert by_occurrence[0] < 0.1 * by_definition[0]
+    assert by_occurrence[1] < 0.05 * by_definition[1]
+
+
+class Cost(NamedTuple):
+    """What it takes to read a file."""
+
+    seconds: float
+    """Of processor time, forked processes too."""
+    size: int
+    """Bytes of the assembly on its way to the main process."""
+    components: int
+
+
+def cost_of(path: Path) -> Cost:
+    """Read a file in a process of its own, which has nothing else on its clock."""
+    script = """
+import os, pickle, sys
+from pathlib import Path
+from stepbot.cad import worker
+from tests.unit.cad.here import read_quietly
+before = sum(os.times()[:4])
+assembly = read_quietly(Path(sys.argv[1]))
+print(sum(os.times()[:4]) - before, len(pickle.dumps(assembly, protocol=5)), len(assembly.components))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(path)],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "src")])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    seconds, size, components = done.stdout.split()
+    return Cost(float(seconds), int(size), int(components))

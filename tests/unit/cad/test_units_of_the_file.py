@@ -66,6 +66,7 @@ def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None
         (",-3.)", ",2.)", "g cm^2"),
         ("POSITIVE_RATIO_MEASURE(7.85)", "POSITIVE_RATIO_MEASURE(-7.85)", "-7.85"),
         (GRAM, CENTIMETRE, "cm cm^-3"),
+        ("DERIVED_UNIT((", "DERIVED_UNIT((#9001,", ""),
     ],
 )
 def test_a_density_that_is_none(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
