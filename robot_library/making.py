@@ -90,7 +90,7 @@ def _converted(folder: Path) -> "Conversion":
 
 
 def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
-    """Mass properties by their shapes alone of the links whose sidecar gives others."""
+    """Mass properties by their shapes alone of the links that have shapes and whose sidecar gives others."""
     from ruamel.yaml import YAML
 
     from stepbot.pipeline import Options, convert
@@ -98,7 +98,8 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
     (sidecar,) = folder.glob("*.robot.yaml")
     yaml = YAML()
     content = yaml.load(sidecar.read_text(encoding="utf-8"))
-    given = [name for name, link in content["links"].items() if link.pop("inertial", None) is not None]
+    drawn = {name: link for name, link in content["links"].items() if "parts" in link}
+    given = [name for name, link in drawn.items() if link.pop("inertial", None) is not None]
     if not given:
         return {}
     plain = OUTPUT / f"{folder.name}.shapes.robot.yaml"
