@@ -1,0 +1,229 @@
+"""Draw Sawyer on its pedestal: ``python -m robot_library.rethink_sawyer.build`` in the root of the checkout.
+
+Writes sawyer.step beside this file, always the same bytes. Each link is drawn in its own frame [mm].
+
+Distances between joints come from the joint table in expected.json. Radii of barrels and tubes, the controller's box,
+the footprint and the height of the pedestal are those of the collision shapes in the same description
+(sawyer_description/urdf); the head's width and height are those of its mesh, the display's those of its visual. Where
+barrels meet, the roundings, the bolts, the face and the colours are drawn after photographs.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import build123d as bd
+
+from ..drawing import Body, draw_described
+from ..shapes import (
+    ALUMINIUM,
+    BLACK,
+    DARK,
+    WHITE,
+    at,
+    block,
+    cylinder,
+    flange,
+    housing,
+    hull_plate,
+    lathe,
+    on_circle,
+    tube,
+)
+
+RED = "#9c1c1f"
+"""Of the shells."""
+GREY = "#55585d"
+"""Of caps and cuffs."""
+GAP = 1.5
+"""Between what turns and what does not."""
+
+TURRET, TURRET_START = 80.0, 80.0
+SHOULDER, SHOULDER_PLACE, NECK, HEAD = 70.0, (81.0, 50.0, 237.0), 42.0, 296.5
+FLOOR = -914.9
+COLUMN, COLUMN_X, PLINTH = 130.0, -20.0, 110.0
+LEG_FLOOR = 95.0
+BOX, BOX_PLACE = (220.0, 400.0, 530.0), (-325.0, 0.0, -380.0)
+FOOTPRINT, FOOTPRINT_X = (770.0, 700.0), -122.5
+DISPLAY = (240.0, 140.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A pair of links: one that bends about its barrel, and one that turns at the barrel's end about its own tube."""
+
+    barrel: float
+    """Radius."""
+    start: float
+    """From the bending joint's origin along its axis to the barrel; the barrel's other end is past the boss."""
+    boss: float
+    """Radius of the boss that carries the next joint."""
+    height: float
+    """From the bending joint's origin along its axis to the axis of the turning joint; negative where it is behind."""
+    boss_end: float
+    """From the bending joint's axis to the end of the boss."""
+
+
+UPPER = Segment(barrel=70, start=-33, boss=58, height=142.5, boss_end=72)
+MIDDLE = Segment(barrel=60, start=-GAP, boss=45, height=-126.5, boss_end=84)
+LOWER = Segment(barrel=55, start=GAP, boss=46, height=105.3, boss_end=70)
+
+UPPER_ARM = (58.0, 50.0, 140.0, 260.0, 42.0)
+FOREARM = (45.0, 40.0, 125.0, 275.0, -31.0)
+"""Of a tube: radius at its start, in its middle; from its joint back to the bending joint's axis, forth to the next
+one, and from the tube's axis to the plane of that joint, across."""
+FLANGE_END, FLANGE_RADIUS, FLANGE_BOLTS, FLANGE_BOLT = 24.5, 38.0, 63.0, 3.0
+
+
+def pedestal() -> list[Body]:
+    """z up, its top at z = 0."""
+    low = FLOOR + LEG_FLOOR
+    end = low + PLINTH
+    column = at(block(2 * COLUMN, 2 * COLUMN, -end - 24, 45, only="z"), (COLUMN_X, 0, end))
+    top = at(block(2 * COLUMN + 60, 2 * COLUMN + 60, 24, 40, only="z"), (COLUMN_X, 0, -24))
+    for x, y in on_circle(8, 230, 22.5):
+        top -= bd.Pos(x, y, -12) * cylinder(4.5, 12)
+    x, y, z = BOX
+    px, py, pz = BOX_PLACE
+    box = at(block(x - 45, y, z, 15), (px - 22.5, py, pz - z / 2))
+    vents = [at(block(4, 0.7 * y, 9), (px - x / 2 - 2, 0, pz - 150 + 30 * i)) for i in range(6)]
+    bracket = at(block(45 + 20, 180, 400, 0), (px + x / 2 - 12.5, 0, pz - 200)) - column - box
+    width, depth = FOOTPRINT[1] - 90, FOOTPRINT[0] - 90
+    plinth = at(block(330, 330, PLINTH, 20, only="z"), (COLUMN_X, 0, low))
+    bodies = [Body("column", column, DARK), Body("top", top, BLACK), Body("plinth", plinth, BLACK)]
+    bodies += [Body("controller", box, GREY), Body("bracket", bracket, BLACK)]
+    bodies += [Body("vent", vent, BLACK) for vent in vents]
+    for sx in (-1, 1):
+        for sy in (-1, 1):
+            tip = (FOOTPRINT_X + sx * depth / 2, sy * width / 2)
+            root = (COLUMN_X + sx * 110, sy * 110)
+            leg = at(hull_plate([(root, 45), (tip, 34)], 70), (0, 0, low + 20)) - plinth
+            foot = at(lathe([(45, 0), (45, 8), (20, 22), (12, 24), (12, LEG_FLOOR + 20)]), (*tip, FLOOR))
+            bodies += [Body("leg", leg, DARK), Body("foot", foot, ALUMINIUM)]
+    return bodies
+
+
+def right_arm_base_link() -> list[Body]:
+    """z up: the plate that is bolted to the pedestal, and the seat of the turret."""
+    plate = flange(115, 16, on_circle(8, 200, 0), 4.5)
+    seat = at(lathe([(100, 0), (92, 40), (84, TURRET_START - 16 - GAP)], smooth=False), (0, 0, 16))
+    return [Body("plate", plate, BLACK), Body("seat", seat, DARK)]
+
+
+def right_l0() -> list[Body]:
+    """z up: the turret, the drum of the shoulder, which faces +y, and the neck."""
+    x, y, z = SHOULDER_PLACE
+    inner, outer = -92.0, y + UPPER.start - GAP
+    turret = lathe([(TURRET, 0), (TURRET, 60), (74, 110), (60, 150)])
+    leaning = at(
+        hull_plate([((0, 95), 62), ((x, z), SHOULDER - 6)], outer - inner - 40), (0, outer - 20, 0), (90, 0, 0)
+    )
+    drum = at(housing(SHOULDER, outer - inner, 20, 0), (x, outer, z), (90, 0, 0))
+    neck = at(lathe([(62, 0), (56, 60), (NECK, 110), (NECK, HEAD - 130 - GAP)]), (0, 0, 130))
+    cap = at(housing(48, 8, 4, 0), (x, inner, z), (90, 0, 0))
+    shell = turret + leaning + drum + neck
+    band = at(tube(TURRET + 3, TURRET, 22), (0, 0, 18))
+    return [Body("shell", shell, RED), Body("cap", cap, GREY), Body("band", band, BLACK)]
+
+
+def head() -> list[Body]:
+    """z up: a display that looks along x, the light on top, the camera above the display."""
+    stem = lathe([(NECK, 0), (NECK, 14), (34, 24), (34, 60)])
+    back = at(block(52, 236, 168, 24, only="x"), (-8, 0, 26))
+    bezel = at(block(11, 262, 176, 9, only="x"), (23.5, 0, 22))
+    panel = at(block(DISPLAY[2] + 8, DISPLAY[0], DISPLAY[1]), (29, 0, 105 - DISPLAY[1] / 2))
+    bezel -= panel
+    brow = at(block(34, 66, 34, 10), (6, 0, 194))
+    lens = at(cylinder(9, 5), (23, 0, 216), (0, 90, 0))
+    light = at(housing(24, 12, 6, 0), (4, 0, 228))
+    return [
+        Body("stem", stem, DARK),
+        Body("back", back - stem, RED),
+        Body("bezel", bezel - back, BLACK),
+        Body("brow", brow, RED),
+        Body("lens", lens - brow, BLACK),
+        Body("light", light, "#58c26a"),
+    ]
+
+
+def screen() -> list[Body]:
+    """x to the robot's left, y up, z out of the display: its face."""
+    panel = at(block(*DISPLAY), (0, 0, -DISPLAY[2] / 2))
+    top = DISPLAY[2] / 2
+    bodies = [Body("panel", panel, "#1b2733")]
+    for side in (-1, 1):
+        eye = at(bd.extrude(bd.Ellipse(30, 36), 0.4), (side * 52, -4, top))
+        iris = at(cylinder(17, 0.4), (side * 48, -12, top + 0.4))
+        pupil = at(cylinder(8.5, 0.4), (side * 48, -12, top + 0.8))
+        brow = at(block(58, 7, 0.4, 3, only="z"), (side * 54, 50, top), (0, 0, -side * 10))
+        bodies += [Body("eye", eye, WHITE), Body("iris", iris, "#4f8fb0"), Body("pupil", pupil, BLACK)]
+        bodies.append(Body("brow", brow, WHITE))
+    return bodies
+
+
+def bending_link(s: Segment) -> list[Body]:
+    """A link that turns about its barrel, z, and carries the next joint on a boss along -y."""
+    far = s.height + (0.9 if s.height > 0 else -0.9) * s.barrel
+    low, high = sorted((s.start, far))
+    rims = (0.42 * s.barrel, 2.0) if s.height > 0 else (2.0, 0.42 * s.barrel)
+    barrel = at(housing(s.barrel, high - low, *rims), (0, 0, low))
+    boss = at(cylinder(s.boss, s.boss_end), (0, 0, s.height), (90, 0, 0))
+    ring = at(tube(s.boss + 2, s.boss - 10, 12), (0, -s.boss_end, s.height), (90, 0, 0))
+    end = high if s.height > 0 else low
+    cap = at(housing(0.5 * s.barrel, 6, 3, 0), (0, 0, end), (0 if s.height > 0 else 180, 0, 0))
+    return [Body("shell", barrel + boss, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
+
+
+def turning_link(before: Segment, bend: Segment, numbers: tuple[float, ...]) -> list[Body]:
+    """A link that turns about its tube, z, and ends in a drum about y, on the side that the next joint is on."""
+    start, middle, back, reach, across = numbers
+    first = before.boss_end + 12 + GAP - back
+    side = 1 if across > 0 else -1
+    stem = lathe([(start, first), (start, first + 40), (middle, first + 90), (middle, reach)])
+    depth = abs(across) - abs(bend.start)
+    drum = at(housing(bend.barrel - 2, depth + 0.95 * bend.barrel, 0.4 * bend.barrel, 2), (0, 0, 0), (-90 * side, 0, 0))
+    drum = at(drum, (0, -side * depth, reach))
+    cap = at(housing(0.5 * bend.barrel, 6, 3, 0), (0, side * 0.95 * bend.barrel, reach), (-90 * side, 0, 0))
+    ring = at(tube(start + 2, start, 12), (0, 0, first))
+    return [Body("shell", stem + drum, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
+
+
+def right_l5() -> list[Body]:
+    """The wrist: as the other bending links, with the camera of the hand."""
+    bodies = bending_link(LOWER)
+    camera = at(cylinder(8, 16), (39.552, -33, 69.5), (0, 90, 0)) - bodies[0].shape
+    return [*bodies, Body("camera", camera, BLACK)]
+
+
+def right_l6() -> list[Body]:
+    """The last link, with the cuff that the arm is led by: z out of the flange."""
+    start = LOWER.boss_end + 12 + GAP - 110
+    body = at(lathe([(48, 0), (48, 26), (FLANGE_RADIUS, 34), (FLANGE_RADIUS, FLANGE_END - 6 - start)]), (0, 0, start))
+    plate = at(flange(FLANGE_RADIUS + 2, 6, on_circle(4, FLANGE_BOLTS, 45), FLANGE_BOLT, 12), (0, 0, FLANGE_END - 6))
+    button = at(housing(9, 5, 2, 0), (0, 47, start + 13), (-90, 0, 0)) - body
+    return [Body("cuff", body, DARK), Body("flange", plate, ALUMINIUM), Body("button", button, "#58c26a")]
+
+
+def links() -> dict[str, list[Body]]:
+    """Every link that has a shape, in its own frame."""
+    return {
+        "pedestal": pedestal(),
+        "right_arm_base_link": right_arm_base_link(),
+        "right_l0": right_l0(),
+        "head": head(),
+        "screen": screen(),
+        "right_l1": bending_link(UPPER),
+        "right_l2": turning_link(UPPER, MIDDLE, UPPER_ARM),
+        "right_l3": bending_link(MIDDLE),
+        "right_l4": turning_link(MIDDLE, LOWER, FOREARM),
+        "right_l5": right_l5(),
+        "right_l6": right_l6(),
+    }
+
+
+def main() -> None:
+    """Draw the robot."""
+    draw_described(Path(__file__).parent, links())
+
+
+if __name__ == "__main__":
+    main()
