@@ -145,33 +145,45 @@ def driven_in_mujoco(file: str, actuator: str, speed: float) -> tuple[list[dict[
     return found, widest, [int(warning.number) for warning in data.warning]
 
 
-def run_in_mujoco(file: str, seconds: float, noise: bool) -> dict[str, Any]:
-    """Simulate from the keyframe, with the keyframe's targets or with Halton noise on all actuators.
+def run_in_mujoco(file: str, seconds: float, noise: bool, step: float | None = None) -> dict[str, Any]:
+    """Simulate from the keyframe, with the keyframe's targets or with new random ones for all actuators every 50 steps.
 
     What is not fixed to the world stands on a floor.
 
+    Args:
+        file: An MJCF file.
+        seconds: How long.
+        noise: Whether targets are random, the same ones in every run.
+        step: Time step [s]; that of the file when left out.
+
     Returns:
-        MuJoCo's warning counts, whether all is finite, the largest speed and the deepest contact [m] of two links.
+        MuJoCo's warning counts, whether all is finite, the largest speed, the deepest contact [m] of two links, the
+        widest gap of a loop [m], and the number of actuators.
     """
     import mujoco
 
     model = _model(file)
     floating = bool((model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
     model, data = _on_a_floor(file) if floating else (model, _at_home(model))
+    model.opt.timestep = step or model.opt.timestep
     low, high = model.actuator_ctrlrange.T
     limited = model.actuator_ctrllimited.astype(bool)
     low, high = np.where(limited, low, -1.0), np.where(limited, high, 1.0)
-    speed, depth, number = 0.0, 0.0, 0
-    while data.time < seconds:
-        if noise and model.nu:
-            data.ctrl[:] = low + (high - low) * _halton(1 + number // 50, model.nu)
+    generator = np.random.default_rng(0)
+    held = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_SITE)
+    speed, depth, gap = 0.0, 0.0, 0.0
+    for number in range(round(seconds / model.opt.timestep)):
+        if noise and number % 50 == 0:
+            data.ctrl[:] = generator.uniform(low, high)
         mujoco.mj_step(model, data)
+        ends = data.site_xpos[model.eq_obj1id[held]] - data.site_xpos[model.eq_obj2id[held]]
+        gap = max([gap, *np.linalg.norm(ends, axis=1).tolist()])
         speed = max([speed, *np.abs(data.qvel).tolist()])
         of_links = (model.geom_type[data.contact.geom] != int(mujoco.mjtGeom.mjGEOM_PLANE)).all(axis=1)
         depth = min([depth, *data.contact.dist[of_links].tolist()])
-        number += 1
     finite = bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all())
-    return {"warnings": [int(w.number) for w in data.warning], "finite": finite, "speed": speed, "depth": depth}
+    seen = {"warnings": [int(w.number) for w in data.warning], "finite": finite, "speed": speed, "depth": depth}
+    return {**seen, "gap": gap, "actuators": int(model.nu)}
 
 
 def _at_home(model: Any) -> Any:
@@ -184,19 +196,6 @@ def _at_home(model: Any) -> Any:
     return data
 
 
-def _halton(index: int, dimensions: int) -> np.ndarray:
-    """A point of the Halton sequence in the unit cube: evenly spread, and the same in every run."""
-    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71)
-    point = np.zeros(dimensions)
-    for axis in range(dimensions):
-        base, fraction, rest = primes[axis], 1.0, index
-        while rest:
-            fraction /= base
-            rest, digit = divmod(rest, base)
-            point[axis] += fraction * digit
-    return point
-
-
 def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: str = "") -> dict[str, Any]:
     """Let a URDF hang with its base fixed, or fall on a floor, without motors, for a while at 1 ms steps.
 
@@ -206,6 +205,23 @@ def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: 
         floating: Whether it stands on a floor instead.
         snippet: Python with the function that closes its loops, as in report.json.
     """
+    import pybullet
+
+    body = _in_pybullet(file, floating, snippet)
+    joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
+    for i in joints:
+        pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
+    speed, finite = 0.0, True
+    for _ in range(round(seconds * 1000)):
+        pybullet.stepSimulation()
+        states = [pybullet.getJointState(body, i)[:2] for i in joints]
+        finite = finite and bool(np.isfinite(states).all())
+        speed = max([speed, *(abs(state[1]) for state in states)])
+    return {"finite": finite, "speed": speed, "links": 1 + pybullet.getNumJoints(body)}
+
+
+def _in_pybullet(file: str, floating: bool, snippet: str) -> int:
+    """A URDF, loaded into a world with gravity and 1 ms steps, its base fixed or on a floor, its loops closed."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
@@ -222,16 +238,97 @@ def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: 
         module["close_loops"](body)
     pybullet.setGravity(0, 0, -9.81)
     pybullet.setTimeStep(1e-3)
-    joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
-    for i in joints:
-        pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
-    speed, finite = 0.0, True
-    for _ in range(round(seconds * 1000)):
-        pybullet.stepSimulation()
-        states = [pybullet.getJointState(body, i)[:2] for i in joints]
-        finite = finite and bool(np.isfinite(states).all())
-        speed = max([speed, *(abs(state[1]) for state in states)])
-    return {"finite": finite, "speed": speed, "links": 1 + pybullet.getNumJoints(body)}
+    return body
+
+
+def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, Any]) -> dict[str, Any]:
+    """Give every actuator of a robot new random targets every 50 ms, at 1 ms steps; joints that mimic follow.
+
+    Motors are PyBullet's own, with the joints' efforts. What is not fixed to the world stands on a floor.
+
+    Args:
+        file: The URDF.
+        seconds: How long.
+        robot: What report.json says of the robot: base, joints, actuators, closures and the snippet that closes them.
+
+    Returns:
+        What PyBullet printed, whether all stays finite, the largest speed, the widest gap of a loop [m], and how many
+        joints were driven.
+    """
+    import pybullet
+
+    from stepbot.simulators._printed import printed
+
+    with printed() as lines:
+        body = _in_pybullet(file, robot["base"] == "floating", robot["pybullet"] or "")
+        infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
+        moving = {info[1].decode(): info[0] for info in infos if info[3] >= 0}
+        links = {pybullet.getBodyInfo(body)[0].decode(): -1, **{info[12].decode(): info[0] for info in infos}}
+        for index in moving.values():
+            pybullet.setJointMotorControl2(body, index, pybullet.VELOCITY_CONTROL, force=0)
+        generator = np.random.default_rng(0)
+        drives = _drives(robot, moving)
+        speed, gap, finite = 0.0, 0.0, True
+        for number in range(round(seconds * 1000)):
+            if number % 50 == 0:
+                for joint, kind in drives:
+                    _aim(body, moving, joint, kind, generator.uniform(-1.0, 1.0), robot["joints"])
+            pybullet.stepSimulation()
+            states = [pybullet.getJointState(body, i)[:2] for i in moving.values()]
+            finite = finite and bool(np.isfinite(states).all())
+            speed = max([speed, *(abs(state[1]) for state in states)])
+            for closure in robot["closures"]:
+                ends = [_in_world(body, links[closure[f"link_{s}"]], closure[f"pose_{s}"]["xyz"]) for s in "ab"]
+                gap = max(gap, float(np.linalg.norm(ends[0] - ends[1])))
+    return {"printed": lines, "finite": finite, "speed": speed, "gap": gap, "driven": len(drives)}
+
+
+def _drives(robot: Mapping[str, Any], moving: Mapping[str, int]) -> list[tuple[Mapping[str, Any], str]]:
+    """Joints with actuators, and what these control; of joints that URDF says by several only what has their name."""
+    by_name = {joint["name"]: joint for joint in robot["joints"]}
+    return [(by_name[a["joint"]], a["kind"]) for a in robot["actuators"] if a["joint"] in moving]
+
+
+def _aim(
+    body: int,
+    moving: Mapping[str, int],
+    joint: Mapping[str, Any],
+    kind: str,
+    share: float,
+    joints: Sequence[Mapping[str, Any]],
+) -> None:
+    """Set the motor of a joint, and of those that mimic it, to a share from -1 to 1 of what the joint may do."""
+    import pybullet
+
+    limits = joint["limits"]
+    force = 100.0 if limits["effort"] is None else limits["effort"]
+    if kind == "motor":
+        pybullet.setJointMotorControl2(body, moving[joint["name"]], pybullet.TORQUE_CONTROL, force=share * force)
+        return
+    fastest = 1.0 if limits["velocity"] is None else limits["velocity"]
+    if kind == "velocity":
+        pybullet.setJointMotorControl2(
+            body, moving[joint["name"]], pybullet.VELOCITY_CONTROL, targetVelocity=share * fastest, force=force
+        )
+        return
+    low = -np.pi if limits["lower"] is None else limits["lower"]
+    high = np.pi if limits["upper"] is None else limits["upper"]
+    target = low + (high - low) * (share + 1) / 2
+    followers = [j for j in joints if j["mimic"] is not None and j["mimic"]["joint"] == joint["name"]]
+    aims = [(joint["name"], target)]
+    aims += [(j["name"], j["mimic"]["multiplier"] * target + j["mimic"]["offset"]) for j in followers]
+    for name, position in aims:
+        pybullet.setJointMotorControl2(
+            body, moving[name], pybullet.POSITION_CONTROL, targetPosition=position, force=force, maxVelocity=fastest
+        )
+
+
+def _in_world(body: int, link: int, p_L: Sequence[float]) -> np.ndarray:
+    """A point of a link, or with -1 of the base, in the world."""
+    import pybullet
+
+    com = pybullet.getBasePositionAndOrientation(body) if link < 0 else pybullet.getLinkState(body, link)[:2]
+    return np.asarray(pybullet.multiplyTransforms(*com, _from_com(body, link, p_L), (0, 0, 0, 1))[0])
 
 
 def closed_in_pybullet(file: str, closure: Mapping[str, Any], driven: str, speed: float) -> dict[str, Any]:

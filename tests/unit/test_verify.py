@@ -333,8 +333,8 @@ def test_planar_mechanisms_feel_no_gravity() -> None:
 
 
 def test_an_engine_has_its_own_tolerance() -> None:
-    """PyBullet's inertia may be off by 1e-6, no other's; the looser of two engines holds."""
-    off = tuple(map(tuple, (INERTIA * (1 + 5e-7)).tolist()))
+    """PyBullet's inertia may be off by 3e-6, no other's; the looser of two engines holds."""
+    off = tuple(map(tuple, (INERTIA * (1 + 2e-6)).tolist()))
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="pybullet"))) == set()
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="mujoco"))) == {Quantity.INERTIA}
     assert tolerance(("mujoco", "pybullet"), Quantity.POSES) == Tolerance(absolute=1e-6)
