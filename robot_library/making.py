@@ -6,8 +6,6 @@ neither build123d nor Embree, and no time.
 """
 
 import argparse
-import json
-import re
 import subprocess
 import sys
 from collections.abc import Iterable
@@ -70,9 +68,6 @@ def make(folder: Path, force: bool = False) -> str:
     page = folder / _PAGE
     part = pages.robot_part(folder, conversion, _own_mass(folder))
     page.write_text(pages.with_part(page.read_text(encoding="utf-8"), part), encoding="utf-8", newline="\n")
-    results = {f"{format_} in {engine}": result for (format_, engine), result in pages.results_of(conversion).items()}
-    known = {"facts": pages.facts_of(conversion), "results": results}
-    (OUTPUT / f"{folder.name}.json").write_text(json.dumps(known), encoding="utf-8")
     run = _python("-m", "robot_library.preview", str(folder), *(["--force"] if force else []))
     return f"{folder.name}: its picture failed\n{run.stderr}" if run.returncode else ""
 
@@ -112,26 +107,17 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
     return {name: conversion.robot.link_by_name[name].mass_properties for name in given}
 
 
-def write_gallery() -> None:
-    """Write the pictures and the table of all robots into the library's README, from what `make` last found."""
+def fresh_gallery() -> str:
+    """The library's README with pictures and table of all robots, as their pages have them now."""
     from stepbot.library import LibraryRobot
 
-    made = []
-    for folder in folders():
-        (sidecar,) = folder.glob("*.robot.yaml")
-        robot = LibraryRobot(folder, sidecar)
-        known = json.loads((OUTPUT / f"{folder.name}.json").read_text(encoding="utf-8"))
-        pairs = {tuple(key.split(" in ")): result for key, result in known["results"].items()}
-        made.append(pages.Made(robot.name, robot.short_name, robot.summary(), known["facts"], pairs))
-    page_of_all = LIBRARY / _PAGE
-    text = pages.with_part(page_of_all.read_text(encoding="utf-8"), pages.gallery(made))
-    page_of_all.write_text(text, encoding="utf-8", newline="\n")
+    robots = [LibraryRobot(sidecar.parent, sidecar) for sidecar in sorted(LIBRARY.glob("*/*.robot.yaml"))]
+    return pages.with_part((LIBRARY / _PAGE).read_text(encoding="utf-8"), pages.gallery(robots))
 
 
-def missing_from_gallery() -> list[str]:
-    """Robots that the gallery does not show."""
-    shown = re.findall(r'<img src="([a-z0-9_]+)/preview.png"', (LIBRARY / _PAGE).read_text(encoding="utf-8"))
-    return [folder.name for folder in folders() if folder.name not in shown]
+def gallery_is_stale() -> bool:
+    """Whether a robot's page says something else than the gallery, or is missing there."""
+    return (LIBRARY / _PAGE).read_text(encoding="utf-8") != fresh_gallery()
 
 
 def main() -> int:
@@ -139,22 +125,24 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Make the library of robots anew.")
     parser.add_argument("names", nargs="*", metavar="FOLDER", help="only these robots")
     parser.add_argument("--check", action="store_true", help="only say what is stale")
+    parser.add_argument("--stale", action="store_true", help="make only what is stale")
     parser.add_argument("--force", action="store_true", help="draw what is not stale, too")
     parser.add_argument("--jobs", type=int, default=None, help="robots at once (default: one per core)")
     options = parser.parse_args()
     wanted = folders(options.names)
     if options.check:
         found = [f"{folder.name}: {what} is stale" for folder in wanted for what in stale(folder)]
-        found += [f"{name}: missing from the gallery" for name in missing_from_gallery()]
+        found += ["README.md: the gallery is stale"] if gallery_is_stale() else []
         print("\n".join([*found, *(["run `make library`"] if found else [])]), end="\n" if found else "")
         return 1 if found else 0
 
     OUTPUT.mkdir(parents=True, exist_ok=True)
+    wanted = [folder for folder in wanted if not options.stale or stale(folder)]
     faults = []
     with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
         for folder, fault in zip(wanted, pool.map(make, wanted, [options.force] * len(wanted)), strict=True):
             print(fault or f"{folder.name}: made", flush=True)
             faults += [fault] if fault else []
-    if not options.names and not faults:
-        write_gallery()
+    gallery = fresh_gallery()
+    (LIBRARY / _PAGE).write_text(gallery, encoding="utf-8", newline="\n")
     return 1 if faults else 0

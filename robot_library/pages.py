@@ -1,8 +1,7 @@
 """The parts of README.md that are written from what was found: tables of each robot, and the gallery of all."""
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from math import degrees, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ from . import fingerprints
 
 if TYPE_CHECKING:
     from stepbot.diagnostics import Diagnostics
+    from stepbot.library import LibraryRobot
     from stepbot.model import Joint, MassProperties, Robot
     from stepbot.pipeline import Conversion
     from stepbot.report import Report
@@ -19,21 +19,9 @@ START, END = "<!-- generated: do not edit below -->", "<!-- end of the generated
 _PART = re.compile(f"{re.escape(START)}.*{re.escape(END)}\n?", re.DOTALL)
 _MADE_FROM = re.compile(r"<!-- drawn from ([0-9a-f]+), converted from ([0-9a-f]+) -->")
 _COLUMNS = 3
+_WHOLE = "robot"
+"""In place of a format, for what is checked of the robot itself."""
 _LOWERED = re.compile(r"SB7\d\d")
-
-
-@dataclass(frozen=True)
-class Made:
-    """What came of one robot."""
-
-    folder: str
-    name: str
-    summary: str
-    """One sentence."""
-    facts: str
-    """Its links, joints and mass, in a few words."""
-    results: Mapping[tuple[str, str], str]
-    """For each format and engine, what came of the verification."""
 
 
 def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassProperties"]) -> str:
@@ -68,35 +56,35 @@ def made_from(page: str) -> tuple[str, str] | None:
     return None if found is None else (found[1], found[2])
 
 
-def gallery(robots: Iterable[Made]) -> str:
-    """The generated part of the library's README: the pictures, and what was proven of every robot."""
-    robots = list(robots)
+def gallery(robots: Sequence["LibraryRobot"]) -> str:
+    """The generated part of the library's README, by the robots' pages: pictures, and what was proven of each."""
     lines = [START, "", "<table>"]
     for first in range(0, len(robots), _COLUMNS):
         lines.append("<tr>")
-        for made in robots[first : first + _COLUMNS]:
-            picture = f'<a href="{made.folder}"><img src="{made.folder}/preview.png" alt="{made.name}" width="300"></a>'
-            lines.append(f'<td align="center">{picture}<br><b>{made.folder}</b><br>{made.summary}</td>')
+        for robot in robots[first : first + _COLUMNS]:
+            picture = f'<a href="{robot.name}"><img src="{robot.name}/preview.png" alt="{robot.name}" width="300"></a>'
+            lines.append(f'<td align="center">{picture}<br><b>{robot.name}</b><br>{robot.summary()}</td>')
         lines.append("</tr>")
-    lines += ["</table>", "", "| robot | | " + " | ".join(_pairs(robots)) + " |"]
-    lines.append("| --- | --- | " + " | ".join("---" for _ in _pairs(robots)) + " |")
-    for made in robots:
-        cells = [made.results.get(pair, "") for pair in _pairs(robots).values()]
-        lines.append(f"| [{made.folder}]({made.folder}) | {made.facts} | " + " | ".join(cells) + " |")
-    lines += ["", "Reasons for what is lowered or not run are in the README of each robot.", "", END]
+    results = {robot.name: _results(robot) for robot in robots}
+    ran = [pair for found in results.values() for pair, result in found.items() if not result.startswith("not run")]
+    pairs = list(dict.fromkeys(ran))
+    lines += ["</table>", "", "| robot | | " + " | ".join(pairs) + " |"]
+    lines.append("| --- | --- | " + " | ".join("---" for _ in pairs) + " |")
+    for robot in robots:
+        cells = [results[robot.name].get(pair, "") for pair in pairs]
+        lines.append(f"| [{robot.name}]({robot.name}) | {robot.facts()} | " + " | ".join(cells) + " |")
+    lines += [
+        "",
+        "Reasons for what is lowered or not run, and engines that were not installed, are in the README of each",
+    ]
+    lines += ["robot.", "", END]
     return "\n".join(lines) + "\n"
 
 
-def results_of(conversion: "Conversion") -> dict[tuple[str, str], str]:
-    """For each format and engine what came of it, and whether the format had to say something by other means."""
-    report = conversion.report
-    assert report is not None
-    lowered = {d.span.file for d in conversion.diagnostics if _LOWERED.match(d.code) and d.severity == "warning"}
-    return {
-        (row.format, row.engine): row.status.value + (", lowered" if row.file in lowered else "")
-        for row in report.rows()
-        if row.format
-    }
+def _results(robot: "LibraryRobot") -> dict[str, str]:
+    """For each format and engine what came of the verification, as the robot's page says."""
+    rows = robot.table("Verification")[1:]
+    return {f"{format_} in {engine}": result for format_, engine, result, *_ in rows if format_ != _WHOLE}
 
 
 def facts_of(conversion: "Conversion") -> str:
@@ -108,11 +96,6 @@ def facts_of(conversion: "Conversion") -> str:
     freedom = report.degrees_of_freedom
     loops = f", {len(robot.closures)} loop{'s' * (len(robot.closures) > 1)}" if robot.closures else ""
     return f"{len(robot.links)} links, {freedom} DoF{loops}, {_number(mass)} kg"
-
-
-def _pairs(robots: list[Made]) -> dict[str, tuple[str, str]]:
-    pairs = dict.fromkeys(pair for made in robots for pair in made.results)
-    return {f"{format_} in {engine}": (format_, engine) for format_, engine in pairs}
 
 
 def _joints(robot: "Robot") -> list[str]:
@@ -158,8 +141,10 @@ def _mass_cells(body: "MassProperties") -> str:
 
 def _verification(report: "Report", diagnostics: "Diagnostics") -> list[str]:
     lines = ["| format | engine | result | compared | not compared, and why |", "|" + " --- |" * 5]
+    by_other_means = {d.span.file for d in diagnostics if _LOWERED.match(d.code) and d.severity == "warning"}
     for row in report.rows():
-        cells = (row.format or "robot", row.engine, row.status.value, ", ".join(row.compared), row.why)
+        result = row.status.value + (", lowered" if row.format and row.file in by_other_means else "")
+        cells = (row.format or _WHOLE, row.engine, result, ", ".join(row.compared), row.why)
         lines.append("| " + " | ".join(cells) + " |")
     lowered = [diagnostic.message for diagnostic in diagnostics if _LOWERED.match(diagnostic.code)]
     lines += ["", *(f"- {message}" for message in lowered)]

@@ -1,0 +1,156 @@
+"""Draw the Panda: ``python -m robot_library.franka_panda.build`` in the root of the checkout.
+
+Writes panda.step beside this file, always the same bytes. The joints' places come from expected.json; the dimensions
+below are of the shells around them. Sources, by the letters in brackets:
+
+[C] The volumes for self-collision in the maker's description: capsules of 60 mm radius around the arm and, from one
+    side to the other 120 mm long, around shoulder and elbow; 50 mm around the wrist; 25 mm around the bow of the
+    forearm, whose axis lies 80 mm beside that of joint 5; 40 mm around joint 7.
+[F] Tool flange ISO 9409-1-50-4-M6: 63 mm across, four M6 on 50 mm, 31.5 mm centring, a 6 mm pin.
+[E] Estimated from photographs, to about 4 mm.
+
+Shoulder and elbow are the same thing four times: half of a barrel across the arm, and a neck that leads from there to
+the next joint. :func:`knee` draws it.
+"""
+
+from pathlib import Path
+
+import build123d as bd
+
+from ..drawing import Body, draw_described
+from ..shapes import ALUMINIUM, BLACK, BLUE, DARK, LIGHT, WHITE, at, cylinder, flange, housing, on_circle, rod, tube
+
+ARM, BARREL = 54.0, 58.0
+"""Radii of necks and of the barrels of shoulder and elbow: 60 mm less their clearance [C]."""
+SIDE = 118.0
+"""Half length of a barrel [C]: the two links that meet there have one half each."""
+WRIST, HAND = 47.0, 42.0
+"""Radii of the barrels of joints 6 and 7 [C]."""
+BOW = 80.0
+"""By which the forearm's bow lies beside the axis of joint 5 [C]."""
+ELBOW, REACH = 82.5, 88.0
+"""Offsets of elbow and flange, as in expected.json."""
+GAP, SEAM = 0.75, 2.5
+"""Half of the slit between two links, and the thickness of the black rings in some of them [E]."""
+
+
+def knee(reach: float, shift: float = 0.0) -> list[Body]:
+    """Half a barrel around z, above z = 0, and a neck along y that ends at ``reach``, its axis at x = ``shift``.
+
+    The neck is centred on z = 0, so its shell leans over from the barrel's half.
+    """
+    barrel = at(housing(BARREL, SIDE - GAP, 9, 0), (0, 0, GAP))
+    start, end = 12.0, 78.0 if shift == 0.0 else 96.0
+    lean = bd.loft(
+        [
+            _across(0, start, SIDE / 2 + GAP, 2 * BARREL - 5, SIDE - 3, 34),
+            _across(shift, end, 0, 2 * ARM, 2 * ARM, ARM - 0.1),
+        ]
+    )
+    neck = rod((shift, end - 0.5, 0), (shift, reach, 0), ARM)
+    return [
+        Body("shell", barrel + lean + neck, WHITE),
+        Body("ring", at(tube(BARREL - 9, BARREL - 12, 1.0), (0, 0, SIDE)), LIGHT),
+        Body("lid", at(housing(BARREL - 12, 3, 2, 0), (0, 0, SIDE)), WHITE),
+    ]
+
+
+def _across(x: float, y: float, z: float, width: float, depth: float, edge: float) -> bd.Face:
+    """A rounded rectangle across the y axis."""
+    plane = bd.Plane(origin=(x, y, z), x_dir=(1, 0, 0), z_dir=(0, 1, 0))
+    return (plane * bd.RectangleRounded(width, depth, edge)).face()
+
+
+def _level(x: float, y: float, z: float, width: float, depth: float, edge: float) -> bd.Face:
+    """A rounded rectangle across the z axis."""
+    return (bd.Pos(x, y, z) * bd.RectangleRounded(width, depth, edge)).face()
+
+
+def _moved(bodies: list[Body], xyz: tuple[float, float, float], rpy: tuple[float, float, float]) -> list[Body]:
+    return [Body(body.name, at(body.shape, xyz, rpy), body.color) for body in bodies]
+
+
+def base() -> list[Body]:
+    """The foot with its four screws, the column of joint 1, the plugs at its back and the light around it [E]."""
+    foot = bd.loft([_level(-38, 0, 0, 186, 190, 46), _level(-34, 0, 78, 150, 118, 40)])
+    neck = bd.loft([_level(-34, 0, 77.5, 150, 118, 40), _level(0, 0, 122, 2 * ARM + 2, 2 * ARM + 2, ARM + 0.9)])
+    body = foot + neck + at(cylinder(ARM + 1, 141 - 121.5 - GAP), (0, 0, 121.5))
+    for x in (40.0, -112.0):
+        for y in (68.0, -68.0):
+            body -= at(cylinder(3.3, 40), (x, y, -1)) + at(cylinder(8, 70), (x, y, 14))
+    plugs = [at(bd.Box(12, 26, 24), (-128, y, 30)) - body for y in (-30.0, 12.0)]
+    light = at(tube(ARM + 1.8, ARM - 3, 3), (0, 0, 130))
+    return [
+        Body("foot", body - light, WHITE),
+        Body("light", light, BLUE),
+        *(Body("plug", plug.solids().sort_by(bd.Axis.X)[0], BLACK) for plug in plugs),
+    ]
+
+
+def link_1() -> list[Body]:
+    """From the base to the shoulder: its half of the barrel points to -y, the neck to -z."""
+    seam = rod((0, 0, 141 - 333 + GAP), (0, 0, 141 - 333 + GAP + SEAM), ARM - 1.5)
+    return [*_moved(knee(333 - 141 - GAP - SEAM), (0, 0, 0), (-90, 0, 180)), Body("seam", seam, BLACK)]
+
+
+def link_2() -> list[Body]:
+    """From the shoulder up to joint 3: its half of the barrel points to +z, the neck to -y."""
+    seam = rod((0, -194 + GAP, 0), (0, -194 - GAP, 0), ARM - 1.5)
+    return [*_moved(knee(194 - GAP), (0, 0, 0), (0, 0, 180)), Body("seam", seam, BLACK)]
+
+
+def link_3() -> list[Body]:
+    """From joint 3 to the elbow, whose axis lies in front: its half of the barrel points to +y, the neck to -z."""
+    return _moved(knee(122 - GAP, -ELBOW), (ELBOW, 0, 0), (-90, 0, 0))
+
+
+def link_4() -> list[Body]:
+    """From the elbow back to joint 5: its half of the barrel points to +z, the neck to +y."""
+    seam = rod((-ELBOW, 124 - GAP, 0), (-ELBOW, 124 + GAP, 0), ARM - 1.5)
+    return [*knee(124 - GAP, -ELBOW), Body("seam", seam, BLACK)]
+
+
+def link_5() -> list[Body]:
+    """The forearm: from joint 5 down, in a bow beside the axis, to its side of joint 6."""
+    top = rod((0, 0, -260 + GAP), (0, 0, -221.8), ARM)
+    bow = bd.loft([_level(0, 0, -222, 2 * ARM, 2 * ARM, ARM - 0.1), _level(0, BOW - 18, -118, 78, 58, 26)])
+    arm = bd.loft([_level(0, BOW - 18, -118.2, 78, 58, 26), _level(0, BOW + 2, -20, 88, 44, 20)])
+    foot = bd.loft([_level(0, BOW + 2, -20.2, 88, 44, 20), _level(0, BOW + 2, 0, 88, 44, 20)])
+    joint = rod((0, 62, 0), (0, 104, 0), WRIST)
+    return [
+        Body("shell", top + bow + arm + foot + joint, WHITE),
+        Body("lid", at(housing(WRIST - 8, 4, 2.5, 0), (0, 104, 0), (-90, 0, 0)), WHITE),
+        Body("seam", rod((0, 62, 0), (0, 62 - SEAM, 0), WRIST - 2), BLACK),
+    ]
+
+
+def link_6() -> list[Body]:
+    """Between the wrist's axes: the barrel of joint 6, and that of joint 7 in front of it, with the pilot's disc."""
+    barrel = at(housing(WRIST, 62 + 40 - SEAM - GAP, 8, 0), (0, 0, -62 + SEAM + GAP))
+    arm = at(bd.Box(80, 78, 64), (46, 0, 4))
+    arm = bd.fillet(arm.edges().filter_by(bd.Axis.X), 20)
+    head = at(housing(HAND, 96, 9, 3), (REACH, -50, 0), (-90, 0, 0))
+    return [
+        Body("shell", barrel + arm + head, WHITE),
+        Body("lid", at(housing(WRIST - 10, 3, 2, 0), (0, 0, 40)), WHITE),
+        Body("pilot", at(housing(27, 6, 3, 0), (REACH, 46, 0), (-90, 0, 0)), LIGHT),
+        Body("seam", rod((REACH, -50, 0), (REACH, -50 - SEAM, 0), HAND - 3), BLACK),
+    ]
+
+
+def link_7() -> list[Body]:
+    """The tool flange, and the connector beside it."""
+    collar = at(housing(HAND, 34, 2, 5), (0, 0, 50 + SEAM + GAP)) + at(cylinder(36, 9), (0, 0, 86))
+    plate = flange(31.5, 12, on_circle(4, 50, 45), 2.5) - at(cylinder(15.75, 6.2), (0, 0, 5.8))  # [F]
+    plate -= at(cylinder(3, 6), (0, 25, 6))
+    plug = at(bd.Box(34, 26, 24), (48, 0, 72), (0, 0, 0)) - cylinder(HAND, 120)  # [C] 60 mm beside the axis
+    return [
+        Body("collar", collar, WHITE),
+        Body("flange", at(plate, (0, 0, 95)), ALUMINIUM),
+        Body("plug", at(plug, (0, 0, 0), (0, 0, 45)), DARK),
+    ]
+
+
+if __name__ == "__main__":
+    links = (base(), link_1(), link_2(), link_3(), link_4(), link_5(), link_6(), link_7())
+    draw_described(Path(__file__).parent, {f"fer_link{number}": bodies for number, bodies in enumerate(links)})
