@@ -24,8 +24,9 @@ def test_yourdfpy_reads_links_and_joints(name: str, write: Write) -> None:
     assert list(read.link_map) == [link.name for link in robot.links]
     for link in robot.links:
         inertial, mass = read.link_map[link.name].inertial, link.mass_properties
-        assert (inertial.mass, *inertial.origin[:3, 3]) == (mass.mass, *mass.com)
-        np.testing.assert_array_equal(inertial.origin[:3, :3], np.eye(3))
+        origin = np.eye(4) if inertial.origin is None else inertial.origin
+        assert (inertial.mass, *origin[:3, 3]) == (mass.mass, *mass.com)
+        np.testing.assert_array_equal(origin[:3, :3], np.eye(3))
         np.testing.assert_array_equal(inertial.inertia, mass.inertia)
         colors = [tuple(visual.material.color.rgba) for visual in read.link_map[link.name].visuals]
         assert colors == [visual.rgba for visual in link.visuals]
@@ -39,7 +40,8 @@ def test_yourdfpy_reads_links_and_joints(name: str, write: Write) -> None:
             assert numbers == (limit.lower, limit.upper, limit.effort, limit.velocity)
             assert np.isfinite(numbers).all()
         if joint.dynamics.damping:
-            numbers = (float(seen.dynamics.damping), float(seen.dynamics.friction))  # yourdfpy leaves them as text
+            # yourdfpy leaves them as text, and what is not there out.
+            numbers = (float(seen.dynamics.damping or 0.0), float(seen.dynamics.friction or 0.0))
             assert numbers == (joint.dynamics.damping, joint.dynamics.friction)
         if joint.mimic:
             mimic = (seen.mimic.joint, seen.mimic.multiplier, seen.mimic.offset)

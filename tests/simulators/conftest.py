@@ -32,11 +32,11 @@ class Folder:
         one = self.written[written_in]
         return requests(self.robot, {written_in: one.robot}, {written_in: one.path})[written_in]
 
-    def expected(self, written_in: str) -> Observation:
-        """What they should see."""
+    def expected(self, written_in: str, asked: Request | None = None) -> Observation:
+        """What they should see, where they are asked that or else everything."""
         moved = mechanism(self.robot, self.written[written_in].robot)
         moved = replace(moved, actuators=self.written[written_in].robot.actuators)
-        return observe_robot(moved, self.request(written_in))
+        return observe_robot(moved, asked or self.request(written_in))
 
 
 def write(robot: Robot, path: Path) -> Folder:

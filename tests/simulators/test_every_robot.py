@@ -23,20 +23,20 @@ REST = {"meshes", "simulation", "warnings"}
 
 COMPARED = {
     ("urdf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST | {"mimic"},
-    ("urdf", "pybullet"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures"},
-    ("urdf", "yourdfpy"): NAMES | JOINTS | BODIES | {"poses", "warnings", "mimic"},
+    ("urdf", "pybullet"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures", "shapes"},
+    ("urdf", "yourdfpy"): NAMES | JOINTS | BODIES | {"poses", "warnings", "mimic", "shapes"},
     ("urdf", "extensions"): {"load", "dynamics", "actuators", "sensors", "warnings"},
-    ("sdf", "pybullet"): NAMES | JOINTS | {"mass", "com", "poses", "meshes", "warnings"},
+    ("sdf", "pybullet"): NAMES | JOINTS | {"mass", "com", "poses", "gravity forces", "meshes", "shapes", "warnings"},
     ("sdf", "reader"): NAMES | JOINTS | BODIES | MOTION
     | {"meshes", "warnings", "mimic", "closures", "frames", "actuators", "sensors"},
     ("mjcf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST
-    | {"mimic", "closures", "frames", "actuators", "sensors", "initial pose"},
+    | {"mimic", "closures", "frames", "actuators", "sensors", "initial pose", "shapes", "contacts"},
     ("mjcf", "pybullet"): {"load"},
     ("urdf", "pinocchio"): NAMES | JOINTS | BODIES | MOTION | {"warnings", "mimic"},
     ("mjcf", "pinocchio"): NAMES | {"axes"} | BODIES | MOTION | {"warnings"},
-    ("urdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST,
-    ("sdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST | {"frames"},
-    ("drake.sdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures", "frames"},
+    ("urdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST | {"shapes"},
+    ("sdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST | {"frames", "shapes"},
+    ("drake.sdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures", "frames", "shapes"},
     ("mjcf", "drake"): NAMES | {"axes", "dynamics"} | BODIES | MOTION | REST,
     ("sdf", "libsdformat"): {"load", "warnings"},
     ("drake.sdf", "libsdformat"): {"load", "warnings"},
@@ -94,6 +94,8 @@ def _lacks(name: str) -> set[str]:
     lacks |= set() if any(joint.mimic for joint in robot.joints) else {"mimic"}
     lacks |= set() if robot.joints else {"inverse dynamics"}
     lacks |= set() if robot.closures else {"closures"}
+    lacks |= set() if any(link.visuals or link.collisions for link in robot.links) else {"shapes"}
+    lacks |= set() if len([link for link in robot.links if link.collisions]) > 1 else {"contacts"}
     lacks |= set() if robot.frames else {"frames"}
     lacks |= set() if robot.actuators else {"actuators"}
     lacks |= set() if robot.sensors else {"sensors"}
@@ -144,7 +146,7 @@ def test_deviations_are_far_below_the_tolerances(proof: tuple[str, Report, list[
     _, report, _ = proof
     for check in report.checks:
         if check.ratio > 1e-3:
-            assert check.quantity in ("meshes", "closures") or check.engine == "pybullet", check
+            assert check.quantity in ("meshes", "shapes", "closures") or check.engine == "pybullet", check
 
 
 def test_no_folder_of_this_machine_is_in_the_report(proof: tuple[str, Report, list[str]], tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ MJCF = {
     "armature": ("two_link_arm", r'(armature=")([^"]*)', 1.001, {"mujoco"}, Q.DYNAMICS),
     "stiffness": ("slider", r'(stiffness=")([^"]*)', 1.001, {"mujoco"}, Q.DYNAMICS),
     "place": ("two_link_arm", r'(<body name="forearm" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.POSES),
-    "mimic": ("gripper_with_mimic", r'(polycoef="[^ ]* )(-[^ ]*)', 1.001, {"mujoco"}, Q.MIMIC),
+    "mimic": ("gripper_with_mimic", r'(polycoef="[^ ]* )(-[^ "]*)', 1.001, {"mujoco"}, Q.MIMIC),
     "site": ("two_link_arm", r'(<site name="tool0" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.FRAMES),
     "closure": ("four_bar", r'(<site name="rocker_pin/b" pos=")([^ ]*)', 1.001, {"mujoco"}, Q.CLOSURES),
     "axis of closure": ("four_bar", r'(<site name="rocker_pin/b/axis" pos=")([^ ]*)', 1.01, {"mujoco"}, Q.CLOSURES),

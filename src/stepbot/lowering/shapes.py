@@ -22,6 +22,11 @@ def geometries(link: Link) -> list[Geometry]:
     return [visual.geometry for visual in link.visuals] + [collision.geometry for collision in link.collisions]
 
 
+def upright(shape: Visual | Collision) -> Pose:
+    """Pose of a shape in its link; a sphere is turned in no way."""
+    return Pose.of(position=shape.X_LG.p) if isinstance(shape.geometry, Sphere) else shape.X_LG
+
+
 def links_with_capsules(robot: Robot) -> list[str]:
     """Links that have a capsule."""
     return [

@@ -1,4 +1,4 @@
-"""The boxes around what Drake made of a link's shapes."""
+"""What Drake made of a link's shapes: the boxes around them, their names, their colours."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -7,7 +7,7 @@ import numpy as np
 from ..model import Box, Capsule, Cylinder, Sphere
 from ..spatial import Pose, vector3
 from ._bounds import Bounds, mesh_bounds, primitive_bounds
-from .observation import EngineCannotRead
+from .observation import EngineCannotRead, ObservedShape
 
 if TYPE_CHECKING:
     from .drake import Built
@@ -24,6 +24,19 @@ def bounds_of(built: "Built", geometry: Any) -> Bounds:
         vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
         return mesh_bounds(vertices, X_LG)
     return _primitive_bounds(shape, X_LG)
+
+
+def observed_shape(built: "Built", geometry: Any, *, seen: bool) -> ObservedShape:
+    """Name of a shape, and what colours it has, if it is one to see."""
+    inspector = built.scene.model_inspector()
+    name = inspector.GetName(geometry).removeprefix(f"{built.name}::")
+    if not seen:
+        return ObservedShape(name)
+    properties = inspector.GetIllustrationProperties(geometry)
+    if properties is None or not properties.HasProperty("phong", "diffuse"):
+        return ObservedShape(name, ())
+    color = properties.GetProperty("phong", "diffuse")
+    return ObservedShape(name, (color.r(), color.g(), color.b(), color.a()))
 
 
 def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:

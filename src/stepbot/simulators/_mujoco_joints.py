@@ -88,7 +88,7 @@ def _single_joint(compiled: "Compiled", joint: int, parent: str, child: str, mjc
             parent,
             child,
             limit=Limit(velocity=velocities.get(name, inf)),
-            limit_fields=("velocity",) if velocities else (),
+            limit_fields=("velocity",) if mjcf else (),
             dynamics=_passive(compiled, joint, 0.0),
             dynamics_fields=("damping", "friction", "stiffness", "armature"),
         )
@@ -124,7 +124,7 @@ def _moving_joint(compiled: "Compiled", joint: int, parent: str, child: str, mjc
         child,
         axis=vector3(model.jnt_axis[joint]),
         limit=limit,
-        limit_fields=("lower", "upper", *(("velocity",) if velocities else ()), "effort"),
+        limit_fields=("lower", "upper", *(("velocity",) if mjcf else ()), "effort"),
         dynamics=_passive(compiled, joint, float(model.qpos_spring[position])),
         dynamics_fields=("damping", "friction", *(("stiffness", "spring_reference", "armature") if mjcf else ())),
         mimic=_mimic(compiled, joint),

@@ -1,4 +1,4 @@
-"""The boxes around what MuJoCo made of a link's shapes."""
+"""What MuJoCo made of a link's shapes: the boxes around them, their names, their colours."""
 
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -8,6 +8,7 @@ import numpy as np
 from ..model import Box, Capsule, Cylinder, Sphere
 from ..spatial import Pose, vector3
 from ._bounds import Bounds, mesh_bounds, primitive_bounds
+from .observation import ObservedShape
 
 if TYPE_CHECKING:
     from .mujoco import Compiled
@@ -16,13 +17,29 @@ if TYPE_CHECKING:
 def shape_bounds(compiled: "Compiled", body: int, *, touched: bool) -> list[Bounds]:
     """Boxes [m] in the link's frame of the shapes that are touched, or else of those that are only seen."""
     model = compiled.model
+    return [
+        _bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
+        for g in _geoms(compiled, body, touched)
+    ]
+
+
+def observed_shapes(compiled: "Compiled", body: int, *, touched: bool) -> tuple[ObservedShape, ...]:
+    """Names and colours of the shapes that are touched, or else of those that are only seen."""
+    model = compiled.model
+    return tuple(
+        ObservedShape(
+            compiled.name("GEOM", g),
+            None if touched else tuple(model.geom_rgba[g].tolist()),
+            group=int(model.geom_group[g]),
+        )
+        for g in _geoms(compiled, body, touched)
+    )
+
+
+def _geoms(compiled: "Compiled", body: int, touched: bool) -> list[int]:
+    model = compiled.model
     geoms = range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
-    boxes = []
-    for g in geoms:
-        if bool(model.geom_contype[g] or model.geom_conaffinity[g]) is touched:
-            X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
-            boxes.append(_bounds(compiled, g, X_LG))
-    return boxes
+    return [g for g in geoms if bool(model.geom_contype[g] or model.geom_conaffinity[g]) is touched]
 
 
 def _bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:

@@ -1,7 +1,8 @@
 """A copy of an SDFormat file that PyBullet can read: one model in a world, a tree of links, no joint to the world.
 
 PyBullet refuses a joint whose parent is ``world``, crashes on a second joint to a link and on a second root, and takes
-no notice of ``relative_to``. What is left out is named, so that the report can say so.
+no notice of ``relative_to``. What is left out is named, so that the report can say so. A fixed joint to the world
+becomes ``<static>``, by which PyBullet holds the base, and only that.
 """
 
 import tempfile
@@ -79,8 +80,12 @@ def round_shapes(file: Path) -> int:
 
 
 @contextmanager
-def tree_copy(file: Path) -> Iterator[tuple[Path, list[str]]]:
+def tree_copy(file: Path, *, held: bool = False) -> Iterator[tuple[Path, list[str]]]:
     """Path of the copy, which lives as long as the context, and what was left out.
+
+    Args:
+        file: The SDFormat file.
+        held: Whether what a fixed joint holds in the world stays held; PyBullet tells no mass of such a base.
 
     Raises:
         EngineRefused: The file is not XML.
@@ -95,7 +100,10 @@ def tree_copy(file: Path) -> Iterator[tuple[Path, list[str]]]:
     notes += [f"read from a copy without closing joint '{joint.get('name', '')}'" for joint in closing]
     for joint in (*to_world, *closing):
         model.remove(joint)
-    _check_readable(model)
+    check_readable(model)
+    links = {link.get("name") for link in model.findall("link")}
+    if held and any(joint.get("type") == "fixed" and set(ends(joint)) & links for joint in to_world):
+        etree.SubElement(model, "static").text = "1"
     for uri in model.iter("uri"):
         mesh = resolve((uri.text or "").strip(), file)
         if mesh is not None:
@@ -108,7 +116,12 @@ def tree_copy(file: Path) -> Iterator[tuple[Path, list[str]]]:
         yield copy, notes
 
 
-def _check_readable(model: Element) -> None:
+def check_readable(model: Element) -> None:
+    """Make sure that PyBullet is not asked what it is known to crash on or to misread.
+
+    Raises:
+        EngineCannotRead: The model has something of the kind.
+    """
     relative = model.xpath(".//pose[@relative_to and @relative_to!='']|.//xyz[@expressed_in and @expressed_in!='']")
     if relative:
         raise EngineCannotRead("PyBullet takes no notice of relative_to and expressed_in")

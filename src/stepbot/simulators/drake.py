@@ -22,7 +22,7 @@ from ..dynamics import GRAVITY, Rates
 from ..spatial import Array, Pose, join_bounds, matrix3, shift_inertia, vector3
 from ._drake_coordinates import Coordinates
 from ._drake_joints import observed_joints
-from ._drake_shapes import bounds_of
+from ._drake_shapes import bounds_of, observed_shape
 from ._resources import resolve
 from .observation import (
     Dynamics,
@@ -165,6 +165,8 @@ class Built:
     request: Request
     frames: tuple[str, ...]
     """Names of the frames that the file has, as far as Drake keeps them."""
+    name: str
+    """What the robot is called."""
 
     @cached_property
     def bodies(self) -> list[Any]:
@@ -226,7 +228,7 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
         models = parser.AddModels(path)
         if len(models) != 1:
             raise EngineRefused(f"{len(models)} models in the file, one expected")
-        root = _root(plant, models[0])
+        root, name = _root(plant, models[0]), plant.GetModelInstanceName(models[0])
         if request.format == "urdf" and not request.floating and not _is_held(plant, root):
             plant.WeldFrames(plant.world_frame(), root.body_frame())
         plant.Finalize()
@@ -240,7 +242,7 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
     context = plant.GetMyMutableContextFromRoot(whole)
     for index in plant.GetJointActuatorIndices():  # armature is compared by itself, where an engine tells of it
         plant.get_joint_actuator(index).SetRotorInertia(context, 0.0)
-    return Built(plant, scene, diagram, whole, context, root, request, _frame_names(plant))
+    return Built(plant, scene, diagram, whole, context, root, request, _frame_names(plant), name)
 
 
 def _packages(path: Path) -> dict[str, Path]:
@@ -296,6 +298,7 @@ def _static(built: Built, request: Request) -> Observation:
         engine=NAME,
         version=importlib.metadata.version("drake"),
         format=request.format,
+        name=built.name,
         base=None if format_name == "urdf" else "fixed" if held else "floating",
         links=tuple(_link(built, body) for body in built.bodies),
         joints=observed_joints(built),
@@ -314,10 +317,10 @@ def _link(built: Built, body: Any) -> ObservedLink:
     if mass:
         com = np.array(spatial.get_com())
         inertia = shift_inertia(spatial.CalcRotationalInertia().CopyToFullMatrix3(), -mass, com)
-    seen, touched = (
-        [bounds_of(built, shape) for shape in shapes]
-        for shapes in (built.plant.GetVisualGeometriesForBody(body), built.plant.GetCollisionGeometriesForBody(body))
-    )
+    visuals = built.plant.GetVisualGeometriesForBody(body)
+    collisions = built.plant.GetCollisionGeometriesForBody(body)
+    seen, touched = ([bounds_of(built, shape) for shape in shapes] for shapes in (visuals, collisions))
+    named = built.request.format != "mjcf"  # of which Drake keeps no names of shapes
     return ObservedLink(
         body.name(),
         mass,
@@ -327,6 +330,8 @@ def _link(built: Built, body: Any) -> ObservedLink:
         collision_bounds=join_bounds(touched) if touched else None,
         has_visuals=bool(seen),
         has_collisions=bool(touched),
+        visuals=tuple(observed_shape(built, shape, seen=True) for shape in visuals) if named else None,
+        collisions=tuple(observed_shape(built, shape, seen=False) for shape in collisions) if named else None,
     )
 
 

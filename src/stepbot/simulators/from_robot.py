@@ -7,7 +7,7 @@ import stepbot
 
 from ..drives import control_range, force_range
 from ..dynamics import equations_of_motion
-from ..kinematics import Tree, complete, initial_configuration, link_poses
+from ..kinematics import Tree, complete, initial_configuration, link_poses, neighbours
 from ..loops import closure_gap
 from ..model import Actuator, ActuatorKind, Collision, Joint, JointKind, Link, LoopClosure, MeshRef, Robot, Visual
 from ..sensors import PLACED, SEEING, Sensor, SensorKind
@@ -21,6 +21,7 @@ from .observation import (
     ObservedJoint,
     ObservedLink,
     ObservedSensor,
+    ObservedShape,
     Request,
 )
 
@@ -43,6 +44,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         engine=NAME,
         version=stepbot.__version__,
         format=request.format,
+        name=robot.name,
         base=robot.base.value,
         links=tuple(_link(robot, link) for link in robot.links),
         joints=tuple(_joint(joint) for joint in robot.joints),
@@ -54,6 +56,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
         sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
         initial=initial_configuration(robot),
+        untouching=_untouching(robot),
     )
 
 
@@ -68,7 +71,14 @@ def _link(robot: Robot, link: Link) -> ObservedLink:
         _bounds(robot, link.collisions),
         has_visuals=bool(link.visuals),
         has_collisions=bool(link.collisions),
+        visuals=tuple(ObservedShape(shape.name, shape.rgba, group=2) for shape in link.visuals),
+        collisions=tuple(ObservedShape(shape.name, group=3) for shape in link.collisions),
     )
+
+
+def _untouching(robot: Robot) -> tuple[tuple[str, str], ...]:
+    touching = {link.name for link in robot.links if link.collisions}
+    return tuple(sorted((min(pair), max(pair)) for pair in neighbours(robot) if pair <= touching))
 
 
 def _bounds(robot: Robot, shapes: Iterable[Visual | Collision]) -> Bounds | None:

@@ -17,10 +17,11 @@ import numpy as np
 
 from ..dynamics import GRAVITY, Rates
 from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia
+from ._mujoco_contacts import untouching
 from ._mujoco_coordinates import Balls, Coordinates
 from ._mujoco_devices import observed_actuators, observed_frames, observed_sensors
 from ._mujoco_joints import observed_joints
-from ._mujoco_shapes import shape_bounds
+from ._mujoco_shapes import observed_shapes, shape_bounds
 from ._resources import resolve
 from .observation import Dynamics, EngineRefused, Observation, ObservedLink, Quantity, Request
 
@@ -204,8 +205,9 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         engine=NAME,
         version=compiled.engine.__version__,
         format=request.format,
+        name=_name(compiled),
         base=_base(compiled) if mjcf else None,
-        links=tuple(_link(compiled, body) for body in compiled.bodies),
+        links=tuple(_link(compiled, body, mjcf) for body in compiled.bodies),
         joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
         coordinates=compiled.coordinates.names,
         poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
@@ -214,6 +216,7 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         actuators=observed_actuators(compiled) if mjcf else None,
         sensors=sensors if mjcf else None,
         initial=_initial(compiled) if mjcf else None,
+        untouching=untouching(compiled) if mjcf else None,
         not_run=_NOT_RUN[request.format],
     )
 
@@ -224,7 +227,12 @@ def _base(compiled: Compiled) -> str:
     return "floating" if any(compiled.joint_type(j) == free for j in joints) else "fixed"
 
 
-def _link(compiled: Compiled, body: int) -> ObservedLink:
+def _name(compiled: Compiled) -> str:
+    """What the model is called: MuJoCo keeps that before all other names."""
+    return bytes(compiled.model.names).split(b"\0", 1)[0].decode("utf-8", "replace")
+
+
+def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
     model = compiled.model
     X_LI = Pose.from_quaternion(model.body_iquat[body].tolist(), model.body_ipos[body])
     seen, touched = (shape_bounds(compiled, body, touched=side) for side in (False, True))
@@ -237,6 +245,9 @@ def _link(compiled: Compiled, body: int) -> ObservedLink:
         collision_bounds=join_bounds(touched) if touched else None,
         has_visuals=bool(seen),
         has_collisions=bool(touched),
+        # Of URDF, MuJoCo keeps no names of shapes.
+        visuals=observed_shapes(compiled, body, touched=False) if mjcf else None,
+        collisions=observed_shapes(compiled, body, touched=True) if mjcf else None,
     )
 
 
@@ -264,10 +275,8 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynam
     return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
 
 
-def _initial(compiled: Compiled) -> dict[str, float] | None:
-    """The pose in the keyframe :data:`HOME`; None where there is no such keyframe."""
+def _initial(compiled: Compiled) -> dict[str, float]:
+    """The pose in the keyframe :data:`HOME`, or else that of the model."""
     model = compiled.model
     keys = [k for k in range(model.nkey) if compiled.name("KEY", k) == HOME]
-    if not keys:
-        return None
-    return compiled.coordinates.read(model.key_qpos[keys[0]])
+    return compiled.coordinates.read(model.key_qpos[keys[0]] if keys else model.qpos0)

@@ -36,6 +36,8 @@ class Quantity(StrEnum):
     INVERSE_DYNAMICS = "inverse dynamics"
     CLOSURES = "closures"
     MESHES = "meshes"
+    SHAPES = "shapes"
+    CONTACTS = "contacts"
     FRAMES = "frames"
     ACTUATORS = "actuators"
     SENSORS = "sensors"
@@ -43,6 +45,18 @@ class Quantity(StrEnum):
     SELF_COLLISION = "self-collision"
     SIMULATION = "simulation"
     WARNINGS = "warnings"
+
+
+@dataclass(frozen=True)
+class ObservedShape:
+    """One thing that is seen or touched of a link; None where the engine does not tell."""
+
+    name: str | None = None
+    """Empty where the file gives none."""
+    rgba: tuple[float, ...] | None = None
+    """Red, green, blue, opacity, in [0, 1]; empty where the file gives none."""
+    group: int | None = None
+    """Which shapes viewers show and hide together: by custom, 2 is what is seen and 3 is what is touched."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +78,10 @@ class ObservedLink:
     """Whether there is anything to see of the link."""
     has_collisions: bool | None = None
     """Whether there is anything to touch of the link."""
+    visuals: tuple[ObservedShape, ...] | None = None
+    """What is seen of the link, one by one, in the order of the file."""
+    collisions: tuple[ObservedShape, ...] | None = None
+    """What is touched of the link, one by one, in the order of the file."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +191,8 @@ class Observation:
     version: str
     format: str
     """``urdf``, ``sdf`` or ``mjcf``."""
+    name: str | None = None
+    """What the robot is called."""
     base: str | None = None
     """``fixed`` or ``floating``; None where neither the file nor the engine says."""
     links: tuple[ObservedLink, ...] = ()
@@ -191,6 +211,8 @@ class Observation:
     sensors: tuple[ObservedSensor, ...] | None = None
     initial: Mapping[str, float] | None = None
     """The pose [rad], [m] in which the file says that the robot starts."""
+    untouching: tuple[tuple[str, str], ...] | None = None
+    """Pairs of links that have something to touch with, and never touch each other; sorted."""
     missing_meshes: tuple[str, ...] = ()
     simulation_finite: bool | None = None
     """Whether one second of passive simulation from the initial pose stayed finite."""

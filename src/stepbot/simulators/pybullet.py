@@ -32,6 +32,7 @@ from .observation import (
     Observation,
     ObservedJoint,
     ObservedLink,
+    ObservedShape,
     Quantity,
     Request,
 )
@@ -46,7 +47,6 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     "sdf": {
         Quantity.INERTIA: _NO_INERTIA,
         Quantity.MASS_MATRIX: _NO_INERTIA,
-        Quantity.GRAVITY: "PyBullet cannot fix the base of a body from SDFormat",
         Quantity.INVERSE_DYNAMICS: _NO_INERTIA,
         Quantity.SIMULATION: _NO_INERTIA,
         Quantity.MIMIC: _NOT_READ,
@@ -61,7 +61,8 @@ _KINDS = {0: "revolute", 1: "prismatic", 2: "ball", 3: "planar", 4: "fixed"}
 _TESSELLATED = b"unknown_file"
 """Name of the mesh that loadSDF makes of a cylinder, with 32 sides."""
 _IN_VAIN = "Couldn't parse vector3"
-"""What loadSDF complains of, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
+"""What loadSDF complains of, twice for each cylinder and capsule and each time that the file is loaded, which is twice:
+it looks for MJCF's two end points first."""
 _PLAIN = "?"
 """The line that getMeshData prints for each ball, box or other plain shape beside the meshes of a link."""
 _NO_LIMIT = 1e15
@@ -95,7 +96,7 @@ def observe(request: Request) -> Observation:
     except EngineRefused as error:
         raise EngineRefused("; ".join([str(error), *_complaints(lines, request)])) from error
     messages = _complaints(lines, request)
-    if request.format == "sdf" and messages.count(_IN_VAIN) == 2 * round_shapes(Path(request.file)):
+    if request.format == "sdf" and messages.count(_IN_VAIN) == 4 * round_shapes(Path(request.file)):
         messages = [message for message in messages if message != _IN_VAIN]
     return replace(observation, warnings=tuple(dict.fromkeys(messages)))
 
@@ -129,6 +130,8 @@ class Body:
 
     engine: Any
     id: int
+    model: str
+    """Name of the robot."""
     links: tuple[str, ...]
     """The base first; PyBullet's index is one less."""
     joints: tuple[tuple[Any, ...], ...]
@@ -173,10 +176,13 @@ def pose(position: Any, xyzw: Any) -> Pose:
 def body_of(engine: Any, body: int) -> Body:
     """What PyBullet says of a loaded body."""
     joints = tuple(engine.getJointInfo(body, index) for index in range(engine.getNumJoints(body)))
-    links = [engine.getBodyInfo(body)[0], *(info[12] for info in joints)]
+    base, model = engine.getBodyInfo(body)
+    links = [base, *(info[12] for info in joints)]
     inertial = [engine.getDynamicsInfo(body, index)[3:5] for index in range(-1, len(joints))]
     names = tuple(link.decode("utf-8", "replace") for link in links)
-    return Body(engine, body, names, joints, tuple(pose(*frame) for frame in inertial))
+    return Body(
+        engine, body, model.decode("utf-8", "replace"), names, joints, tuple(pose(*frame) for frame in inertial)
+    )
 
 
 def _observe_smoke(engine: Any, request: Request) -> Observation:
@@ -193,8 +199,12 @@ def _observe_smoke(engine: Any, request: Request) -> Observation:
 
 
 def _observe_sdf(engine: Any, request: Request) -> Observation:
-    with tree_copy(Path(request.file)) as (path, notes), _loaded(engine, path, "sdf") as body:
-        return replace(_tree(body, request), notes=tuple(notes), not_run=_NOT_RUN["sdf"])
+    file = Path(request.file)
+    with tree_copy(file) as (path, notes), _loaded(engine, path, "sdf") as body:
+        observation = replace(_tree(body, request), notes=tuple(notes), not_run=_NOT_RUN["sdf"])
+    with tree_copy(file, held=True) as (path, _), _loaded(engine, path, "sdf") as body:
+        base = "floating" if engine.getDynamicsInfo(body.id, -1)[0] else "fixed"
+        return replace(observation, base=base, dynamics=_weights(body, request) if base == "fixed" else ())
 
 
 def _observe_urdf(engine: Any, request: Request) -> Observation:
@@ -225,6 +235,7 @@ def _tree(body: Body, request: Request) -> Observation:
         engine=NAME,
         version=_version(),
         format=request.format,
+        name=body.model,
         links=tuple(_link(body, index, request) for index in range(-1, len(body.joints))),
         joints=tuple(_joint(body, index, request.format) for index in range(len(body.joints))),
         coordinates=tuple(body.coordinates),
@@ -252,6 +263,8 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         # PyBullet shows the collision shapes of a link that has nothing else to show.
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
+        visuals=tuple(ObservedShape(rgba=tuple(shape[7])) for shape in visuals),
+        collisions=tuple(ObservedShape() for _ in collisions),
     )
 
 
@@ -326,6 +339,11 @@ def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
         limit_fields=("lower", "upper") if silent else ("lower", "upper", "velocity", "effort"),
         dynamics=JointDynamics(damping=info[6], friction=info[7]),
     )
+
+
+def _weights(body: Body, request: Request) -> tuple[Dynamics, ...]:
+    """Gravity forces alone, where PyBullet knows masses but no inertias."""
+    return tuple(Dynamics(gravity=_dynamics(body, *at).gravity) for at in request.moments)
 
 
 def _poses(body: Body, q: Mapping[str, float]) -> dict[str, Pose]:

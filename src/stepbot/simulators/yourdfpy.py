@@ -9,6 +9,7 @@ import importlib.util
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from ..model import JointDynamics, Limit, Mimic
 from ..spatial import Pose, matrix3, turn_inertia, unit, vector3
-from .observation import EngineRefused, Observation, ObservedJoint, ObservedLink, Quantity, Request
+from .observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
 
 NAME = "yourdfpy"
 FORMATS = ("urdf",)
@@ -74,6 +75,7 @@ def observe(request: Request) -> Observation:
         engine=NAME,
         version=importlib.metadata.version("yourdfpy"),
         format=request.format,
+        name=urdf.robot.name,
         links=tuple(_link(link) for link in urdf.robot.links),
         joints=joints,
         coordinates=tuple(joint.name for joint in joints if joint.kind in _MOVING),
@@ -102,18 +104,31 @@ def _warnings() -> Iterator[list[str]]:
 
 def _link(link: Any) -> ObservedLink:
     inertial = link.inertial
-    if inertial is None:
-        return ObservedLink(link.name, 0.0, has_visuals=bool(link.visuals), has_collisions=bool(link.collisions))
-    X_LI = Pose() if inertial.origin is None else Pose.from_matrix(inertial.origin)
-    inertia = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
-    return ObservedLink(
+    bare = ObservedLink(
         link.name,
-        float(inertial.mass or 0.0),
-        X_LI.position,
-        matrix3(turn_inertia(X_LI.R, inertia)),
+        0.0,
         has_visuals=bool(link.visuals),
         has_collisions=bool(link.collisions),
+        visuals=tuple(ObservedShape(shape.name or "", _rgba(shape.material)) for shape in link.visuals),
+        collisions=tuple(ObservedShape(shape.name or "") for shape in link.collisions),
     )
+    if inertial is None:
+        return bare
+    X_LI = Pose() if inertial.origin is None else Pose.from_matrix(inertial.origin)
+    inertia = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
+    return replace(
+        bare,
+        mass=float(inertial.mass or 0.0),
+        com=X_LI.position,
+        inertia=matrix3(turn_inertia(X_LI.R, inertia)),
+    )
+
+
+def _rgba(material: Any) -> tuple[float, ...]:
+    """The colour that a visual has of its own."""
+    if material is None or material.color is None:
+        return ()
+    return tuple(float(channel) for channel in material.color.rgba)
 
 
 def _joint(joint: Any) -> ObservedJoint:

@@ -1,6 +1,7 @@
 """Brings what engines see in different formats to the same form, where formats say the same thing in different ways."""
 
 from dataclasses import replace
+from math import isfinite
 
 from ..model import Mimic
 from ..simulators.observation import Observation, ObservedLink
@@ -14,11 +15,13 @@ def alike(a: Observation, b: Observation) -> tuple[Observation, Observation]:
 
     A massless link called ``world`` is the world. A link that is nothing but a frame is a frame where the other side
     has no link of that name. Mimics are resolved to the joint that leads. Only frames that both name are kept: formats
-    mark different places, and that makes no other robot.
+    mark different places, and that makes no other robot. Nor does what the robot and its shapes are called, or which
+    colours they have. A file without any velocity limit is taken to say nothing of them: MJCF has no word for them.
     """
     a, b = _without_world(a), _without_world(b)
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
+    a, b = _with_velocities(_without_looks(a)), _with_velocities(_without_looks(b))
     return _with_common_frames(a, b)
 
 
@@ -77,6 +80,21 @@ def _with_leaders(observation: Observation) -> Observation:
 
     joints = tuple(
         joint if joint.mimic is None else replace(joint, mimic=led(joint.mimic)) for joint in observation.joints
+    )
+    return replace(observation, joints=joints)
+
+
+def _without_looks(observation: Observation) -> Observation:
+    links = tuple(replace(link, visuals=None, collisions=None) for link in observation.links)
+    return replace(observation, name=None, links=links)
+
+
+def _with_velocities(observation: Observation) -> Observation:
+    if observation.format != "mjcf" or any(j.limit and isfinite(j.limit.velocity) for j in observation.joints):
+        return observation
+    joints = tuple(
+        replace(joint, limit_fields=tuple(field for field in joint.limit_fields if field != "velocity"))
+        for joint in observation.joints
     )
     return replace(observation, joints=joints)
 

@@ -26,6 +26,8 @@ CODES: Mapping[Quantity, str] = {
     Quantity.INVERSE_DYNAMICS: "SB807",
     Quantity.CLOSURES: "SB808",
     Quantity.MESHES: "SB809",
+    Quantity.SHAPES: "SB809",
+    Quantity.CONTACTS: "SB809",
     Quantity.ACTUATORS: "SB816",
     Quantity.SENSORS: "SB816",
     Quantity.INITIAL: "SB816",

@@ -14,7 +14,9 @@ from ..simulators.observation import Observation, ObservedJoint, ObservedLink, Q
 from ..spatial import Array, Vector3, unit
 from .devices import compare_actuators, compare_sensors
 from .gauge import Gauge
+from .links import link_pairs
 from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
+from .shapes import compare_contacts, compare_meshes, compare_shapes
 from .tolerances import tolerance
 
 Comparison = Callable[[Gauge, Observation, Observation], None]
@@ -65,6 +67,8 @@ def _compare_names(gauge: Gauge, what: str, reference: Sequence[str], observed: 
 
 
 def _compare_links(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    if reference.name is not None and observed.name is not None:
+        gauge.equal(reference.name == observed.name, f"robot is named '{observed.name}', '{reference.name}' expected")
     _compare_names(gauge, "link", [link.name for link in reference.links], [link.name for link in observed.links])
 
 
@@ -172,19 +176,14 @@ def _compare_mimic(gauge: Gauge, reference: Observation, observed: Observation) 
             gauge.near(getattr(b.mimic, name), expected, f"mimic {name} of joint '{a.name}'", "SI", _size(expected))
 
 
-def _link_pairs(reference: Observation, observed: Observation) -> list[tuple[ObservedLink, ObservedLink]]:
-    theirs = {link.name: link for link in observed.links}
-    return [(link, theirs[link.name]) for link in reference.links if link.name in theirs]
-
-
 def _compare_mass(gauge: Gauge, reference: Observation, observed: Observation) -> None:
-    for a, b in _link_pairs(reference, observed):
+    for a, b in link_pairs(reference, observed):
         if a.mass is not None and b.mass is not None:
             gauge.near(b.mass, a.mass, f"mass of link '{a.name}'", "kg", a.mass)
 
 
 def _compare_com(gauge: Gauge, reference: Observation, observed: Observation) -> None:
-    for a, b in _link_pairs(reference, observed):
+    for a, b in link_pairs(reference, observed):
         if a.com is None or b.com is None or not (a.mass or b.mass):  # without mass there is no centre of it
             continue
         off = float(np.linalg.norm(np.subtract(b.com, a.com)))
@@ -199,36 +198,11 @@ def _gyration(link: ObservedLink) -> float:
 
 
 def _compare_inertia(gauge: Gauge, reference: Observation, observed: Observation) -> None:
-    for a, b in _link_pairs(reference, observed):
+    for a, b in link_pairs(reference, observed):
         if a.inertia is not None and b.inertia is not None:
             expected: Array = np.array(a.inertia)
             off = float(np.abs(np.array(b.inertia) - expected).max())
             gauge.off(off, f"inertia of link '{a.name}'", "kg m^2", float(np.abs(expected).max()))
-
-
-def _compare_meshes(gauge: Gauge, reference: Observation, observed: Observation) -> None:
-    for uri in observed.missing_meshes:
-        gauge.equal(False, f"mesh '{uri}' is missing")
-    for a, b in _link_pairs(reference, observed):
-        for side in ("visual", "collision"):
-            _compare_presence(gauge, a, b, side)
-            expected, found = getattr(a, f"{side}_bounds"), getattr(b, f"{side}_bounds")
-            if expected is not None and found is not None:
-                off = float(np.abs(np.subtract(found, expected)).max())
-                diagonal = float(np.linalg.norm(np.subtract(expected[1], expected[0])))
-                gauge.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
-            elif expected is not None:
-                gauge.untold.append(f"{side} boxes")
-
-
-def _compare_presence(gauge: Gauge, a: ObservedLink, b: ObservedLink, side: str) -> None:
-    """Whether there is anything to see, or to touch, must agree even where its extent is not told."""
-    expected, found = getattr(a, f"has_{side}s"), getattr(b, f"has_{side}s")
-    if expected is not None and found is not None:
-        wrong = (
-            f"link '{a.name}' has no {side}" if expected else f"link '{a.name}' has a {side} that is not in the robot"
-        )
-        gauge.equal(expected == found, wrong)
 
 
 def _compare_frames(gauge: Gauge, reference: Observation, observed: Observation) -> None:
@@ -284,7 +258,9 @@ _COMPARISONS: Mapping[Quantity, Comparison] = {
     Quantity.GRAVITY: compare_gravity,
     Quantity.INVERSE_DYNAMICS: compare_inverse_dynamics,
     Quantity.CLOSURES: compare_closures,
-    Quantity.MESHES: _compare_meshes,
+    Quantity.MESHES: compare_meshes,
+    Quantity.SHAPES: compare_shapes,
+    Quantity.CONTACTS: compare_contacts,
     Quantity.FRAMES: _compare_frames,
     Quantity.ACTUATORS: compare_actuators,
     Quantity.SENSORS: compare_sensors,
@@ -318,6 +294,8 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.INVERSE_DYNAMICS: _moves,
     Quantity.CLOSURES: lambda observation: bool(observation.closures),
     Quantity.MESHES: _has_shapes,
+    Quantity.SHAPES: _has_shapes,
+    Quantity.CONTACTS: lambda observation: bool(observation.untouching),
     Quantity.FRAMES: lambda observation: bool(observation.frames),
     Quantity.ACTUATORS: lambda observation: bool(observation.actuators),
     Quantity.SENSORS: lambda observation: bool(observation.sensors),
@@ -325,5 +303,5 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
 }
 """Whether a robot has something of the quantity at all; every robot has the others."""
 
-_OPTIONAL = frozenset({Quantity.INITIAL})
-"""What most formats cannot say; that is a loss of the writer's to report, and no check that an engine left out."""
+_OPTIONAL = frozenset({Quantity.INITIAL, Quantity.CONTACTS, Quantity.SHAPES})
+"""What few formats or engines tell; that is a loss of the writer's to report, and no check that an engine left out."""

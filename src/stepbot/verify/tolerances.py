@@ -41,6 +41,8 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.INVERSE_DYNAMICS: Tolerance(relative=1e-9),
     Quantity.CLOSURES: Tolerance(absolute=1e-6),
     Quantity.MESHES: Tolerance(absolute=1e-6),
+    Quantity.SHAPES: EQUAL,
+    Quantity.CONTACTS: EQUAL,
     Quantity.FRAMES: Tolerance(absolute=1e-9),
     Quantity.ACTUATORS: Tolerance(absolute=1e-9, relative=1e-9),
     Quantity.SENSORS: Tolerance(absolute=1e-9, relative=1e-9),
@@ -65,6 +67,9 @@ ENGINE_TOLERANCES: Mapping[tuple[str, Quantity], Tolerance] = {
     # The frames of a closing joint are text that is read back, not the outcome of an iteration.
     ("reader", Quantity.CLOSURES): Tolerance(absolute=1e-9),
 }
+
+COLOR = Tolerance(absolute=1e-6)
+"""Engines hold colours as floats."""
 
 SEVERAL_LOOPS: Mapping[str, Tolerance] = {
     # Its solver goes round the constraints of a step one by one: 1.3e-4 m stay open in a Stewart platform.

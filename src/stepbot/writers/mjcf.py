@@ -9,12 +9,14 @@ close; the keyframe ``home`` is the drawn pose, where it does.
 """
 
 from math import isfinite, isinf
+from pathlib import PurePosixPath
 
 import numpy as np
 
 from ..freedoms import steps_by_child
 from ..kinematics import initial_configuration, neighbours
-from ..lowering import Notion, exact, free_name, lowered, refused, reported
+from ..lowering import Notion, exact, free_name, geometries, lowered, refused, reported
+from ..lowering.shapes import is_flat, upright
 from ..model import (
     ActuatorKind,
     Base,
@@ -104,11 +106,15 @@ EXPRESSES = {
     Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
 }
 
+_WORLD = "world"
+_Z = (0.0, 0.0, 1.0)
 HOME = "home"
 """Name of the keyframe with the drawn pose."""
 
 _ROUNDING = 1e-12
 """Relative margin by which MuJoCo's own rounding may break A + B >= C of principal moments that satisfy it exactly."""
+_TINY = 1e-10
+"""Volume [m^3] of the box around a mesh below which that of the mesh may be too small for MuJoCo."""
 
 
 def reserves(name: str) -> bool:
@@ -119,8 +125,8 @@ def reserves(name: str) -> bool:
 def render(robot: Robot) -> bytes:
     """The MJCF of a lowered robot."""
     top = root("mujoco", robot.source, model=robot.name)
-    element(top, "compiler", angle="radian", inertiafromgeom="false")
-    _defaults(top)
+    element(top, "compiler", angle="radian")
+    _defaults(top, robot)
     _assets(top, robot)
     _bodies(top, robot)
     _contact(top, robot)
@@ -137,23 +143,28 @@ def companions(_robot: Robot) -> tuple[Companion, ...]:
     return ()
 
 
-def _defaults(top: Element) -> None:
-    default = element(top, "default")
-    visual = element(default, "default", class_="visual")
-    element(visual, "geom", group=2, contype=0, conaffinity=0, mass=0)
-    element(element(default, "default", class_="collision"), "geom", group=3)
+def _defaults(top: Element, robot: Robot) -> None:
+    """Classes of geoms, in the groups that collections of models have them in: viewers hide the third at first."""
+    classes: dict[str, dict[str, Value]] = {}
+    if any(link.visuals for link in robot.links):
+        classes["visual"] = {"group": 2, "contype": 0, "conaffinity": 0}
+    if any(link.collisions for link in robot.links):
+        classes["collision"] = {"group": 3}
+    default = element(top, "default") if classes else top
+    for name, settings in classes.items():
+        element(element(default, "default", class_=name), "geom", **settings)
 
 
 def _assets(top: Element, robot: Robot) -> None:
-    """Meshes; what is only seen may be open or flat, which MuJoCo accepts where it computes no volume (``shell``)."""
-    touched = {c.geometry.name for link in robot.links for c in link.collisions if isinstance(c.geometry, MeshRef)}
-    seen = {v.geometry.name for link in robot.links for v in link.visuals if isinstance(v.geometry, MeshRef)}
-    if touched or seen:
-        asset = element(top, "asset")
-        for mesh in robot.meshes:
-            if mesh.name in touched or mesh.name in seen:
-                inertia = "convex" if mesh.name in touched else "shell"
-                element(asset, "mesh", name=mesh.name, file=mesh.path, inertia=inertia)
+    """Meshes; of one without volume MuJoCo computes the inertia, which nobody needs, only as that of a ``shell``."""
+    shapes = [shape for link in robot.links for shape in geometries(link)]
+    used = {shape.name for shape in shapes if isinstance(shape, MeshRef)}
+    asset = element(top, "asset") if used else top
+    for mesh in (mesh for mesh in robot.meshes if mesh.name in used):
+        optional: dict[str, Value] = {"name": mesh.name} if PurePosixPath(mesh.path).stem != mesh.name else {}
+        if is_flat(mesh.mesh) or float(np.prod(np.ptp(mesh.mesh.bounds, axis=0))) < _TINY:
+            optional["inertia"] = "shell"
+        element(asset, "mesh", **optional, file=mesh.path)
 
 
 def _bodies(top: Element, robot: Robot) -> None:
@@ -219,15 +230,16 @@ def _joint(body: Element, joint: Joint) -> None:
         "armature": dynamics.armature,
     }
     optional.update({name: value for name, value in given.items() if value})
-    if joint.kind is not JointKind.BALL:
+    if joint.kind is not JointKind.BALL and joint.axis != _Z:
         optional = {"axis": joint.axis, **optional}
-    kind = {JointKind.PRISMATIC: "slide", JointKind.BALL: "ball"}.get(joint.kind, "hinge")
-    element(body, "joint", name=joint.name, type=kind, **optional)
+    kind = {JointKind.PRISMATIC: "slide", JointKind.BALL: "ball"}.get(joint.kind)
+    element(body, "joint", name=joint.name, **({"type": kind} if kind else {}), **optional)
 
 
 def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **more: Value) -> None:
     kind, size = _geometry(shape.geometry)
-    element(body, "geom", name=name, class_=class_, type=kind, **size, **mjcf_pose(shape.X_LG), **more)
+    type_: dict[str, Value] = {"type": kind} if kind != "sphere" else {}
+    element(body, "geom", name=name, class_=class_, **type_, **size, **mjcf_pose(upright(shape)), **more)
 
 
 def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
@@ -266,13 +278,29 @@ def _second_point(closure: LoopClosure) -> list[float]:
 
 def _contact(top: Element, robot: Robot) -> None:
     """Excludes for neighbours: MuJoCo's own filter does not cover bodies fixed to the world, nor closures."""
-    close = neighbours(robot)
+    close, weld = neighbours(robot), _welds(robot)
+    left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in robot.joints}
     touching = [link.name for link in robot.links if link.collisions]
-    pairs = [(a, b) for i, a in enumerate(touching) for b in touching[i + 1 :] if frozenset((a, b)) in close]
+    pairs = [
+        (a, b)
+        for i, a in enumerate(touching)
+        for b in touching[i + 1 :]
+        if frozenset((a, b)) in close
+        and weld[a] != weld[b]
+        and (_WORLD in (weld[a], weld[b]) or frozenset((weld[a], weld[b])) not in left_out)
+    ]
     if pairs:
         contact = element(top, "contact")
         for a, b in pairs:
             element(contact, "exclude", body1=a, body2=b)
+
+
+def _welds(robot: Robot) -> dict[str, str]:
+    """For each link the one that it is fixed to in the end, or the world."""
+    weld = {robot.root.name: _WORLD if robot.base is Base.FIXED else robot.root.name}
+    for joint in robot.joints:
+        weld[joint.child] = weld[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    return weld
 
 
 def _equality(top: Element, robot: Robot) -> None:
@@ -282,8 +310,10 @@ def _equality(top: Element, robot: Robot) -> None:
         return
     equality = element(top, "equality")
     for name, mimic in mimics:
-        polynomial = (mimic.offset, mimic.multiplier, 0.0, 0.0, 0.0)
-        element(equality, "joint", joint1=name, joint2=mimic.joint, polycoef=polynomial)
+        given: dict[str, Value] = {}
+        if (mimic.offset, mimic.multiplier) != (0.0, 1.0):
+            given["polycoef"] = (mimic.offset, mimic.multiplier)
+        element(equality, "joint", joint1=name, joint2=mimic.joint, **given)
     for closure in robot.closures:
         kind = "weld" if closure.kind is JointKind.FIXED else "connect"
         sides = {"site1": f"{closure.name}/a", "site2": f"{closure.name}/b"}

@@ -9,6 +9,7 @@ from math import isfinite, isinf, pi
 
 from ..lowering import Notion, exact, free_name, lowered, refused, reported
 from ..lowering.recut import recut_loops
+from ..lowering.shapes import upright
 from ..model import (
     Base,
     Box,
@@ -54,7 +55,7 @@ EXPRESSES = {
     Notion.CAPSULE: exact("`<capsule>`"),
     Notion.FLAT_COLLISION: exact("as any mesh"),
     Notion.CONCAVE_COLLISION: exact("as any mesh"),
-    Notion.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
+    Notion.COLOR: exact("`<diffuse>`, with the opacity as alpha"),
     Notion.NEIGHBOURS: exact("links of a model do not touch unless `<self_collide>` says so"),
     Notion.FIXED: exact("`fixed`"),
     Notion.REVOLUTE: exact("`revolute`"),
@@ -180,11 +181,11 @@ def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
     inertia = element(inertial, "inertia")
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     for tag, value in (("ixx", ixx), ("ixy", ixy), ("ixz", ixz), ("iyy", iyy), ("iyz", iyz), ("izz", izz)):
-        element(inertia, tag, value)
+        if value or tag in ("ixx", "iyy", "izz"):
+            element(inertia, tag, value)
     for visual in link.visuals:
         shape = _shape(xml, "visual", visual, robot)
         material = element(shape, "material")
-        element(material, "ambient", visual.rgba)
         element(material, "diffuse", visual.rgba)
     for collision in link.collisions:
         _shape(xml, "collision", collision, robot)
@@ -193,7 +194,7 @@ def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
 
 def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
     xml = element(parent, tag, name=shape.name)
-    sdf_pose(xml, shape.X_LG)
+    sdf_pose(xml, upright(shape))
     _geometry(element(xml, "geometry"), shape.geometry, robot)
     return xml
 
@@ -241,8 +242,8 @@ def _joint(model: Element, joint: Joint) -> Element:
     if joint.mimic is not None:
         mimic = element(axis, "mimic", joint=joint.mimic.joint)
         element(mimic, "multiplier", joint.mimic.multiplier)
-        element(mimic, "offset", joint.mimic.offset)
-        element(mimic, "reference", 0.0)
+        if joint.mimic.offset:
+            element(mimic, "offset", joint.mimic.offset)
     return xml
 
 
@@ -278,10 +279,11 @@ def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
 
 
 def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
-    if not (dynamics.damping or dynamics.friction or dynamics.stiffness):
-        return
-    xml = element(axis, "dynamics")
-    element(xml, "damping", dynamics.damping)
-    element(xml, "friction", dynamics.friction)
-    element(xml, "spring_reference", dynamics.spring_reference)
-    element(xml, "spring_stiffness", dynamics.stiffness)
+    said = {"damping": dynamics.damping, "friction": dynamics.friction}
+    if dynamics.stiffness:  # without which its rest position means nothing
+        said |= {"spring_reference": dynamics.spring_reference, "spring_stiffness": dynamics.stiffness}
+    if any(said.values()):
+        xml = element(axis, "dynamics")
+        for tag, value in said.items():
+            if value:
+                element(xml, tag, value)

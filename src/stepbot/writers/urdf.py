@@ -8,6 +8,7 @@ centre of mass along the axes of the link (rpy = 0), since some readers ignore t
 from math import isfinite
 
 from ..lowering import Notion, exact, lowered, refused, reported
+from ..lowering.shapes import upright
 from ..model import Box, Capsule, Collision, Cylinder, Geometry, Joint, JointKind, Link, MeshRef, Robot, Sphere, Visual
 from ..spatial import Pose
 from ._companion import Companion
@@ -107,7 +108,7 @@ def _link(top: Element, link: Link, robot: Robot) -> None:
     xml = element(top, "link", name=link.name)
     mass = link.mass_properties
     inertial = element(xml, "inertial")
-    element(inertial, "origin", xyz=mass.com, rpy=(0.0, 0.0, 0.0))
+    _origin(inertial, Pose.of(position=mass.com))
     element(inertial, "mass", value=mass.mass)
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
@@ -121,7 +122,7 @@ def _link(top: Element, link: Link, robot: Robot) -> None:
 
 def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
     xml = element(parent, tag, name=shape.name)
-    _origin(xml, shape.X_LG)
+    _origin(xml, upright(shape))
     _geometry(element(xml, "geometry"), shape.geometry, robot)
     return xml
 
@@ -153,13 +154,16 @@ def _joint(top: Element, joint: Joint) -> None:
         element(xml, "limit", lower=limit.lower, upper=limit.upper, effort=limit.effort, velocity=limit.velocity)
     elif isfinite(limit.effort):
         element(xml, "limit", effort=limit.effort, velocity=limit.velocity)
-    if joint.dynamics.damping or joint.dynamics.friction:
-        element(xml, "dynamics", damping=joint.dynamics.damping, friction=joint.dynamics.friction)
+    dynamics = {"damping": joint.dynamics.damping, "friction": joint.dynamics.friction}
+    if any(dynamics.values()):
+        element(xml, "dynamics", **{name: value for name, value in dynamics.items() if value})
     if joint.mimic is not None:
-        mimic = joint.mimic
-        element(xml, "mimic", joint=mimic.joint, multiplier=mimic.multiplier, offset=mimic.offset)
+        multiplier, offset = joint.mimic.multiplier, joint.mimic.offset
+        relation = {"multiplier": multiplier} if multiplier != 1.0 else {}
+        element(xml, "mimic", joint=joint.mimic.joint, **relation, **({"offset": offset} if offset else {}))
 
 
 def _origin(parent: Element, X: Pose) -> None:
-    if not X.is_identity:
-        element(parent, "origin", xyz=X.position, rpy=X.rpy)
+    place = {name: value for name, value in (("xyz", X.position), ("rpy", X.rpy)) if any(value)}
+    if place:
+        element(parent, "origin", **place)
