@@ -38,7 +38,9 @@ def correct_operators(session: Any) -> int:
         try:
             R, origin = _axes(operator), _coordinates(operator.LocalOrigin())
         except ValueError:
-            raise StepUnreadable("a transformation operator in it has an axis without a direction") from None
+            raise StepUnreadable(
+                "a transformation operator in it has an axis without a direction, or no place"
+            ) from None
         meant = np.column_stack([scale * R, origin])
         if not _is_close(_as_read(operator), meant):
             _rewrite(operator, R, origin, scale)
@@ -85,10 +87,14 @@ def _is_close(a: Array, b: Array) -> bool:
 
 
 def _ratios(direction: Any) -> Array:
+    if direction is None:
+        raise ValueError("something that is no direction")
     return np.array([direction.DirectionRatiosValue(index) for index in (1, 2, 3)])
 
 
 def _coordinates(point: Any) -> Array:
+    if point is None:
+        raise ValueError("something that is no point")
     return np.array([point.CoordinatesValue(index) for index in (1, 2, 3)])
 
 

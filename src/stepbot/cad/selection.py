@@ -26,9 +26,10 @@ def entities(session: Any, kind: Any) -> list[Any]:
 
 
 def items(representation: Any) -> Iterator[Any]:
-    """The items of a STEP representation."""
-    for index in range(1, representation.NbItems() + 1):
-        yield representation.ItemsValue(index)
+    """The items of a STEP representation; none where a file names something there that is no such thing."""
+    for index in range(1, representation.NbItems() + 1 if representation is not None else 1):
+        if (item := representation.ItemsValue(index)) is not None:
+            yield item
 
 
 def text(string: Any) -> str:

@@ -85,3 +85,16 @@ def test_an_axis_without_direction(tmp_path: Path, found: ReadDiagnostics) -> No
     write_mapped(path, (X, Y, "(0.,0.,0.)"), "1.")
     assert read_here(path, found) is None
     assert found.codes() == ["SB205"]
+
+
+@pytest.mark.parametrize("lost", ["#9011,#9012,#9010", "#9010,1.,#9013"])
+def test_an_operator_that_names_something_else(lost: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A direction for its place, or a place for a direction: an error, and no traceback."""
+    path = tmp_path / "mapped.step"
+    write_mapped(path, (X, Y, Z), "1.")
+    text = path.read_text(encoding="utf-8")
+    assert lost in text
+    path.write_text(text.replace(lost, lost.rpartition(",")[0] + ",#9021"), encoding="utf-8", newline="\n")
+    assert read_here(path, found) is None
+    assert all(d.severity != "error" or d.help for d in found)
+    assert set(found.codes()) <= {"SB205", "SB222", "SB223"}
