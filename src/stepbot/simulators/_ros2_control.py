@@ -188,17 +188,25 @@ def faults(top: Element) -> Iterator[str]:
     for sensor in (*top.findall("gazebo/sensor"), *top.findall("ros2_control/sensor")):
         if not sensor.get("name"):
             yield f"a sensor of type {sensor.get('type', 'unknown')} has no name"
-    yield from _merged_cells(top)
+    yield from _merged_joints(top)
 
 
-def _merged_cells(top: Element) -> Iterator[str]:
-    """Force-torque sensors in fixed joints, which Gazebo merges away unless it is told not to."""
-    fixed = [joint.get("name", "") for joint in top.findall("joint") if joint.get("type") == "fixed"]
+def _merged_joints(top: Element) -> Iterator[str]:
+    """Fixed joints that Gazebo merges away unless it is told not to, though sensors need them.
+
+    With the joint goes a force-torque sensor in it, and shapes of the child, which a contact sensor names, are renamed.
+    """
+    kept, sensing = set(), set()
     for block in top.findall("gazebo"):
-        cells = [one for one in block.findall("sensor") if one.get("type") == "force_torque"]
-        kept = (block.findtext("preserveFixedJoint") or "").strip() in ("true", "1")
-        if cells and block.get("reference") in fixed and not kept:
-            yield f"joint '{block.get('reference')}': without <preserveFixedJoint> its sensor is lost"
+        on = block.get("reference", "")
+        if (block.findtext("preserveFixedJoint") or "").strip() in ("true", "1"):
+            kept.add(on)
+        sensing |= {(on, one.get("type")) for one in block.findall("sensor")}
+    for joint in top.findall("joint"):
+        name, child = joint.get("name", ""), joint.find("child")
+        needed = {(name, "force_torque"), ("" if child is None else child.get("link", ""), "contact")}
+        if joint.get("type") == "fixed" and name not in kept and needed & sensing:
+            yield f"joint '{name}': without <preserveFixedJoint> a sensor is lost"
 
 
 def _transmission_faults(element: Element, word: str) -> Iterator[str]:

@@ -104,6 +104,13 @@ def _in_block(element: Element, on: str, joints: dict[str, Element], top: Elemen
     if on in joints:
         _, child = _ends(joints[on])
         return read_sensor(element, child, X_LS, joint=on)
-    links = [link for link in top.findall("link") if link.get("name") == on]
-    shapes = [shape.get("name", "") for link in links for shape in link.findall("collision")]
-    return read_sensor(element, on, X_LS, shapes=shapes)
+    return read_sensor(element, on, X_LS, shapes=_shapes_in_gazebo(top, on))
+
+
+def _shapes_in_gazebo(top: Element, link: str) -> list[str]:
+    """Names of the collision shapes of a link as Gazebo makes them: that of the shape or the link, and a number."""
+    shapes = [shape for one in top.findall("link") if one.get("name") == link for shape in one.findall("collision")]
+    return [
+        f"{shape.get('name') or link}_collision" + (f"_{number}" if number else "")
+        for number, shape in enumerate(shapes)
+    ]

@@ -3,6 +3,8 @@
 Gazebo has no lidar but that of the graphics card: hence ``gpu_lidar``. A joint sensor is none of the format's.
 """
 
+from collections.abc import Sequence
+
 from ..model import Link
 from ..sensors import Sensor, SensorKind
 from ..spatial import IDENTITY, Pose
@@ -18,22 +20,22 @@ _TYPES = {
 """The format's word for each kind."""
 
 
-def sensors_on_link(xml: Element, link: Link, sensors: tuple[Sensor, ...]) -> None:
-    """Add the sensors that are mounted on a link."""
+def sensors_on_link(xml: Element, link: Link, sensors: Sequence[Sensor], shapes: Sequence[str]) -> None:
+    """Add the sensors that are mounted on a link; ``shapes`` are the names of its collision shapes."""
     for sensor in sensors:
         if sensor.link == link.name and sensor.kind in _TYPES and sensor.kind is not SensorKind.FORCE_TORQUE:
-            sdf_sensor(xml, sensor, link)
+            sdf_sensor(xml, sensor, shapes)
 
 
-def sensors_on_joint(xml: Element, joint: str, sensors: tuple[Sensor, ...]) -> None:
+def sensors_on_joint(xml: Element, joint: str, sensors: Sequence[Sensor]) -> None:
     """Add the force-torque sensors of a joint."""
     for sensor in sensors:
         if sensor.joint == joint and sensor.kind is SensorKind.FORCE_TORQUE:
-            sdf_sensor(xml, sensor, None)
+            sdf_sensor(xml, sensor)
 
 
-def sdf_sensor(parent: Element, sensor: Sensor, link: Link | None) -> Element:
-    """Add one sensor; ``link`` is the one that it is on, whose shapes a contact sensor watches."""
+def sdf_sensor(parent: Element, sensor: Sensor, shapes: Sequence[str] = ()) -> Element:
+    """Add one sensor; ``shapes`` are what a contact sensor watches."""
     xml = element(parent, "sensor", name=sensor.name, type=_TYPES[sensor.kind])
     sdf_pose(xml, sensor.X_LS)
     if sensor.rate:
@@ -50,8 +52,8 @@ def sdf_sensor(parent: Element, sensor: Sensor, link: Link | None) -> Element:
             _lidar(xml, sensor)
         case SensorKind.CONTACT:
             contact = element(xml, "contact")
-            for collision in link.collisions if link is not None else ():
-                element(contact, "collision", collision.name)
+            for shape in shapes:
+                element(contact, "collision", shape)
     return xml
 
 

@@ -140,7 +140,8 @@ def _tree(top: Element, robot: Robot) -> Element:
     model = element(top, "model", name=robot.name)
     X_ML = _link_poses(robot)
     for link in robot.links:
-        sensors_on_link(_link(model, link, X_ML[link.name], robot), link, robot.sensors)
+        shapes = [collision.name for collision in link.collisions]
+        sensors_on_link(_link(model, link, X_ML[link.name], robot), link, robot.sensors, shapes)
     if robot.base is Base.FIXED:
         _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
     for joint in robot.joints:
