@@ -119,8 +119,13 @@ def _finite(
     return parse
 
 
-def _joint_value(*dimensions: Dimension, finite: bool = True, low: float = -math.inf) -> Callable[[Any], JointValue]:
-    """Parser of a value that has one of several dimensions, remembered for the check against the joint's type."""
+def _joint_value(
+    *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float | None = None
+) -> Callable[[Any], JointValue]:
+    """Parser of a value that has one of several dimensions, remembered for the check against the joint's type.
+
+    ``above`` is for limits, which formats and engines take for none where they are 0.
+    """
 
     def parse(value: Any) -> JointValue:
         number = _quantity(value, *dimensions)
@@ -128,6 +133,9 @@ def _joint_value(*dimensions: Dimension, finite: bool = True, low: float = -math
             raise fault("SB125", f"{number:g} is not finite")
         if number < low:
             raise fault("SB125", f"{number:g} is not a {dimensions[0].name} of at least {low:g}")
+        if above is not None and number <= above:
+            hint = "leave the key out where there is no limit"
+            raise fault("SB125", f"{number:g} is not a {dimensions[0].name} greater than {above:g}", hint)
         return number
 
     return parse
@@ -340,13 +348,13 @@ JointBound = Annotated[
 ]
 JointSpeed = Annotated[
     JointValue,
-    PlainValidator(_joint_value(units.ANGULAR_SPEED, units.SPEED, finite=False, low=0.0)),
-    _json(units.ANGULAR_SPEED, units.SPEED, minimum=0),
+    PlainValidator(_joint_value(units.ANGULAR_SPEED, units.SPEED, finite=False, above=0.0)),
+    _json(units.ANGULAR_SPEED, units.SPEED, exclusiveMinimum=0),
 ]
 JointEffort = Annotated[
     JointValue,
-    PlainValidator(_joint_value(units.TORQUE, units.FORCE, finite=False, low=0.0)),
-    _json(units.TORQUE, units.FORCE, minimum=0),
+    PlainValidator(_joint_value(units.TORQUE, units.FORCE, finite=False, above=0.0)),
+    _json(units.TORQUE, units.FORCE, exclusiveMinimum=0),
 ]
 JointFriction = Annotated[
     JointValue,
