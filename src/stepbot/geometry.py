@@ -11,9 +11,9 @@ from .cache import Cache, Digest, Shelf, codec_of, environment, file_digest
 from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .cad.reader import Reading, start_reading
 from .conversion import Options
-from .diagnostics import Diagnostic, Diagnostics
-from .isolation import Worker
-from .measure import measured, prepare
+from .diagnostics import Diagnostic, Diagnostics, Span
+from .isolation import Worker, WorkerDied
+from .measure import MEASURE
 from .warmup import note_read
 
 
@@ -47,6 +47,7 @@ class Loading:
             StepbotError: The file is refused.
         """
         self._step, self._timeout = step, options.timeout
+        self._measuring: Worker | None = None
         self._memory = _Memory(options.cache, step, what)
         self._known = self._memory.recall()
         self._reading: Reading | None = None
@@ -55,6 +56,8 @@ class Loading:
             if self._reading.pid is None:
                 self._reading.finish(found)
                 found.raise_if_errors()
+            # It imports while the kernel works; this process needs no trimesh at all.
+            self._measuring = Worker(MEASURE, memory_limit=options.memory_limit)
 
     def finish(self, found: Diagnostics) -> Geometry:
         """Wait for it; what there is to say about the file goes to ``found``.
@@ -77,18 +80,30 @@ class Loading:
 
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
-        if self._reading is not None:
-            self._reading.close()
+        for running in (self._reading, self._measuring):
+            if running is not None:
+                running.close()
 
     def _read(self) -> Geometry:
         assert self._reading is not None  # else the geometry is known
-        prepare()  # trimesh imports while the kernel works
         found = Diagnostics()
         assembly = self._reading.finish(found, timeout=self._timeout)
         if assembly is None:
             found.raise_if_errors()
             raise AssertionError("no assembly, and no error that says why")
-        return Geometry(assembly, tuple(measured(body.mesh) for body in assembly.bodies), tuple(found))
+        return Geometry(assembly, self._measures(assembly, found), tuple(found))
+
+    def _measures(self, assembly: Assembly, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
+        assert self._measuring is not None  # it was started with the kernel
+        meshes = tuple(body.mesh for body in assembly.bodies)
+        try:
+            measures: tuple[VolumeProperties | None, ...] = self._measuring.submit(meshes).result(self._timeout)
+        except WorkerDied as death:
+            message = f"the process that measures the meshes ended: {death.reason}"
+            remedies = ["raise `--timeout` or `--memory-limit`"]
+            found.add("SB902", message, Span(str(self._step)), help=remedies, notes=death.last_lines)
+            measures = (None,) * len(meshes)
+        return measures
 
 
 class _Memory:

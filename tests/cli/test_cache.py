@@ -17,7 +17,8 @@ from .conftest import Stepbot
 
 FAST = ("-f", "urdf", "--no-verify")
 ENGINES = "stepbot.simulators."
-KERNEL = "stepbot.cad.worker:read"
+READ = ["stepbot.cad.worker:read", "stepbot.measure:measured_all"]
+"""What is asked to read a STEP."""
 
 
 @pytest.fixture(scope="module")
@@ -84,11 +85,11 @@ def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepb
     assert stepbot("convert", four_bar.name, "-o", "without", "--no-cache", *FAST).code == 0
     assert not cache.exists()
     assert stepbot("convert", four_bar.name, "-o", "filling", *FAST).code == 0
-    assert asked == [KERNEL, KERNEL]
+    assert asked == [*READ, *READ]
     assert stepbot("convert", four_bar.name, "-o", "whole", *FAST).code == 0
     edit(four_bar, "version: 1", "version: 1 # edited")
     assert stepbot("convert", four_bar.name, "-o", "geometry", *FAST).code == 0
-    assert asked == [KERNEL, KERNEL], "to edit the sidecar reads no STEP"
+    assert asked == [*READ, *READ], "to edit the sidecar reads no STEP"
     assert Worker.started == asked, "no process is started in vain"  # type: ignore[attr-defined]
     expected = snapshot(Path("without"))
     assert "report.json" in expected
@@ -115,7 +116,7 @@ def test_changed_step_is_read(four_bar: Path, cache: Path, stepbot: Stepbot, ask
     step = four_bar.with_name("four_bar.step")
     edit(step, "DATA;", "DATA; ")
     assert stepbot("convert", four_bar.name, *FAST).code == 0
-    assert asked == [KERNEL]
+    assert asked == READ
 
 
 def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
@@ -123,7 +124,7 @@ def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, 
     with four_bar.open("a", encoding="utf-8") as file:
         file.write("\nmesh: {tolerance: 0.01 mm}\n")
     assert stepbot("convert", four_bar.name, *FAST).code == 0
-    assert asked == [KERNEL]
+    assert asked == READ
 
 
 def test_spoilt_entries_harm_nobody(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
@@ -135,7 +136,7 @@ def test_spoilt_entries_harm_nobody(four_bar: Path, cache: Path, stepbot: Stepbo
             path.write_bytes(path.read_bytes()[: -len(path.name)] + path.name.encode())
     assert stepbot("convert", four_bar.name, "-o", "two", *FAST).code == 0
     assert snapshot(Path("one")) == snapshot(Path("two"))
-    assert asked == [KERNEL]
+    assert asked == READ
 
 
 def test_errors_are_not_kept(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
@@ -217,5 +218,5 @@ def test_other_code_finds_nothing(
     finally:
         monkeypatch.undo()
         keys.environment.cache_clear()
-    assert asked == [KERNEL]
+    assert asked == READ
     assert Cache(cache).usage().entries > 0

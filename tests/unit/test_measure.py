@@ -1,9 +1,13 @@
 """Mass properties by trimesh, against closed forms."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
-from stepbot.measure import measured
+from stepbot.isolation import call_isolated
+from stepbot.measure import MEASURE, measured
 from stepbot.mesh import TriMesh
 from stepbot.spatial import Pose, rotation_from_rpy
 
@@ -62,3 +66,21 @@ def test_far_from_the_origin() -> None:
 def test_no_volume(mesh: TriMesh) -> None:
     """What does not enclose a volume has no mass properties."""
     assert measured(mesh) is None
+
+
+def test_in_a_process_of_its_own() -> None:
+    """There, without what trimesh imports beside: the same numbers to the last bit; here nothing changes."""
+    meshes = (box(), box().moved(X_AB), TriMesh.of(CORNERS, FACES[1:]))
+    before = {name for name in ("scipy", "networkx") if name in sys.modules}
+    assert call_isolated(MEASURE, meshes) == tuple(map(measured, meshes))
+    assert call_isolated(MEASURE, meshes)[2] is None
+    assert before <= set(sys.modules)
+
+
+def test_what_is_withheld_comes_back() -> None:
+    """After the import, who asks for scipy gets it."""
+    program = (
+        "import sys; from stepbot.measure import prepare; prepare();"
+        "assert 'trimesh.triangles' in sys.modules; assert 'scipy' not in sys.modules; import scipy, networkx"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", program], check=True)

@@ -97,7 +97,7 @@ def _key(
     assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
 ) -> str:
     """Key of all that the overlaps depend on: meshes, where each is, and what it is made of."""
-    digest = Digest("overlaps").add(environment(), str(max_faces))
+    digest = Digest("solids that overlap").add(environment(), str(max_faces))
     bodies: dict[int, None] = {}
     for link, indices in weighed.items():
         components = [assembly.components[index] for index in indices]

@@ -19,6 +19,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp
 
 from ..diagnostics import Diagnostic, Diagnostics, Span
+from ..measure import prepare
 from ..mesh import TriMesh
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
@@ -212,6 +213,8 @@ class _Bodies:
                 self._sources[number], BodyRequest(tolerances[number], options.refine_mass_to, self._areas)
             )
 
+        if options.refine_mass_to > 0.0:
+            prepare()  # once, before there are several processes
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
         results = run(make, order, failures=KERNEL_ERRORS, seconds=_BODY_SECONDS)
