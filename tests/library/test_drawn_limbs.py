@@ -85,3 +85,19 @@ def reaches_outwards(leg: Any, q: list[float]) -> bool:
     """Whether a foot is on the leg's side of its first axis; elsewhere another position of that joint has it, too."""
     foot = inverse(leg.places(q)[0]) @ leg.places(q)[3]
     return bool(foot[:3, 3] @ np.array(leg.straight) > 0)
+
+
+def test_the_desk_arm_finds_its_positions_back() -> None:
+    """Inverse kinematics of the tip, within the quarter turns that it is for."""
+    formulas = importlib.import_module("robot_library.stepbot_desk_arm.closed_form")
+    generator = np.random.default_rng(2)
+    found = 0
+    for _ in range(50):
+        q = formulas.Positions(*generator.uniform((-1.9, -0.5, -1.5, -1.6, -2.7), (1.9, 1.5, 1.5, 1.6, 2.7)).tolist())
+        X_WT = formulas.tip(q)
+        pitch = q.shoulder_lift + q.elbow_flex + q.wrist_flex
+        if np.cos(q.shoulder_pan) * X_WT[0, 3] + np.sin(q.shoulder_pan) * X_WT[1, 3] > 0:
+            back = formulas.reaching(X_WT[:3, 3], pitch, q.wrist_roll)
+            assert np.array(tuple(vars(back).values())) == pytest.approx(tuple(vars(q).values()), abs=1e-9)
+            found += 1
+    assert found > 25
