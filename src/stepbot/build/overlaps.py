@@ -74,11 +74,13 @@ def find_overlaps(
     Args:
         assembly: What the STEP holds.
         parts: For each link the indices of its components.
-        masses: Mass of every component that has a volume; the others overlap nothing.
+        masses: Mass of every component that has a volume; the others overlap nothing, nor do those without triangles.
         max_faces: Limit of the work.
         cache: Where it is kept; None for nowhere.
     """
-    weighed = {link: [index for index in indices if index in masses] for link, indices in parts.items()}
+    bodies = {index: assembly.bodies[assembly.components[index].body] for index in masses}
+    seen = {index for index, body in bodies.items() if len(body.mesh.faces)}  # SB601 says of others that none are there
+    weighed = {link: [index for index in indices if index in seen] for link, indices in parts.items()}
     shelf = Shelf(cache, FoundOverlaps)
     key = _key(assembly, weighed, masses, max_faces) if cache is not None else ""
     known = shelf.get(key) if key else None

@@ -5,7 +5,7 @@ Their volume counts twice what lies in two of their lobes, whoever integrates it
 
 import numpy as np
 
-from ..spatial import Array
+from ..spatial import Array, Pose
 from .stitching import Indices, Stitched
 
 _SAMPLES = 64
@@ -13,7 +13,7 @@ _LEAST = 0.03
 """Share of the surface from which on it is said: one sample alone may be an accident of the mesh."""
 _STEEP = 0.02
 """Cosine below which a triangle is seen too nearly edge-on to tell its sides."""
-_AXES = np.linalg.qr(np.array([[0.61, -0.29, 0.37], [0.17, 0.83, -0.23], [-0.41, 0.31, 0.71]]))[0]
+_AXES = Pose.from_xyz_rpy(rpy=(0.61, -0.37, 0.83)).R
 """A frame in which no face that people draw is seen edge-on."""
 
 

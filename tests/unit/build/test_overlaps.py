@@ -1,8 +1,10 @@
 """Mass that overlapping solids count twice, against closed forms, and what is not taken for an overlap."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stepbot.build.binder import Binder
@@ -15,6 +17,7 @@ from stepbot.build.overlaps import Overlaps, find_overlaps
 from stepbot.build.weigh import weigh
 from stepbot.cache import Cache
 from stepbot.diagnostics import Diagnostics
+from stepbot.mesh import TriMesh
 from tests.conftest import ReadDiagnostics
 from tests.unit.build.workshop import Workshop, at, build, sidecar
 
@@ -101,6 +104,16 @@ def test_what_was_measured_is_not_counted_twice(tmp_path: Path) -> None:
     rule = "    parts: {motor: {mass: 57 g}%s}\n"
     assert _overlaps(shop, tmp_path, rule % "" + ONE).mass == pytest.approx(2700 * 8e-6)
     assert not _overlaps(shop, tmp_path, rule % ", bracket: {mass: 90 g}" + ONE).pairs
+
+
+def test_a_solid_without_triangles(tmp_path: Path) -> None:
+    """Where the mesher made nothing of a solid, its exact mass counts and the others are compared without it."""
+    shop = Workshop()
+    for name, x in (("a", 0), ("b", 5), ("c", 5)):
+        shop.box(name, X_PC=at(x, 0, 0), density=1000)
+    shop.bodies[2] = replace(shop.bodies[2], mesh=TriMesh.of(np.empty((0, 3)), np.empty((0, 3))))
+    (pair,) = _overlaps(shop, tmp_path, ONE).pairs
+    assert pair.mass == pytest.approx(0.5e-3)
 
 
 def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: ReadDiagnostics) -> None:
