@@ -17,6 +17,7 @@ from .convert import format_names
 from .encodings import encoding_option
 from .engines import limit_options, require_option
 from .interrupts import interruptible
+from .junit import junit_option, write_junit
 from .render import paint, printable
 from .terminal import show_diagnostics, wants_color, write_json, write_result
 
@@ -39,7 +40,7 @@ _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
 @click.option("-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`.")
 @click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
 @click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
-@click.option("--junit", type=click.Path(path_type=Path), metavar="FILE", help="Also write the results as JUnit XML.")
+@junit_option
 @require_option
 @encoding_option
 @limit_options
@@ -91,10 +92,8 @@ def command(
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)
     if junit is not None and not found.has_errors:
         from stepbot.batch import suites
-        from stepbot.junit import junit_bytes
 
-        junit.parent.mkdir(parents=True, exist_ok=True)
-        junit.write_bytes(junit_bytes(suites(outcomes)))
+        write_junit(junit, suites(outcomes))
     return _told(found, outcomes, as_json, concise)
 
 

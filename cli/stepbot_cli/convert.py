@@ -12,12 +12,14 @@ from .caching import cache_options, opened, say_trouble
 from .command import Command, concise_option, json_option
 from .encodings import encoding_option
 from .engines import limit_options, require_option
+from .junit import junit_option, write_junit
 from .progress import progress_bar
 from .table import show_table
 from .terminal import show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Conversion, Options
+    from stepbot.junit import Suite
 
 format_option = click.option(
     "-f",
@@ -49,6 +51,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load t
 @encoding_option
 @limit_options
 @cache_options
+@junit_option
 @json_option
 @concise_option
 def command(
@@ -64,6 +67,7 @@ def command(
     memory_limit: int | None,
     cache: Path | None,
     no_cache: bool,
+    junit: Path | None,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -88,16 +92,20 @@ def command(
         memory_limit=memory_limit,
         cache=opened(cache, no_cache),
     )
-    return run_conversion(sidecar, options, as_json=as_json, concise=concise)
+    return run_conversion(sidecar, options, junit=junit, as_json=as_json, concise=concise)
 
 
-def run_conversion(sidecar: Path, options: "Options", *, as_json: bool, concise: bool) -> int:
+def run_conversion(
+    sidecar: Path, options: "Options", *, as_json: bool, concise: bool, junit: Path | None = None
+) -> int:
     """Convert a sidecar and print what came of it; returns the exit code."""
     from stepbot.incremental import convert
 
     with progress_bar() as progress:
         conversion = convert(sidecar, options, progress)
     say_trouble(options.cache, conversion.diagnostics)
+    if junit is not None:
+        write_junit(junit, [_suite(sidecar, conversion)])
     if as_json:
         write_json(_document(conversion, options.output))
     else:
@@ -134,6 +142,16 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
             remedy = "".join(did_you_mean(name, known)) or f"there are {', '.join(FORMATS)}"
             raise click.BadParameter(f"no format '{name}'; {remedy}", param_hint="--format") from None
     return tuple(dict.fromkeys(names)) or tuple(FORMATS)
+
+
+def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
+    """The checks of a robot as cases; named after the sidecar where there is no robot."""
+    from stepbot.conversion import REPORT
+    from stepbot.junit import Suite
+
+    checks = json.loads(conversion.files[REPORT])["checks"] if conversion.files else []
+    name = conversion.robot.name if conversion.robot is not None else default_output(sidecar).name
+    return Suite(name, checks, tuple(conversion.diagnostics))
 
 
 def _document(conversion: "Conversion", output: Path) -> dict[str, object]:

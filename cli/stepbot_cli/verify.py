@@ -8,6 +8,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .command import Command, concise_option, json_option
 from .engines import limit_options, require_option
+from .junit import junit_option, write_junit
 from .progress import progress_bar
 from .table import show_table
 from .terminal import show_diagnostics, write_json
@@ -18,6 +19,7 @@ from .terminal import show_diagnostics, write_json
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @require_option
 @limit_options
+@junit_option
 @json_option
 @concise_option
 def command(
@@ -26,6 +28,7 @@ def command(
     require: tuple[str, ...],
     timeout: float,
     memory_limit: int | None,
+    junit: Path | None,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -34,6 +37,7 @@ def command(
     The files need not be written by stepbot. Several files are taken for the same robot, and compared with the
     first.
     """
+    from stepbot.junit import Suite
     from stepbot.report import report_document
     from stepbot.verify import verify_files
 
@@ -43,8 +47,11 @@ def command(
         report = verify_files(files, found, require=require, timeout=timeout, memory_limit=memory_limit)
     if strict:
         found.make_strict()
+    document = report_document(report, found)
+    if junit is not None:
+        write_junit(junit, [Suite(files[0].stem, document["checks"], tuple(found), whole="verification")])
     if as_json:
-        write_json({"report": report_document(report, found), "diagnostics": found, "exit_code": found.exit_code})
+        write_json({"report": document, "diagnostics": found, "exit_code": found.exit_code})
     else:
         show_diagnostics(found, concise=concise)
         if report.checks:

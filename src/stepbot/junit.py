@@ -23,6 +23,8 @@ class Suite:
     """As ``report.json`` has them."""
     diagnostics: Sequence[Diagnostic] = ()
     seconds: float | None = None
+    whole: str = "conversion"
+    """What the case is called that stands for all that was done."""
 
 
 def junit_bytes(suites: Iterable[Suite]) -> bytes:
@@ -51,8 +53,8 @@ def _suite(suite: Suite) -> ET.Element:
 
 
 def _conversion(suite: Suite) -> ET.Element:
-    """Whether the robot could be converted; what was found on the way is in the output."""
-    case = ET.Element("testcase", classname=_clean(suite.name), name="conversion")
+    """Whether the robot could be converted, or verified; what was found on the way is in the output."""
+    case = ET.Element("testcase", classname=_clean(suite.name), name=suite.whole)
     errors = [one for one in suite.diagnostics if one.severity == "error"]
     collected = Diagnostics()
     collected.extend(suite.diagnostics)
@@ -68,6 +70,8 @@ def _conversion(suite: Suite) -> ET.Element:
 
 def _check(robot: str, check: Mapping[str, Any]) -> ET.Element:
     subject = f"{check['file']} in {check['engine']}" if check["file"] else str(check["engine"])
+    if check.get("against", "model") not in ("", "model"):  # files may be compared with several others
+        subject += f" against {check['against']}"
     classname = f"{robot}.{check['format'] or 'robot'}"
     case = ET.Element("testcase", classname=_clean(classname), name=_clean(f"{subject}: {check['quantity']}"))
     if check["status"] == "failed":

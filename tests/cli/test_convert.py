@@ -4,6 +4,7 @@ import json
 import os
 import signal
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -51,14 +52,18 @@ def test_three_formats_and_a_proof(arm: Path, stepbot: Stepbot) -> None:
 
 @pytest.mark.slow
 def test_json_is_the_whole_story(arm: Path, stepbot: Stepbot) -> None:
-    """One document: the robot, the files, the report, the findings."""
-    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--json")
+    """One document: the robot, the files, the report, the findings; the checks are cases of JUnit as well."""
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--json", "--junit", "out.xml")
     document = json.loads(run.out)
     assert document["exit_code"] == run.code == 0
     assert document["robot"] == "arm2"
     assert document["output"] == "out"
     assert set(document["files"]) == set(snapshot(arm / "out")) - {".stepbot.json"}
     assert document["report"] == json.loads((arm / "out" / "report.json").read_text(encoding="utf-8"))
+    suites = ET.parse(arm / "out.xml").getroot()
+    assert [suite.get("name") for suite in suites] == ["arm2"]
+    assert suites.get("tests") == str(1 + len(document["report"]["checks"]))
+    assert (suites.get("failures"), suites.get("errors")) == ("0", "0")
 
 
 def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:

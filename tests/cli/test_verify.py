@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -34,15 +35,19 @@ def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
 
 @pytest.mark.slow
 def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:
-    """A file that is another robot is found out, with exit code 1, in JSON too."""
+    """A file that is another robot is found out, with exit code 1, in JSON and JUnit too."""
     urdf = Path(files[0])
     text = urdf.read_text(encoding="utf-8")
     urdf.write_text(text.replace('<mass value="', '<mass value="1'), encoding="utf-8")
-    run = stepbot("verify", "--json", *files)
+    run = stepbot("verify", "--json", "--junit", "ci/results.xml", *files)
     document = json.loads(run.out)
     assert document["exit_code"] == run.code == 1
     failed = {check["quantity"] for check in document["report"]["checks"] if check["status"] == "failed"}
     assert "mass" in failed
+    cases = list(ET.parse("ci/results.xml").getroot().iter("testcase"))
+    assert len({(case.get("classname"), case.get("name")) for case in cases}) == len(cases)
+    assert {str(case.get("name")).split(": ")[-1] for case in cases if case.find("failure") is not None} >= failed
+    assert cases[0].get("name") == "verification"
 
 
 def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:

@@ -1,0 +1,22 @@
+"""The option ``--junit``: results once more, for CI servers."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from stepbot.junit import Suite
+
+junit_option = click.option(
+    "--junit", type=click.Path(path_type=Path), metavar="FILE", help="Also write the results as JUnit XML."
+)
+
+
+def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
+    """Write the results of robots to a file, whose folder is made where it is missing."""
+    from stepbot.junit import junit_bytes
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(junit_bytes(suites))
