@@ -199,6 +199,8 @@ def _at_home(model: Any) -> Any:
 def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: str = "") -> dict[str, Any]:
     """Let a URDF hang with its base fixed, or fall on a floor, without motors, for a while at 1 ms steps.
 
+    What hangs is pulled aslant, so that joints move that gravity would not.
+
     Args:
         file: The URDF.
         seconds: How long.
@@ -208,6 +210,8 @@ def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: 
     import pybullet
 
     body = _in_pybullet(file, floating, snippet)
+    if not floating:
+        pybullet.setGravity(3.0, 4.0, -8.0)
     joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
     for i in joints:
         pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
