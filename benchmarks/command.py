@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 
 from . import contenders as who
 from .assemblies import ASSEMBLIES, Assembly, generate
-from .comparison import Row, compare
+from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .report import write_report
 from .results import keep, table
@@ -52,7 +52,9 @@ def _parser() -> argparse.ArgumentParser:
         one = commands.add_parser(name, help="compare on sidecars and the STEP files that they name")
         one.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
         one.add_argument("--step", type=Path, metavar="FILE", help="STEP file, instead of the one that is named")
-        one.add_argument("--against", metavar="REVISION", help="an earlier stepbot too")
+        if run is _cold:
+            one.add_argument("--against", metavar="REVISION", help="an earlier stepbot too")
+            one.add_argument("--cascadio", metavar="PYTHON", help="cascadio too, in this interpreter's environment")
         _common(one, run)
     many = commands.add_parser("batch", help="compare one core with two")
     many.add_argument("folder", type=Path)
@@ -65,6 +67,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _common(parser: argparse.ArgumentParser, run: object) -> None:
     parser.add_argument("-n", "--rounds", type=int, default=5, metavar="N", help="[default: 5]")
+    parser.add_argument("--no-warm-up", dest="warm_up", action="store_false", help="count the first round too")
     parser.add_argument("--memory", action="store_true", help="measure memory too")
     parser.add_argument("--keep", metavar="NAME", help="keep the results for `report`")
     parser.set_defaults(run=run)
@@ -76,7 +79,9 @@ def _generate(options: argparse.Namespace, _: Path) -> None:
 
 
 def _cold(options: argparse.Namespace, folder: Path) -> None:
-    against = [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.CASCADIO]
+    against = [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED]
+    if options.cascadio:
+        against.append(who.cascadio(options.cascadio))
     if options.against:
         against.append(who.revision(options.against, folder / "earlier"))
     _compare_sidecars(options, folder, against)
@@ -88,15 +93,13 @@ def _check(options: argparse.Namespace, folder: Path) -> None:
 
 def _compare_sidecars(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> None:
     for sidecar in options.sidecars:
-        case = case_of(sidecar, options.step, folder)
-        _tell(options, case.name, compare(case, contenders, options.rounds, memory=options.memory))
+        _compare(options, case_of(sidecar, options.step, folder), contenders)
 
 
 def _batch(options: argparse.Namespace, folder: Path) -> None:
     case = Case(options.folder.name, folder, folder, folder)
     library = options.folder.resolve()
-    rows = compare(case, [who.batch(1, library), who.batch(2, library)], options.rounds, memory=options.memory)
-    _tell(options, case.name, rows)
+    _compare(options, case, [who.batch(1, library), who.batch(2, library)])
 
 
 def _scaling(options: argparse.Namespace, folder: Path) -> None:
@@ -104,8 +107,7 @@ def _scaling(options: argparse.Namespace, folder: Path) -> None:
         for assembly in sizes:
             count = assembly.definitions if kind == "definitions" else assembly.definitions * assembly.occurrences
             sidecar = generate(assembly, folder / "generated", f"{kind}-{count}")
-            case = case_of(sidecar, None, folder)
-            _tell(options, case.name, compare(case, [who.BARE, who.COLD], options.rounds, memory=options.memory))
+            _compare(options, case_of(sidecar, None, folder), [who.BARE, who.COLD])
 
 
 def _report(*_: object) -> None:
@@ -140,8 +142,9 @@ def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:
     return case
 
 
-def _tell(options: argparse.Namespace, name: str, rows: Sequence[Row]) -> None:
-    print(f"\n{name}, medians of {options.rounds} rounds")
+def _compare(options: argparse.Namespace, case: Case, contenders: Sequence[Contender]) -> None:
+    rows = compare(case, contenders, options.rounds, warm_up=options.warm_up, memory=options.memory)
+    print(f"\n{case.name}, medians of {options.rounds} rounds")
     print(table(rows), flush=True)
     if options.keep:
-        keep(options.keep, name, rows, options.rounds)
+        keep(options.keep, case.name, rows, options.rounds)

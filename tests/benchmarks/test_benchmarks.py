@@ -119,5 +119,14 @@ def test_bars_are_as_long_as_the_numbers() -> None:
 
 def test_contenders_name_each_other_apart() -> None:
     """Ratios are kept by name."""
-    everyone = [who.BARE, who.CLICK, who.CASCADIO, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.CHECK]
+    everyone = [
+        who.BARE,
+        who.CLICK,
+        who.cascadio("python"),
+        who.COLD,
+        who.VERIFIED,
+        who.EDITED,
+        who.EDITED_VERIFIED,
+        who.CHECK,
+    ]
     assert len({contender.name for contender in everyone}) == len(everyone)
