@@ -73,6 +73,19 @@ def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
     assert [name for name in snapshot(arm / "out") if name.endswith((".urdf", ".sdf", ".xml"))] == ["arm2.sdf"]
 
 
+def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
+    """What a format has no place for is a warning; with --strict it is an error, and nothing is written."""
+    spoil(arm, replaced("friction: 0.02}", "friction: 0.02, armature: 0.01}"))
+    run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "sdf")
+    assert run.code == 1
+    assert "arm2.sdf: error[SB703]" in run.err
+    assert not (arm / "arm2").exists()
+    run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "-f", "sdf")
+    assert run.code == 0
+    assert "arm2.sdf: warning[SB703]" in run.err
+    assert stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "mjcf").code == 0
+
+
 def test_other_step(arm: Path, stepbot: Stepbot) -> None:
     """--step takes the place of the file that the sidecar names."""
     (arm / "arm2.step").rename(arm / "revision_b.step")

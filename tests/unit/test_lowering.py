@@ -37,6 +37,7 @@ from stepbot.writers import FORMATS, render
 from stepbot.writers.mapping import mapping_page
 from tests.closed_mechanisms import sliding_closure
 from tests.conftest import ReadDiagnostics
+from tests.devices import equipped
 from tests.robots import (
     ROBOTS,
     four_bar,
@@ -51,6 +52,8 @@ from tests.robots import (
 
 every_format = pytest.mark.parametrize("format_", FORMATS)
 ALWAYS_IN_URDF = "SB707"
+LEFT_OUT = {"urdf": ["SB703", "SB727"], "sdf": ["SB703", "SB727", "SB729"], "mjcf": ["SB727"]}
+"""What each format has no place for, of a robot that has every drive and every sensor."""
 
 
 def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
@@ -75,6 +78,24 @@ def test_every_notion_is_declared(format_: str) -> None:
         elif support.level is not Level.EXACT:
             assert support.code.startswith("SB7")
             assert CODES[support.code].severity in ("warning", "note")
+
+
+SAID_BY_WHO_LOADS = {Notion.FIXED_BASE, Notion.FLOATING_BASE, Notion.INITIAL_POSE}
+"""What a file may leave to the one who loads it: no part of the robot is lost."""
+
+
+@every_format
+def test_every_loss_is_an_error_when_strict(format_: str) -> None:
+    """What a format leaves out draws a warning, which ``--strict`` makes an error."""
+    for notion, support in FORMATS[format_].EXPRESSES.items():
+        if support.level is Level.REPORTED and notion not in SAID_BY_WHO_LOADS:
+            assert CODES[support.code].severity == "warning", notion
+    found = Diagnostics()
+    lower(equipped(), FORMATS[format_], found)
+    left_out = sorted({diagnostic.code for diagnostic in found if diagnostic.severity == "warning"})
+    found.make_strict()
+    assert left_out == LEFT_OUT[format_]
+    assert sorted({diagnostic.code for diagnostic in found if diagnostic.severity == "error"}) == left_out
 
 
 @every_format

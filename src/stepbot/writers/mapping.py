@@ -11,7 +11,8 @@ Made by `make generate` from what the writers declare; do not edit.
 - **exact**: the format says it, in the way that is named.
 - **lowered**: the format says it by other means; a diagnostic says how.
 - **reported**: the format has no place for it; it is left out, and a diagnostic names what. With `--strict` a warning
-  ends the run.
+  ends the run. A note does not, since nothing of the robot is lost: whether its base is fixed, and the pose in which it
+  starts, whoever loads the file can say.
 - **refused**: an error; nothing is written.
 
 `stepbot explain CODE` tells more about a diagnostic.
