@@ -33,6 +33,8 @@ _SECTIONS = 32
 """Steps of the search: they leave 2e-7 of the interval, and its square of the height."""
 _PARALLEL = 1e-9
 """Angle [rad] below which directions count as parallel."""
+_SMALLEST = 1e-6
+"""Radius [mm] below which there is no face: meshes lie on a grid of a nanometre."""
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
@@ -55,7 +57,7 @@ def _axis_face(face: Any) -> AxisFace | None:
         radius, is_cone = max(_cone_radius(quadric, low), _cone_radius(quadric, high)), True
     else:
         radius, is_cone = quadric.Radius(), False
-    if not radius > 0.0:  # a line, as broken files have it
+    if not radius > _SMALLEST:  # a line, as broken files have it
         return None
     point, direction, scale = axis.Location(), axis.Direction(), MILLIMETRES_PER_METRE
     return AxisFace(

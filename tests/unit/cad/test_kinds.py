@@ -397,3 +397,16 @@ print(sum(os.times()[:4]) - before, len(pickle.dumps(assembly, protocol=5)), len
     )
     seconds, size, components = done.stdout.split()
     return Cost(float(seconds), int(size), int(components))
+
+
+@pytest.mark.parametrize(("radius", "count"), [(1e-9, 0), (1e-3, 1)])
+def test_a_cylinder_without_a_radius_has_no_axis(radius: float, count: int) -> None:
+    """What is thinner than a nanometre is a line, and nothing turns about it."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+    from OCP.Geom import Geom_CylindricalSurface
+    from OCP.gp import gp_Ax3
+
+    from stepbot.cad.axis_faces import axis_faces
+
+    face = BRepBuilderAPI_MakeFace(Geom_CylindricalSurface(gp_Ax3(), radius), 0.0, 6.0, 0.0, 10.0, 1e-12).Face()
+    assert len(axis_faces([face])) == count
