@@ -125,7 +125,8 @@ def reserves(name: str) -> bool:
 def render(robot: Robot) -> bytes:
     """The MJCF of a lowered robot."""
     top = root("mujoco", robot.source, model=robot.name)
-    element(top, "compiler", angle="radian")
+    if robot.joints or robot.sensors:
+        element(top, "compiler", angle="radian")
     _defaults(top, robot)
     _assets(top, robot)
     _bodies(top, robot)

@@ -280,11 +280,13 @@ def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
 
 
 def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
-    said = {"damping": dynamics.damping, "friction": dynamics.friction}
+    given = {"damping": dynamics.damping, "friction": dynamics.friction}
     if dynamics.stiffness:  # without which its rest position means nothing
-        said |= {"spring_reference": dynamics.spring_reference, "spring_stiffness": dynamics.stiffness}
-    if any(said.values()):
+        given |= {"spring_reference": dynamics.spring_reference, "spring_stiffness": dynamics.stiffness}
+    said = {tag: value for tag, value in given.items() if value}
+    if said and not ("damping" in said or "friction" in said):
+        said = {"damping": 0.0, **said}  # PyBullet refuses springs alone
+    if said:
         xml = element(axis, "dynamics")
         for tag, value in said.items():
-            if value:
-                element(xml, tag, value)
+            element(xml, tag, value)
