@@ -8,6 +8,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.report import Report, Status
 from stepbot.simulators import engines
+from stepbot.simulators.workers import check_required
 from stepbot.verify import verify_files
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
@@ -131,6 +132,25 @@ def test_a_required_engine_that_is_unknown_or_missing(
     assert missing.message == "--require mujoco: mujoco is not installed"
     assert found.exit_code == 2
     assert all(check.status is not Status.PASSED for check in report.checks if check.engine == "mujoco")
+
+
+@pytest.mark.parametrize(
+    ("engine", "install"),
+    [
+        ("drake", "pip install 'stepbot[verify]'"),
+        ("pinocchio", "pip install 'stepbot[verify]'"),
+        ("libsdformat", "apt-get install libsdformat-dev ignition-tools"),
+        ("yourdfpy", "pip install yourdfpy"),
+    ],
+)
+def test_a_required_engine_says_how_to_get_it(
+    engine: str, install: str, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The package of an engine is not always called like it."""
+    monkeypatch.setattr(f"stepbot.simulators.{engine}.available", lambda: f"{engine} is not installed")
+    check_required((engine,), found)
+    (missing,) = found
+    assert (missing.code, missing.help) == ("SB005", (install,))
 
 
 def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:

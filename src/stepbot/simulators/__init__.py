@@ -2,7 +2,8 @@
 
 A module of this package that is not private and has an ``observe`` is an engine. It has ``NAME``, ``FORMATS`` (the
 formats that it reads), ``available`` (why it cannot run here, or None), ``prepare`` (its slow import) and ``observe``.
-None of them imports the engine when it is imported itself. One that most people do without is ``OPTIONAL``.
+None of them imports the engine when it is imported itself. One that most people do without is ``OPTIONAL``, and
+``INSTALL`` says how to get one that ``pip install NAME`` does not.
 """
 
 from functools import cache

@@ -37,6 +37,7 @@ from .observation import (
 NAME = "drake"
 FORMATS = ("urdf", "sdf", "mjcf", "drake.sdf")
 OPTIONAL = True
+INSTALL = "pip install 'stepbot[verify]'"
 
 STEP = 1e-3
 """Step [s] of the plant."""

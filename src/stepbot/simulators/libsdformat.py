@@ -15,6 +15,7 @@ from .observation import EngineCannotRead, EngineRefused, Observation, Quantity,
 NAME = "libsdformat"
 FORMATS = ("sdf", "drake.sdf")
 OPTIONAL = True
+INSTALL = "apt-get install libsdformat-dev ignition-tools"
 
 _COMMANDS = ("gz", "ign")
 _TOLD = frozenset({Quantity.LOAD, Quantity.WARNINGS})

@@ -34,6 +34,7 @@ from .observation import (
 NAME = "pinocchio"
 FORMATS = ("urdf", "mjcf")
 OPTIONAL = True
+INSTALL = "pip install 'stepbot[verify]'"
 
 _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.MESHES: "left to the engines that simulate",

@@ -163,7 +163,7 @@ def check_required(names: Iterable[str], found: Diagnostics) -> None:
             continue
         reason = engine.available()
         if reason is not None:
-            install = f"pip install {engine.NAME}"
+            install = getattr(engine, "INSTALL", f"pip install {engine.NAME}")
             found.add("SB005", f"--require {name}: {reason}", Span("stepbot"), help=(install,))
 
 

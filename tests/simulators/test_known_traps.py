@@ -1,0 +1,212 @@
+"""The rest of what docs/verification.md lists as known traps: each shown in the engine itself, and kept out of."""
+
+import re
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lxml import etree
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.isolation import RemoteError, WorkerDied, call_isolated
+from stepbot.simulators.observation import Quantity
+from stepbot.writers import render
+from tests.robots import ROBOTS
+from tests.simulators.conftest import Folder, failures, look, skip_without, write
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """The two-link arm on disk."""
+    return write(ROBOTS["two_link_arm"](), tmp_path_factory.mktemp("arm"))
+
+
+def _changed(folder: Folder, written_in: str, name: str, pattern: str, new: str) -> Path:
+    """A copy of a file beside it, with something replaced."""
+    right = folder.written[written_in].path
+    text, count = re.subn(pattern, new, right.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert count
+    path = right.with_name(name)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.pybullet
+def test_pybullet_is_kept_from_joints_of_one_name(arm: Folder) -> None:
+    """In one URDF they end the process or the loading; it is told either way, and nothing passes."""
+    skip_without("pybullet")
+    path = _changed(arm, "urdf", "twice.urdf", 'joint name="elbow"', 'joint name="shoulder"')
+    with pytest.raises((WorkerDied, RemoteError)) as caught:
+        call_isolated("stepbot.simulators.pybullet:observe", replace(arm.request("urdf"), file=str(path)), timeout=60.0)
+    assert isinstance(caught.value, WorkerDied) or caught.value.kind == "EngineRefused"
+
+
+@pytest.mark.pybullet
+def test_pybullet_takes_inertia_from_the_file_only_when_told(arm: Folder) -> None:
+    """Without the flag it makes inertias of the collision shapes; stepbot sets the flag."""
+    skip_without("pybullet")
+    file = str(arm.written["urdf"].path)
+    plain, told = call_isolated("tests.simulators.raw_engines:principal_moments", file, timeout=60.0)
+    right = np.linalg.eigvalsh(np.array(arm.robot.link_by_name["forearm"].mass_properties.inertia))
+    np.testing.assert_allclose(sorted(told), right, rtol=1e-4)
+    assert not np.allclose(sorted(plain), right, rtol=1e-2)
+
+
+@pytest.mark.pybullet
+def test_pybullet_gives_axes_in_the_inertial_frame(arm: Folder) -> None:
+    """Its own axis is turned by the principal axes; what is compared is turned back."""
+    skip_without("pybullet")
+    raw = call_isolated("tests.simulators.raw_engines:axis", str(arm.written["urdf"].path), "elbow", timeout=60.0)
+    right = arm.robot.joint_by_name["elbow"].axis
+    seen = next(joint for joint in look("pybullet", arm.request("urdf")).joints if joint.name == "elbow")
+    assert np.linalg.norm(np.subtract(raw, right)) > 1e-3
+    np.testing.assert_allclose(seen.axis, right, atol=1e-12)
+
+
+@pytest.mark.pybullet
+def test_pybullet_follows_a_mimic_by_a_gear_alone(tmp_path: Path) -> None:
+    """A follower stands still until a JOINT_GEAR with the ratio -1/multiplier takes it along."""
+    skip_without("pybullet")
+    robot = ROBOTS["gripper_with_mimic"]()
+    file = str(write(robot, tmp_path).written["urdf"].path)
+    mimic = robot.joint_by_name["finger_mirrored"].mimic
+    free, geared = call_isolated(
+        "tests.simulators.raw_engines:geared", file, mimic.joint, "finger_mirrored", mimic.multiplier, timeout=60.0
+    )
+    assert abs(free[0]) > 0.003
+    assert abs(free[1]) < 1e-6
+    assert geared[1] == pytest.approx(mimic.multiplier * geared[0], rel=0.05)
+
+
+@pytest.mark.pybullet
+def test_pybullet_is_asked_of_mjcf_whether_it_loads_and_no_more(arm: Folder) -> None:
+    """It gets poses wrong there: everything else is not run, and says why."""
+    seen = look("pybullet", arm.request("mjcf"))
+    assert set(Quantity) - set(seen.not_run) == {Quantity.LOAD}
+    assert {"gets poses wrong" in reason for reason in seen.not_run.values()} == {True}
+
+
+@pytest.mark.mujoco
+def test_mujoco_lets_the_base_touch_the_first_link_unless_told(arm: Folder) -> None:
+    """It filters parents from children, but not those that are fixed to the world: without the exclude, they touch."""
+    path = _changed(arm, "mjcf", "touching.xml", "<contact>.*?</contact>", "")
+    seen = look("mujoco", replace(arm.request("mjcf"), file=str(path), simulate=0.0))
+    assert Quantity.CONTACTS in failures(arm.expected("mjcf"), seen)
+
+
+@pytest.mark.mujoco
+def test_mujoco_equal_limits_are_noticed(arm: Folder) -> None:
+    """It takes equal limits for none, or refuses them."""
+    path = _changed(arm, "urdf", "equal.urdf", 'lower="-2" upper="2.25"', 'lower="0" upper="0"')
+    seen = look("mujoco", replace(arm.request("urdf"), file=str(path), simulate=0.0))
+    elbow = next(joint for joint in seen.joints if joint.name == "elbow")
+    assert elbow.limit.lower == -np.inf
+    assert Quantity.LIMITS in failures(arm.expected("urdf"), seen)
+
+
+@pytest.mark.mujoco
+def test_mujoco_reads_one_object_per_mesh_and_no_packages(arm: Folder) -> None:
+    """So every mesh is an OBJ of one object at a plain path; of others' files, ``package://`` is resolved before."""
+    meshes = sorted((arm.path / "meshes").iterdir())
+    assert {mesh.suffix for mesh in meshes} == {".obj"}
+    for mesh in meshes:
+        assert sum(line.startswith("o ") for line in mesh.read_text(encoding="utf-8").splitlines()) <= 1
+    for one in arm.written.values():
+        assert "package://" not in one.path.read_text(encoding="utf-8")
+    path = _changed(arm, "urdf", "package.urdf", 'filename="meshes/', f'filename="package://{arm.path.name}/meshes/')
+    request = replace(arm.request("urdf"), file=str(path), simulate=0.0)
+    assert Quantity.MESHES not in failures(arm.expected("urdf"), look("mujoco", request))
+
+
+def test_mujoco_gets_an_inertial_for_every_body() -> None:
+    """It would make masses of meshes else, by a way of its own."""
+    for name in ("two_link_arm", "tree", "primitives", "floating_biped"):
+        main, *_ = render(ROBOTS[name](), "mjcf", Diagnostics()).values()
+        bodies = list(etree.fromstring(main).iter("body"))
+        assert bodies
+        assert all(len(body.findall("inertial")) == 1 for body in bodies)
+
+
+@pytest.mark.mujoco
+def test_mujoco_would_write_six_digits(arm: Folder) -> None:
+    """What its own writer makes of a number is not that number; the file has all of its digits."""
+    skip_without("mujoco")
+    import mujoco
+
+    mass = repr(arm.robot.root.mass_properties.mass)
+    assert len(mass) > 12
+    spec = mujoco.MjSpec.from_file(str(arm.written["mjcf"].path))
+    spec.compile()
+    assert mass not in spec.to_xml()
+    assert mass in arm.written["mjcf"].path.read_text(encoding="utf-8")
+
+
+def test_drake_needs_a_scene_to_miss_a_mesh(tmp_path: Path) -> None:
+    """A plant alone loads a file whose mesh is gone; stepbot's has a scene, and refuses."""
+    skip_without("drake")
+    from stepbot.simulators.drake import build
+
+    folder = write(ROBOTS["two_link_arm"](), tmp_path)
+    request = replace(folder.request("sdf"), simulate=0.0)
+    (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
+    assert build(request, shapes=False).bodies
+    with pytest.raises((WorkerDied, RemoteError), match="upper_arm_1"):
+        call_isolated("stepbot.simulators.drake:observe", request, timeout=120.0)
+
+
+def test_drake_does_not_read_mimics_of_sdformat(tmp_path: Path) -> None:
+    """Nobody counts that as passed."""
+    folder = write(ROBOTS["gripper_with_mimic"](), tmp_path)
+    seen = look("drake", replace(folder.request("sdf"), simulate=0.0))
+    assert all(joint.mimic is None for joint in seen.joints)
+    assert Quantity.MIMIC in seen.not_run
+
+
+def test_drake_takes_no_joint_that_closes_a_loop(tmp_path: Path) -> None:
+    """The SDFormat of a four-bar is not for it, the file beside it is."""
+    skip_without("drake")
+    folder = write(ROBOTS["four_bar"](), tmp_path)
+    with pytest.raises(RemoteError, match="closes a loop") as caught:
+        call_isolated("stepbot.simulators.drake:observe", folder.request("sdf"), timeout=120.0)
+    assert caught.value.kind == "EngineCannotRead"
+    assert look("drake", replace(folder.request("drake.sdf"), simulate=0.0)).closures
+
+
+def test_drake_ends_over_swapped_limits(arm: Folder) -> None:
+    """In a process of its own, so that it is told and the others go on."""
+    skip_without("drake")
+    path = _changed(arm, "urdf", "swapped_limits.urdf", 'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"')
+    request = replace(arm.request("urdf"), file=str(path), simulate=0.0)
+    with pytest.raises((WorkerDied, RemoteError)):
+        call_isolated("stepbot.simulators.drake:observe", request, timeout=120.0)
+
+
+def test_pinocchio_has_two_coordinates_for_a_joint_without_limits(tmp_path: Path) -> None:
+    """Cosine and sine; stepbot gives and takes one angle."""
+    skip_without("pinocchio")
+    import pinocchio
+
+    folder = write(ROBOTS["pendulum"](), tmp_path)
+    model = pinocchio.buildModelFromUrdf(str(folder.written["urdf"].path))
+    assert (model.nq, model.nv) == (2, 1)
+    seen = look("pinocchio", folder.request("urdf"))
+    assert len(seen.coordinates) == 1
+    assert failures(folder.expected("urdf"), seen) == set()
+
+
+def test_libsdformat_calls_later_versions_valid(arm: Folder) -> None:
+    """With exit code 0; its text is read, and such a file is not run."""
+    skip_without("libsdformat")
+    from stepbot.simulators import libsdformat
+
+    path = _changed(arm, "sdf", "later.sdf", 'sdf version="1.9"', 'sdf version="9.9"')
+    program = libsdformat._command()
+    assert program is not None
+    run = subprocess.run([program, "sdf", "--check", str(path)], capture_output=True, text=True, check=False)
+    assert run.returncode == 0
+    assert "Valid." in run.stdout
+    with pytest.raises(RemoteError, match=r"version 9\.9") as caught:
+        call_isolated("stepbot.simulators.libsdformat:observe", replace(arm.request("sdf"), file=str(path)))
+    assert caught.value.kind == "EngineCannotRead"
