@@ -123,10 +123,11 @@ def bending_link(s: Bend) -> list[Body]:
     body = hull_plate([((0, 0), r), ((0.8 * s.x, 0.55 * end), 0.9 * s.radius)], 2 * half)
     rims = body.faces().filter_by(bd.Axis.Z).edges()
     body = at(bd.fillet(rims, 0.3 * r), (0, 0, -half))
-    body -= at(block(6 * r, 4 * r, 2 * slot), (0, 0.94 * r - 2 * r, -slot))
     seam = 0.55 * end  # fork and tube meet in a plane: curves of rounded rims on a tube would make a large file
     body &= at(block(8 * r, 8 * r, 2 * half), (0, seam - 4 * r, -half))
     body += at(housing(s.radius, end - seam, 2, 0.25 * r), (s.x, seam, 0), (-90, 0, 0))
+    # The slot comes last: two cheeks without the tube would be two solids, and the kernel gives them in any order.
+    body -= at(block(6 * r, 4 * r, 2 * slot), (0, min(0.94 * r, seam) - 2 * r, -slot))
     caps = [at(housing(0.55 * r, 4, 2, 0), (0, 0, side * half), (0 if side > 0 else 180, 0, 0)) for side in (-1, 1)]
     return [Body("shell", body, SHELL), *(Body("cap", cap, GREY) for cap in caps)]
 
