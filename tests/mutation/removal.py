@@ -1,0 +1,71 @@
+"""Every way to remove one element or one attribute of an XML file."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from lxml import etree
+
+UNREAD = {
+    "urdf": ("ros2_control", "gazebo", "transmission"),
+    "sdf": ("plugin", "sensor"),
+    "drake.sdf": ("plugin", "sensor"),
+    "mjcf": (),
+}
+"""Blocks that no engine reads, by format: counted apart."""
+
+
+@dataclass(frozen=True)
+class Removal:
+    """One thing less than in a file."""
+
+    path: str
+    """Where it was: tags down from the root, with names where elements have them."""
+    kind: str
+    """What it was: ``element`` or ``element@attribute``, with the tag of the element above, for tables."""
+    unread: bool
+    """Whether it is in a block that no engine reads."""
+    content: bytes
+    """The file without it."""
+
+
+def removals(content: bytes, written_in: str) -> Iterator[Removal]:
+    """Each element but the root, with all that is in it, and each attribute, one at a time, in file order."""
+    count = sum(1 for _ in _elements(etree.fromstring(content)))
+    for index in range(count):
+        for attribute in (None, *_elements_at(content, index).attrib):
+            element = _elements_at(content, index)
+            above, path = element.getparent(), _path(element)
+            kind = _tag(element) if above is None else f"{_tag(above)}/{_tag(element)}"
+            blocks = {_tag(one) for one in (element, *element.iterancestors())}
+            unread = bool(blocks & set(UNREAD[written_in]))
+            top = element.getroottree()
+            if attribute is not None:
+                del element.attrib[attribute]
+                path, kind = f"{path}@{attribute}", f"{kind}@{attribute}"
+            elif above is not None:
+                above.remove(element)
+            else:
+                continue
+            yield Removal(path, kind, unread, etree.tostring(top, encoding="UTF-8", xml_declaration=True))
+
+
+def _elements(top: Any) -> Iterator[Any]:
+    return (element for element in top.iter() if isinstance(element.tag, str))
+
+
+def _elements_at(content: bytes, index: int) -> Any:
+    """The element with a number, of a tree of its own that may be changed."""
+    return list(_elements(etree.fromstring(content)))[index]
+
+
+def _tag(element: Any) -> str:
+    return str(etree.QName(element).localname)
+
+
+def _path(element: Any) -> str:
+    steps = []
+    for one in (element, *element.iterancestors()):
+        name = one.get("name") or one.get("class") or ""
+        steps.append(_tag(one) + (f"[{name}]" if name else ""))
+    return "/".join(reversed(steps))

@@ -1,0 +1,105 @@
+"""Removing any element or attribute of a written file is noticed by engines that are not ours."""
+
+import os
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tests.robots import ROBOTS
+from tests.simulators.conftest import skip_without, write
+
+from .judge import Judge, question
+from .page import ALL, CORE, PAGE, ROWS, page, share
+from .reasons import reason_for
+from .removal import removals
+from .trial import Flawed, verdicts
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="engines crash here, in forks of this process")
+
+SLICE = ("two_link_arm",)
+OF_EACH = 12
+
+XML = b"""<?xml version="1.0"?>
+<!-- a comment is no element -->
+<robot name="r"><link name="a"><inertial/></link><transmission name="t"><joint name="j"/></transmission></robot>
+"""
+
+
+def test_everything_is_removed_once() -> None:
+    """Every element but the root with what is in it, and every attribute; blocks that nobody reads are marked."""
+    found = {one.path: one for one in removals(XML, "urdf")}
+    assert list(found) == [
+        "robot[r]@name",
+        "robot[r]/link[a]",
+        "robot[r]/link[a]@name",
+        "robot[r]/link[a]/inertial",
+        "robot[r]/transmission[t]",
+        "robot[r]/transmission[t]@name",
+        "robot[r]/transmission[t]/joint[j]",
+        "robot[r]/transmission[t]/joint[j]@name",
+    ]
+    assert [path for path, one in found.items() if one.unread] == list(found)[4:]
+    assert b"<link" not in found["robot[r]/link[a]"].content
+    assert b"<transmission" in found["robot[r]/link[a]"].content
+    assert Counter(one.kind for one in found.values())["robot/link"] == 1
+
+
+@pytest.mark.pybullet
+@pytest.mark.mujoco
+def test_a_slice_is_noticed(tmp_path: Path) -> None:
+    """Some removals from each file of an arm; what nobody notices has a reason."""
+    for engines in CORE.values():
+        for engine in engines:
+            skip_without(engine)
+    found = list(verdicts({name: ROBOTS[name] for name in SLICE}, CORE, tmp_path, OF_EACH))
+    assert Counter(one.format for one in found) == dict.fromkeys(CORE, OF_EACH)
+    lost = [one for one in found if not one.noticed and not one.removal.unread]
+    for one in lost:
+        assert reason_for(one.format, one.removal.kind, core=True)
+    assert [one.removal.path for one in lost if one.format != "sdf"] == []
+    assert len(lost) < OF_EACH / 2
+
+
+@pytest.mark.mujoco
+def test_what_changes_nothing_is_not_noticed(tmp_path: Path) -> None:
+    """A judge that cries at every file would be none; and one that is shown another robot cries."""
+    skip_without("mujoco")
+    folder = write(ROBOTS["pendulum"](), tmp_path)
+    path = folder.written["mjcf"].path
+    asked = question(folder.request("mjcf"))
+    with Judge("mujoco", asked, folder.expected("mjcf", asked)) as judge:
+        assert judge.look_at_right(str(path)) == ""
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace("<worldbody>", "<statistic/><worldbody>"), encoding="utf-8")
+        assert judge.look_at(str(path)) == ""
+        path.write_text(text.replace("</mujoco>", ""), encoding="utf-8")
+        assert judge.look_at(str(path)).startswith("refuses")
+        path.write_text(text.replace('mass="', 'mass="1'), encoding="utf-8")
+        assert judge.look_at(str(path)).startswith("mass")
+
+
+@pytest.mark.mujoco
+def test_a_file_that_is_flawed_from_the_start_is_no_trial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else everything would count as noticed."""
+    skip_without("mujoco")
+    monkeypatch.setattr("tests.mutation.judge.Judge.look_at_right", lambda judge, file: "sees another robot")
+    with pytest.raises(Flawed, match=r"one_link\.xml: mujoco: sees another robot"):
+        list(verdicts({"one_link": ROBOTS["one_link"]}, {"mjcf": ("mujoco",)}, tmp_path))
+
+
+@pytest.mark.long
+def test_everything_is_noticed(tmp_path: Path) -> None:
+    """All removals from all files reach the shares that are wanted, and all survivors have a reason."""
+    for engine in ("pybullet", "mujoco", "yourdfpy", "drake"):
+        skip_without(engine)
+    found = list(verdicts(ROBOTS, ALL, tmp_path))
+    assert page(found, None)
+    assert {f"{row.title} by {row.engines}": share(row, found) for row in ROWS if share(row, found) < row.wanted} == {}
+
+
+def test_the_page_is_there() -> None:
+    """With a line for every row."""
+    text = PAGE.read_text(encoding="utf-8")
+    for row in ROWS:
+        assert f"| {row.title} | {row.engines} | " in text
