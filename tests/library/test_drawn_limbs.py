@@ -35,7 +35,7 @@ def pose(frame: dict[str, Any]) -> np.ndarray:
 
 def test_there_are_robots_with_limbs() -> None:
     """There is something for the tests below to find."""
-    assert "stepbot_quadruped" in LIMBED
+    assert {"stepbot_quadruped", "stepbot_hexapod", "stepbot_desk_arm", "stepbot_upper_body"} <= set(LIMBED)
 
 
 @pytest.mark.mujoco
@@ -101,3 +101,14 @@ def test_the_desk_arm_finds_its_positions_back() -> None:
             assert np.array(tuple(vars(back).values())) == pytest.approx(tuple(vars(q).values()), abs=1e-9)
             found += 1
     assert found > 25
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_upper_bodys_arms_find_their_positions_back(side: str) -> None:
+    """Seven positions from the pose of the palm and the swivel of the elbow."""
+    formulas = importlib.import_module("robot_library.stepbot_upper_body.closed_form")
+    generator = np.random.default_rng(4)
+    for _ in range(50):
+        q = formulas.random_arm(side, generator)
+        back = formulas.reaching(side, formulas.palm(side, q), formulas.swivel(q))
+        assert np.array(tuple(vars(back).values())) == pytest.approx(tuple(vars(q).values()), abs=1e-9)
