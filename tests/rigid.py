@@ -45,8 +45,8 @@ def reported_pose(given: Mapping[str, Sequence[float]]) -> Array:
 
 def urdf_links(root: etree._Element) -> tuple[str, dict[str, Array]]:
     """The root of a URDF's tree, and the pose of each link in it at q = 0."""
-    joints = {joint.find("child").get("link"): joint for joint in root.iter("joint")}
-    names = [link.get("name") for link in root.iter("link")]
+    joints = {joint.find("child").get("link"): joint for joint in root.findall("joint")}
+    names = [link.get("name") for link in root.findall("link")]
     (top,) = (name for name in names if name not in joints)
 
     def X_TL(name: str) -> Array:
@@ -54,7 +54,7 @@ def urdf_links(root: etree._Element) -> tuple[str, dict[str, Array]]:
             return np.eye(4)
         joint = joints[name]
         origin = joint.find("origin")
-        X_PC = np.eye(4) if origin is None else pose(numbers(origin.get("xyz")), numbers(origin.get("rpy")))
+        X_PC = np.eye(4) if origin is None else pose(*(numbers(origin.get(name, "0 0 0")) for name in ("xyz", "rpy")))
         X: Array = X_TL(joint.find("parent").get("link")) @ X_PC
         return X
 

@@ -282,7 +282,7 @@ def test_neighbours_are_excluded_across_fixed_joints(write: Write) -> None:
     for name in ("tree", "four_bar"):
         _, file = write(name, "mjcf")
         model = compiled(file)
-        model.geom_margin[:] = 10.0
+        model.geom_margin[:] = model.body_margin[:] = 10.0
         data = data_at(model, {})
         bodies = [[int(model.geom_bodyid[g]) for g in geoms] for geoms in data.contact.geom]
         touching[name] = {frozenset((model.body(a).name, model.body(b).name)) for a, b in bodies}

@@ -155,7 +155,7 @@ def test_root_frame_moves_the_arm_and_nothing_in_it(follower: Conversion, exact:
 def test_limits_are_those_of_the_sidecar(follower: Conversion) -> None:
     """Degrees and revolutions per minute become radians, per second; defaults reach the joints that they name."""
     root = etree.parse(follower.file(".urdf")).getroot()
-    joints = {joint.get("name"): joint for joint in root.iter("joint") if joint.get("type") == "revolute"}
+    joints = {joint.get("name"): joint for joint in root.findall("joint") if joint.get("type") == "revolute"}
     assert set(joints) == set(LIMITS)
     for name, (lower, upper, effort, speed) in LIMITS.items():
         limit = joints[name].find("limit")

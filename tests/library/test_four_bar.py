@@ -139,7 +139,7 @@ def test_sdformat_holds_the_loop_and_fixes_the_base(four_bar: Conversion) -> Non
 def test_urdf_is_the_spanning_tree_and_says_so(four_bar: Conversion) -> None:
     """Each link hangs on one joint; the loop that is left out is named on the terminal and in the report."""
     root = etree.parse(four_bar.file(".urdf")).getroot()
-    joints = {joint.get("name"): joint for joint in root.iter("joint") if joint.get("type") != "fixed"}
+    joints = {joint.get("name"): joint for joint in root.findall("joint") if joint.get("type") != "fixed"}
     assert set(joints) == {"crank_turn", "coupler_turn", "rocker_swing"}
     top, X_TL = urdf_links(root)
     assert top == "ground"

@@ -55,7 +55,7 @@ EXPRESSES = {
     Notion.CAPSULE: exact("`<capsule>`"),
     Notion.FLAT_COLLISION: exact("as any mesh"),
     Notion.CONCAVE_COLLISION: exact("as any mesh"),
-    Notion.COLOR: exact("`<diffuse>`, with the opacity as alpha"),
+    Notion.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
     Notion.NEIGHBOURS: exact("links of a model do not touch unless `<self_collide>` says so"),
     Notion.FIXED: exact("`fixed`"),
     Notion.REVOLUTE: exact("`revolute`"),
@@ -187,6 +187,7 @@ def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
     for visual in link.visuals:
         shape = _shape(xml, "visual", visual, robot)
         material = element(shape, "material")
+        element(material, "ambient", visual.rgba)
         element(material, "diffuse", visual.rgba)
     for collision in link.collisions:
         _shape(xml, "collision", collision, robot)
