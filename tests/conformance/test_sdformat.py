@@ -211,3 +211,13 @@ def test_no_robot_has_transparency_that_strict_readers_refuse(write: Write) -> N
     rocker: Robot | Any = named(model.findall("link"), "rocker")
     alpha = {float(diffuse.text.split()[3]) for diffuse in rocker.iter("diffuse")}
     assert alpha == {robot.link_by_name["rocker"].visuals[0].rgba[3]}
+
+
+@every_robot
+def test_colors_are_the_same_in_the_shade(name: str, write: Write) -> None:
+    """Gazebo takes an ambient colour that is not told for black."""
+    robot, file = write(name, "sdf")
+    materials = list(etree.parse(str(file)).iter("material"))
+    assert len(materials) == sum(len(link.visuals) for link in robot.links)
+    for material in materials:
+        assert material.findtext("ambient") == material.findtext("diffuse") is not None

@@ -19,7 +19,6 @@ _PYBULLET = (
 """What the engine of the core install alone does not notice in SDFormat: kind of removal, and reason."""
 
 _SDFORMAT = (
-    (r"material/ambient", "Gazebo alone shows it: for the others, the colour in the shade is no other robot"),
     (r"inertia/i..", "far below the precision of the largest moment: rounding of a sum of parts"),
     (r"inertial/pose", "zero: a link that weighs nothing, or whose centre of mass is its origin"),
     (r"(axis/mimic|mimic/).*", "Drake does not read mimics"),

@@ -8,8 +8,8 @@ from lxml import etree
 
 UNREAD = {
     "urdf": ("ros2_control", "gazebo", "transmission"),
-    "sdf": ("plugin", "sensor"),
-    "drake.sdf": ("plugin", "sensor"),
+    "sdf": ("ambient", "plugin", "sensor"),
+    "drake.sdf": ("ambient", "plugin", "sensor"),
     "mjcf": (),
 }
 """Blocks that no engine reads, by format: counted apart."""
