@@ -402,11 +402,12 @@ def _point(body: int, link: int, p_L: Sequence[float]) -> np.ndarray:
     return np.asarray(state[4]) + R @ np.asarray(p_L)
 
 
-def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds: float) -> tuple[float, float, float]:
+def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds: float) -> dict[str, Any]:
     """Put a robot on a floor, let it settle, and drive it at steady targets of its actuators.
 
     Returns:
-        x, y [m] and heading [rad] of its base after ``seconds`` at speed, in the frame that it had when it was.
+        ``place``: x, y [m] and heading [rad] of its base after ``seconds`` at speed, in the frame that it had when it
+        was; ``speeds``: the mean speeds [rad/s] of its actuators meanwhile.
     """
     import mujoco
 
@@ -418,11 +419,13 @@ def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds
     # An actuator needs a moment to come up to speed: what counts is what is driven from there on.
     for _ in range(round(0.5 / model.opt.timestep)):
         mujoco.mj_step(model, data)
-    X_WS = np.array(_pose_of(data.body(base)))
+    X_WS, start = np.array(_pose_of(data.body(base))), data.actuator_length.copy()
     for _ in range(round(seconds / model.opt.timestep)):
         mujoco.mj_step(model, data)
+    reached = {name: float((data.actuator_length - start)[model.actuator(name).id]) / seconds for name in speeds}
     X_SE = np.linalg.inv(X_WS) @ np.array(_pose_of(data.body(base)))
-    return float(X_SE[0, 3]), float(X_SE[1, 3]), float(np.arctan2(X_SE[1, 0], X_SE[0, 0]))
+    place = (float(X_SE[0, 3]), float(X_SE[1, 3]), float(np.arctan2(X_SE[1, 0], X_SE[0, 0])))
+    return {"place": place, "speeds": reached}
 
 
 def _on_a_floor(file: str) -> tuple[Any, Any]:
