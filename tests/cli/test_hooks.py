@@ -99,7 +99,7 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
     original = step.read_bytes()
     repository.run("git", "add", "-A")
     repository.run("git", "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "-m", "robot")
-    step.write_bytes(original.replace(b"ENDSEC", b"", 2))
+    step.write_bytes(original[: len(original) // 2])
     repository.run("git", "add", "-A")
     assert repository.hooks() == {"stepbot check": "Failed", "stepbot uptodate": "Failed"}
     assert "SB204" in repository.told
