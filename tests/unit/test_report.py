@@ -31,6 +31,11 @@ def validator() -> jsonschema.Draft202012Validator:
     return jsonschema.Draft202012Validator(schema)
 
 
+def faults(validator: jsonschema.Draft202012Validator, document: object) -> list[str]:
+    """What the schema finds wrong in a report, and where."""
+    return [f"{fault.json_path}: {fault.message}" for fault in validator.iter_errors(document)]
+
+
 def test_one_row_per_file_and_engine() -> None:
     """In the order of the checks; failed beats passed beats not run."""
     rows = Report((NAMES, PASSED, NEARER, NOT_RUN, FAILED, ABSENT)).rows()
@@ -77,7 +82,7 @@ def test_every_robot_keeps_the_schema(name: str, validator: jsonschema.Draft2020
     """Loops, mimics, frames, limits without end and all."""
     robot = ROBOTS[name]()
     report = Report((PASSED, NOT_RUN, FAILED), {"mujoco": "4.0"}, robot, 1, ("one",), (("a", "b", None),))
-    validator.validate(json.loads(report_bytes(report, Diagnostics())))
+    assert faults(validator, json.loads(report_bytes(report, Diagnostics()))) == []
 
 
 def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validator, found: ReadDiagnostics) -> None:
@@ -96,7 +101,7 @@ def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validat
         bodies=(body,),
     )
     document = report_document(report, found)
-    validator.validate(document)
+    assert faults(validator, document) == []
     assert document["diagnostics"][0]["line"] == 3
     assert [one["density"] for one in document["robot"]["links"][0]["sources"]] == [2700.0, None]
 
@@ -104,7 +109,7 @@ def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validat
 def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012Validator) -> None:
     """As when files are compared with each other."""
     document = report_document(Report((PASSED, FAILED, ABSENT)), Diagnostics())
-    validator.validate(document)
+    assert faults(validator, document) == []
     assert document["robot"] is None
     assert document["summary"] == {"passed": 1, "failed": 1, "not_run": 1, "passed_by_own_parsers": 0}
 
@@ -127,8 +132,7 @@ def test_the_schema_describes_everything(validator: jsonschema.Draft202012Valida
     for change in (lambda d: d.pop("checks"), lambda d: d["robot"]["links"][0].update(weight=1)):
         broken = json.loads(json.dumps(document))
         change(broken)
-        with pytest.raises(jsonschema.ValidationError):
-            validator.validate(broken)
+        assert faults(validator, broken) != []
 
 
 def test_what_is_infinite_is_null() -> None:

@@ -119,17 +119,16 @@ def test_degrees_agree_with_the_standard_library(degrees: float) -> None:
 def refusal(text: str, dimension: Dimension) -> str:
     """Why a text is no quantity; empty where it is one."""
     try:
-        value = parse_quantity(text, dimension)
+        parse_quantity(text, dimension)
     except UnitError as failure:
         return str(failure)
-    assert not math.isnan(value)
     return ""
 
 
 @given(text=st.text(max_size=40))
 def test_any_text_is_a_quantity_or_a_unit_error(text: str) -> None:
     """No text makes the parser fail otherwise, and none gives NaN."""
-    refusal(text, units.LENGTH)
+    assert refusal(text, units.LENGTH) or not math.isnan(parse_quantity(text, units.LENGTH))
 
 
 @given(text=st.from_regex(re.compile(units.QUANTITY_PATTERN, re.ASCII), fullmatch=True))
@@ -182,7 +181,18 @@ def test_one_of_several_dimensions_is_told() -> None:
         read_quantity("45 kg", units.ANGLE, units.LENGTH)
 
 
-@pytest.mark.parametrize("text", ["1e99999999 mm", "1e-99999999 mm", "9" * 99 + "e99", "1 " + "mm*" * 33])
-def test_hostile_numbers_take_no_time(text: str) -> None:
+@pytest.mark.parametrize(
+    ("text", "outcome"),
+    [
+        ("1e99999999 mm", math.inf),
+        ("1e-99999999 mm", 0.0),
+        ("9" * 99 + "e99", "is not a length"),
+        ("1 " + "mm*" * 33, "is not a length"),
+    ],
+)
+def test_hostile_numbers_take_no_time(text: str, outcome: float | str) -> None:
     """Huge exponents and long products are read at once, or refused."""
-    refusal(text, units.LENGTH)
+    if isinstance(outcome, str):
+        assert outcome in refusal(text, units.LENGTH)
+    else:
+        assert parse_quantity(text, units.LENGTH) == outcome

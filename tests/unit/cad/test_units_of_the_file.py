@@ -124,7 +124,7 @@ def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> Non
     assert assembly.unit_scale == pytest.approx(scale, rel=1e-12)
     (body,) = assembly.bodies
     assert body.exact is not None
-    assert body.exact.volume == pytest.approx(100 * 60 * 40 * scale**3, rel=1e-9)
+    assert body.exact.volume == pytest.approx(100 * 60 * 40 * scale**3, rel=1e-9, abs=0)
 
 
 def test_an_inch_that_is_none(tmp_path: Path, found: ReadDiagnostics) -> None:

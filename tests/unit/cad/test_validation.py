@@ -35,7 +35,7 @@ def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -
     file.centroid(root, np.array(drawing.body.com) / own, file.context(file.representation(root)))
     found = by_quantity(read_quietly(file.write()))
     assert set(found) == {"volume", "area", "centroid"}
-    assert found["volume"].stated == pytest.approx((pi * 0.020**2 * 0.070,), rel=1e-12)
+    assert found["volume"].stated == pytest.approx((pi * 0.020**2 * 0.070,), rel=1e-12, abs=0)
     for validation in found.values():
         assert validation.read == pytest.approx(validation.stated, rel=1e-9, abs=1e-12)
         assert validation.agrees
@@ -120,7 +120,7 @@ def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) ->
     assembly = read_here(file.write(), found)
     assert assembly is not None
     read = {assembly.components[v.component].path: v.read[0] for v in assembly.validations}
-    assert read == {piece.path: pytest.approx(piece.body.mass, rel=1e-9) for piece in drawing.pieces}
+    assert read == {piece.path: pytest.approx(piece.body.mass, rel=1e-9, abs=0) for piece in drawing.pieces}
     assert len(set(read.values())) == 2
     assert all(validation.agrees for validation in assembly.validations)
     assert found.codes() == []
