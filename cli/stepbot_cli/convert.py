@@ -131,6 +131,10 @@ def written_to(conversion: "Conversion", output: Path) -> Path:
 
 def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the formats to write, each once, whatever alias they were given by."""
+    from stepbot.conversion import Options
+
+    if not given:  # without a look at the writers: the kernel starts a quarter of a second earlier
+        return Options.formats
     from stepbot.writers import FORMATS, writer_of
 
     names = []
@@ -141,7 +145,7 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
             known = (*FORMATS, *(alias for writer in FORMATS.values() for alias in writer.ALIASES))
             remedy = "".join(did_you_mean(name, known)) or f"there are {', '.join(FORMATS)}"
             raise click.BadParameter(f"no format '{name}'; {remedy}", param_hint="--format") from None
-    return tuple(dict.fromkeys(names)) or tuple(FORMATS)
+    return tuple(dict.fromkeys(names))
 
 
 def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":

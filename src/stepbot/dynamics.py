@@ -13,7 +13,7 @@ import numpy as np
 
 from .kinematics import Configuration, Tree, complete
 from .model import Robot
-from .spatial import Array, Vector3, turn_inertia
+from .spatial import Array, Vector3, cross, turn_inertia
 
 GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of gravity [m/s^2] that gravity forces are computed and observed with."""
@@ -74,6 +74,6 @@ def equations_of_motion(
         if bias is not None:
             turning, moving = bias(i, p_WLcm)
             w_WL = J[:3] @ v
-            c += J[:3].T @ (I_W @ turning + np.cross(w_WL, I_W @ w_WL)) + body.mass * J[3:].T @ moving
+            c += J[:3].T @ (I_W @ turning + cross(w_WL, I_W @ w_WL)) + body.mass * J[3:].T @ moving
     M = 0.5 * (M + M.T)
     return Equations(M, g, M @ a + c + g)

@@ -13,7 +13,7 @@ from pathlib import Path
 from .cache import Cache, Digest, Shelf, environment, file_digest, own_code
 from .conversion import Conversion, Options, write
 from .diagnostics import Diagnostic, Diagnostics
-from .warmup import started_kernel
+from .warmup import started_kernel, started_server
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not show in results; the STEP does by its content."""
@@ -53,11 +53,13 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     before = _content(sidecar, options.cache)
     with ExitStack() as running:
         kernel = started_kernel(sidecar, options)
-        if kernel is not None:
-            running.enter_context(kernel)
+        server = started_server(options) if kernel is None else None  # one thing at a time: the kernel takes longer
+        for started in (kernel, server):
+            if started is not None:
+                running.enter_context(started)
         from . import pipeline
 
-        conversion = pipeline.produce(sidecar, options, progress, kernel)
+        conversion = pipeline.produce(sidecar, options, progress, kernel, server)
     if before and before == _content(sidecar, options.cache):
         _keep(conversion, sidecar, before, options)
     return conversion

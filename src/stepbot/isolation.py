@@ -7,6 +7,7 @@ never between the bytes of the result. Arguments and results are pickled: data c
 
 import contextlib
 import ctypes
+import importlib
 import os
 import pickle
 import signal
@@ -14,9 +15,10 @@ import subprocess
 import sys
 import tempfile
 import threading
+import traceback
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO, NoReturn, Protocol
 
 DEFAULT_TIMEOUT = 600.0
 """Seconds that a worker may take for one call."""
@@ -52,23 +54,42 @@ class RemoteError(Exception):
         super().__init__(f"{kind}: {text}\n{trace}")
 
 
+class Process(Protocol):
+    """What a worker needs of its process: a part of :class:`subprocess.Popen`."""
+
+    @property
+    def pid(self) -> int: ...  # noqa: D102
+
+    @property
+    def stdin(self) -> IO[bytes] | None: ...  # noqa: D102
+
+    @property
+    def stdout(self) -> IO[bytes] | None: ...  # noqa: D102
+
+    def poll(self) -> int | None: ...  # noqa: D102
+
+    def wait(self) -> int: ...  # noqa: D102
+
+    def kill(self) -> None: ...  # noqa: D102
+
+
+Start = Callable[[str, int | None, BinaryIO], Process]
+"""Starts a process for a function, with a memory limit [bytes] or none, and a file for what it prints."""
+
+
 class Worker:
     """One process that calls one function once."""
 
-    def __init__(self, function: str, *, memory_limit: int | None = None) -> None:
+    def __init__(self, function: str, *, memory_limit: int | None = None, start: Start | None = None) -> None:
         """Start the process; it begins to import at once.
 
         Args:
             function: ``package.module:function``.
             memory_limit: Address space [bytes] where the system can limit it (POSIX); None for no limit.
+            start: What starts it; None to start a new interpreter.
         """
         self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
-        command = [sys.executable, "-c", "from stepbot.isolation import _serve; _serve()", function]
-        if memory_limit is not None:
-            command.append(str(memory_limit))
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._stderr, env=_environment()
-        )
+        self._process = (start or spawned)(function, memory_limit, self._stderr)
         self._writer: threading.Thread | None = None
 
     @property
@@ -168,13 +189,28 @@ def call_isolated(
         return worker.submit(*arguments).result(timeout)
 
 
+def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
+    """Start a worker's process as a new interpreter; see :data:`Start`."""
+    command = [sys.executable, "-c", "from stepbot.isolation import _serve; _serve()", function]
+    if memory_limit is not None:
+        command.append(str(memory_limit))
+    return subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=worker_environment()
+    )
+
+
+def can_fork() -> bool:
+    """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it."""
+    return hasattr(os, "fork") and sys.platform != "darwin"
+
+
 def end_with_parent() -> None:
     """Have the system end this process when its parent is ended, in whatever way: Linux only."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _environment() -> dict[str, str]:
+def worker_environment() -> dict[str, str]:
     """The caller's environment, one thread per library, and the caller's import path."""
     paths = [path for path in sys.path if path]
     one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -192,25 +228,32 @@ def _death(status: int, last_lines: tuple[str, ...]) -> str:
     return f"ended with exit code {status} and no result"
 
 
-def _serve() -> None:
-    """What the worker process runs: import, read the arguments, call, write the outcome."""
-    import importlib
-    import traceback
+def _serve() -> NoReturn:
+    """What a worker of its own interpreter runs."""
+    answer(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else None)
 
+
+def answer(function: str, memory_limit: int | None) -> NoReturn:
+    """Serve one call in this process, and end it: import, read the arguments, call, write the outcome.
+
+    Args:
+        function: ``package.module:function``.
+        memory_limit: Address space [bytes]; None for no limit.
+    """
     end_with_parent()
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # native code that prints to standard output must not write between our bytes
     sys.stdout = sys.stderr
-    if len(sys.argv) > 2:
-        _limit_memory(int(sys.argv[2]))
-    module, _, name = sys.argv[1].partition(":")
+    if memory_limit is not None:
+        _limit_memory(memory_limit)
+    module, _, name = function.partition(":")
     outcome: tuple[str, Any]
     try:
         loaded = importlib.import_module(module)
-        function: Callable[..., Any] = getattr(loaded, name)
+        call: Callable[..., Any] = getattr(loaded, name)
         getattr(loaded, "prepare", lambda: None)()  # slow imports, while the caller is still busy
         arguments = pickle.loads(sys.stdin.buffer.read())
-        outcome = ("returned", function(*arguments))
+        outcome = ("returned", call(*arguments))
     except MemoryError:
         sys.stderr.write("MemoryError\n")
         sys.exit(1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from .freedoms import unfolded
 from .model import Joint, JointKind, Robot
-from .spatial import Array, Pose, cross_matrix, rotation_about
+from .spatial import Array, Pose, cross, cross_matrix, rotation_about
 
 Configuration = Mapping[str, float]
 
@@ -167,7 +167,7 @@ class Tree:
         frames = X[self._child]
         a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
         arm = p_WQ - frames[:, :3, 3]
-        swept = a_W[:, [1, 2, 0]] * arm[:, [2, 0, 1]] - a_W[:, [2, 0, 1]] * arm[:, [1, 2, 0]]
+        swept = cross(a_W, arm)
         turn, slide = self._turn[:, None], self._advance[:, None]
         rows = np.hstack([turn * a_W, turn * swept + slide * a_W])
         return np.asarray(np.where(self._above[link][:, None], rows, 0.0).T)
@@ -187,11 +187,11 @@ class Tree:
         a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
         at_joints = [self.jacobian(X, int(child), X[child, :3, 3]) @ v for child in self._child]
         twists = np.array(at_joints).reshape(-1, 6)
-        turned = np.cross(twists[:, :3], a_W)  # an axis is carried along by the link that it is fixed in
+        turned = cross(twists[:, :3], a_W)  # an axis is carried along by the link that it is fixed in
 
         def at(link: int, p_WQ: Array) -> tuple[Array, Array]:
             v_Q = self.jacobian(X, link, p_WQ)[3:] @ v
-            swept = np.cross(turned, p_WQ - frames[:, :3, 3]) + np.cross(a_W, v_Q - twists[:, 3:])
+            swept = cross(turned, p_WQ - frames[:, :3, 3]) + cross(a_W, v_Q - twists[:, 3:])
             rows = self._turn[:, None] * swept + self._advance[:, None] * turned
             speeds = np.where(self._above[link], v, 0.0)
             return (self._turn * speeds) @ turned, speeds @ rows
@@ -212,13 +212,18 @@ def displacement(joint: Joint, q: float) -> Pose:
     return Pose.of(rotation_about(joint.axis, turned), np.array(joint.axis) * (advance(joint) * q))
 
 
-def link_poses(robot: Robot, q: Configuration) -> dict[str, Pose]:
+def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict[str, Pose]:
     """X_WL of every link, in tree order; ``q`` is completed first.
+
+    Args:
+        robot: The robot.
+        q: Positions [rad] or [m].
+        tree: The robot's tree, where the caller has it already.
 
     Raises:
         KeyError: ``q`` names something that is not a moving joint.
     """
-    tree = Tree(robot)
+    tree = tree or Tree(robot)
     full = complete(robot, q)
     X = tree.frames(np.array([full[name] for name in tree.joints]))
     return {link.name: Pose.from_matrix(X[tree.link_index[link.name]]) for link in robot.links}

@@ -1,30 +1,20 @@
 """Mass properties of a mesh, by trimesh: the only module that measures with it."""
 
-import sys
 from collections.abc import Sequence
 
 import numpy as np
 
 from .cad.assembly import VolumeProperties
+from .light_import import import_lightly
 from .mesh import TriMesh
 
 MEASURE = "stepbot.measure:measured_all"
 """The function that runs in a process of its own."""
-_UNUSED = ("networkx", "scipy")
 
 
 def prepare() -> None:
-    """Import trimesh without two packages that it imports and does not need here: they take most of a second.
-
-    Others in the same process would miss them in trimesh, so this is for processes that only measure or read.
-    """
-    withheld = [name for name in _UNUSED if name not in sys.modules]
-    sys.modules.update(dict.fromkeys(withheld))  # type: ignore[arg-type]  # None is how Python marks what is not there
-    try:
-        import trimesh.triangles  # noqa: F401
-    finally:
-        for name in withheld:
-            del sys.modules[name]
+    """Do the slow import, in a process that only measures."""
+    import_lightly("trimesh.triangles")
 
 
 def measured_all(meshes: Sequence[TriMesh]) -> tuple[VolumeProperties | None, ...]:

@@ -19,6 +19,7 @@ from .cache import content_digest
 from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .conversion import REPORT, Conversion, Options, write
 from .diagnostics import Diagnostics, StepbotError, did_you_mean
+from .forkserver import ForkServer
 from .geometry import Geometry, Loading
 from .isolation import Worker
 from .loops import degrees_of_freedom, driven_joints
@@ -35,6 +36,7 @@ from .sidecar.located import Sidecar
 from .simulators.memory import Memory
 from .simulators.workers import check_required
 from .verify import Provers, Written, verify
+from .warmup import started_server
 from .writers import files_of, main_file, writer_of
 
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
@@ -66,6 +68,7 @@ def produce(
     options: Options,
     progress: Callable[[str], None] = lambda stage: None,
     kernel: Worker | None = None,
+    server: ForkServer | None = None,
 ) -> Conversion:
     """Convert one sidecar and the STEP that it names, and prove the files; nothing is written yet.
 
@@ -74,17 +77,23 @@ def produce(
         options: How to convert it.
         progress: Told each stage as it begins.
         kernel: A process that was started for it; None to start one where it is needed.
+        server: A process that was started to start the engines; None likewise.
     """
     found = Diagnostics()
     try:
-        return _produce(sidecar, options, found, progress, kernel)
+        return _produce(sidecar, options, found, progress, kernel, server)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)
 
 
 def _produce(
-    path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None], kernel: Worker | None
+    path: Path,
+    options: Options,
+    found: Diagnostics,
+    progress: Callable[[str], None],
+    kernel: Worker | None,
+    server: ForkServer | None,
 ) -> Conversion:
     def stage_ends() -> None:
         if options.strict:
@@ -101,7 +110,8 @@ def _produce(
         loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
         # The engines import while the kernel works.
         formats = [writer.NAME for writer in writers] if options.verify else []
-        provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit))
+        server = server or started_server(options)
+        provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit, server=server))
         geometry = loading.finish(found)
         assembly = geometry.assembly
 

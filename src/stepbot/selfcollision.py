@@ -6,6 +6,7 @@ from a penetration of :data:`TOUCHING` on. https://github.com/BerkeleyAutomation
 """
 
 import importlib.util
+from collections.abc import Set
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -45,7 +46,8 @@ def without_visuals(robot: Robot) -> Robot:
 def overlaps(robot: Robot) -> tuple[Overlap, ...]:
     """The pairs of links that overlap in the drawn pose, neighbours left out, in the order of the links."""
     poses = link_poses(robot, initial_configuration(robot))
-    shapes = {link.name: [_solid(robot, c, poses[link.name]) for c in link.collisions] for link in robot.links}
+    convex = {mesh.name for mesh in robot.meshes if _is_convex(mesh.mesh)}
+    shapes = {link.name: [_solid(robot, c, poses[link.name], convex) for c in link.collisions] for link in robot.links}
     close = neighbours(robot)
     names = list(shapes)
     found = []
@@ -80,17 +82,16 @@ class _Solid:
         return bool((self.low < other.high - TOUCHING).all() and (other.low < self.high - TOUCHING).all())
 
 
-def _solid(robot: Robot, collision: Collision, X_WL: Pose) -> _Solid:
+def _solid(robot: Robot, collision: Collision, X_WL: Pose, convex: Set[str]) -> _Solid:
     import fcl
 
     X_WG = X_WL @ collision.X_LG
     if isinstance(collision.geometry, MeshRef):
         mesh = robot.mesh_by_name[collision.geometry.name].mesh
-        moved = mesh.moved(X_WG)
-        convex = _is_convex(mesh)
-        shape = fcl.CollisionObject(_convex(moved) if convex else _surface(_shrunk(moved)), fcl.Transform())
+        moved, is_convex = mesh.moved(X_WG), collision.geometry.name in convex
+        shape = fcl.CollisionObject(_convex(moved) if is_convex else _surface(_shrunk(moved)), fcl.Transform())
         low, high = moved.bounds
-        return _Solid(shape, np.array(low), np.array(high), None if convex else moved, moved.vertices[0])
+        return _Solid(shape, np.array(low), np.array(high), None if is_convex else moved, moved.vertices[0])
     shape = fcl.CollisionObject(_primitive(collision.geometry), fcl.Transform(X_WG.R, X_WG.p))
     reach = _reach(collision.geometry)
     return _Solid(shape, X_WG.p - reach, X_WG.p + reach, None, X_WG.p)

@@ -1,8 +1,9 @@
-"""Starts the kernel before the rest of stepbot is loaded, where a STEP will have to be read.
+"""Starts other processes before the rest of stepbot is loaded: the kernel where a STEP is to be read, else engines.
 
 To import the kernel takes as long as all other imports together, and it has a process of its own; so it begins first.
-The sidecar is not read for that, only searched for the name of its STEP: a guess that is wrong costs a process that
-ends unused, never a result.
+Where no kernel is needed, what engines have in common is imported while this process imports the rest. The sidecar is
+not read for that, only searched for the name of its STEP: a guess that is wrong costs a process that ends unused,
+never a result.
 """
 
 import re
@@ -11,9 +12,17 @@ from pathlib import Path
 from .cache import Cache, Digest, environment, file_digest
 from .cad import KERNEL
 from .conversion import Options
+from .forkserver import ForkServer, can_serve
 from .isolation import Worker
 
 _STEP = re.compile(r"""^step:[ \t]*(?:"([^"\n]+)"|'([^'\n]+)'|([^\s"'#][^\n#]*))""", re.MULTILINE)
+_SHARED = (
+    "lxml.etree",
+    "stepbot.selfcollision",
+    *(f"stepbot.simulators.{name}" for name in ("extensions", "libsdformat", "reader", "yourdfpy")),
+    *(f"stepbot.simulators.{name}:prepare" for name in ("mujoco", "pybullet")),
+)
+"""What is imported once for all engines; two of them read several formats each."""
 _LARGEST_SIDECAR = 1 << 20
 
 
@@ -25,6 +34,11 @@ def started_kernel(sidecar: Path, options: Options) -> Worker | None:
     if options.cache is not None and was_read(options.cache, file_digest(step) or ""):
         return None
     return Worker(KERNEL, memory_limit=options.memory_limit)
+
+
+def started_server(options: Options) -> ForkServer | None:
+    """A process that will start the engines; None where there will be none, or it cannot."""
+    return ForkServer(_SHARED) if options.verify and can_serve() else None
 
 
 def was_read(cache: Cache, content: str) -> bool:

@@ -271,6 +271,14 @@ def command_of(pid: int) -> bytes:
         return b""
 
 
+def name_of(pid: int) -> str:
+    """What a process calls itself; empty where it has ended."""
+    try:
+        return (PROCESSES / str(pid) / "comm").read_text(encoding="utf-8").strip()
+    except OSError:
+        return ""
+
+
 def is_running(pid: int) -> bool:
     """Whether a process is there and not only waits to be buried."""
     try:
@@ -300,14 +308,15 @@ def start(desk: Desk, *options: str) -> "subprocess.Popen[bytes]":
     )
 
 
-def workers(command: "subprocess.Popen[bytes]", module: bytes) -> list[int]:
-    """Processes below a command that run a module."""
-    return [pid for pid in children(command.pid) if module in command_of(pid)]
-
-
 def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
     """The kernel's process below a command."""
-    return workers(command, b"stepbot.cad.worker")
+    return [pid for pid in children(command.pid) if b"stepbot.cad.worker" in command_of(pid)]
+
+
+def engines(command: "subprocess.Popen[bytes]", name: str) -> list[int]:
+    """The processes of an engine below a command; the server forks them, and gives each its name."""
+    below = [pid for server in children(command.pid) for pid in children(server)]
+    return [pid for pid in below if name_of(pid) == name]
 
 
 @ON_LINUX
@@ -358,7 +367,7 @@ def test_engine_that_dies(desk: Desk) -> None:
     """What is not proven does not replace what is: it goes to a folder of its own; file and engine are named."""
     before = snapshot(desk.folder)
     with start(desk) as command:
-        os.kill(wait_for(lambda: workers(command, b"stepbot.simulators.mujoco"), command)[0], signal.SIGKILL)
+        os.kill(wait_for(lambda: engines(command, "mujoco"), command)[0], signal.SIGKILL)
         out, err = command.communicate(timeout=120)
     assert command.returncode == 1, err.decode()
     assert b"Traceback" not in err

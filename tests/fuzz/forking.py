@@ -20,8 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from stepbot import isolation
-from stepbot.cad.parallel import can_fork
-from stepbot.isolation import RemoteError, WorkerDied
+from stepbot.isolation import RemoteError, WorkerDied, can_fork
 
 __all__ = ["ForkServer", "ForkedCall", "can_fork"]
 
@@ -43,7 +42,7 @@ class ForkServer:
         self._folder = folder
         command = [sys.executable, "-m", "tests.fuzz.forking", function, str(folder), str(memory_limit)]
         self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=isolation._environment()
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=isolation.worker_environment()
         )
 
     def call(self, *arguments: Any) -> "ForkedCall":

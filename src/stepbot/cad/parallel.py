@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
 from ..cores import core_count
-from ..isolation import end_with_parent
+from ..isolation import can_fork, end_with_parent
 
 T = TypeVar("T")
 
@@ -131,11 +131,6 @@ def _expected(result: T | Died | Raised | _Bug) -> T | Died | Raised:
     if isinstance(result, _Bug):
         raise RuntimeError(f"in a forked process:\n{result.trace}")
     return result
-
-
-def can_fork() -> bool:
-    """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it."""
-    return hasattr(os, "fork") and sys.platform != "darwin"
 
 
 def _call(function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...]) -> T | Raised:

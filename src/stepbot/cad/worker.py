@@ -19,7 +19,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp
 
 from ..diagnostics import Diagnostic, Diagnostics, Span
-from ..measure import prepare
+from ..measure import prepare as prepare_measuring
 from ..mesh import TriMesh
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
@@ -214,7 +214,7 @@ class _Bodies:
             )
 
         if options.refine_mass_to > 0.0:
-            prepare()  # once, before there are several processes
+            prepare_measuring()  # once, before there are several processes
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
         results = run(make, order, failures=KERNEL_ERRORS, seconds=_BODY_SECONDS)

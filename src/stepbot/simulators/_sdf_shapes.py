@@ -1,6 +1,7 @@
 """The boxes around the shapes of an SDFormat link."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,7 +38,7 @@ def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[Bounds | None, lis
             path = resolve(uri, file)
             if path is None:
                 missing.append(uri)
-            vertices = None if path is None else _vertices(path)
+            vertices = None if path is None or path.suffix.lower() != ".obj" else _vertices(path.read_bytes())
             scale = np.array(numbers(mesh.findtext("scale") or "1 1 1"))
             boxes.append(None if vertices is None else mesh_bounds(vertices * scale, X_LG))
     known = [box for box in boxes if box is not None]
@@ -60,9 +61,10 @@ def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
     return None
 
 
-def _vertices(path: Path) -> Array | None:
-    """Vertices (n, 3) of a Wavefront OBJ; None for any other file."""
-    if path.suffix.lower() != ".obj":
-        return None
-    lines = (line for line in path.read_bytes().splitlines() if line.startswith(b"v "))
-    return np.array([[float(word) for word in line.split()[1:4]] for line in lines]).reshape(-1, 3)
+@lru_cache(maxsize=1024)
+def _vertices(obj: bytes) -> Array:
+    """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
+    words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
+    vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
+    vertices.setflags(write=False)
+    return vertices

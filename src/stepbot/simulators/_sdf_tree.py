@@ -80,12 +80,13 @@ def round_shapes(file: Path) -> int:
 
 
 @contextmanager
-def tree_copy(file: Path, *, held: bool = False) -> Iterator[tuple[Path, list[str]]]:
+def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterator[tuple[Path, list[str]]]:
     """Path of the copy, which lives as long as the context, and what was left out.
 
     Args:
         file: The SDFormat file.
         held: Whether what a fixed joint holds in the world stays held; PyBullet tells no mass of such a base.
+        shapes: Whether the copy has them; to load them takes most of the time.
 
     Raises:
         EngineRefused: The file is not XML.
@@ -104,6 +105,10 @@ def tree_copy(file: Path, *, held: bool = False) -> Iterator[tuple[Path, list[st
     links = {link.get("name") for link in model.findall("link")}
     if held and any(joint.get("type") == "fixed" and set(ends(joint)) & links for joint in to_world):
         etree.SubElement(model, "static").text = "1"
+    if not shapes:
+        for link in model.iterfind("link"):
+            for shape in (*link.findall("visual"), *link.findall("collision")):
+                link.remove(shape)
     for uri in model.iter("uri"):
         mesh = resolve((uri.text or "").strip(), file)
         if mesh is not None:

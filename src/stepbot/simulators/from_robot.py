@@ -7,7 +7,7 @@ import stepbot
 
 from ..drives import control_range, force_range
 from ..dynamics import equations_of_motion
-from ..kinematics import Tree, complete, initial_configuration, link_poses, neighbours
+from ..kinematics import Tree, initial_configuration, link_poses, neighbours
 from ..loops import closure_gap
 from ..model import Actuator, ActuatorKind, Collision, Joint, JointKind, Link, LoopClosure, MeshRef, Robot, Visual
 from ..sensors import PLACED, SEEING, Sensor, SensorKind
@@ -38,7 +38,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
     """
     tree = Tree(robot)
     closed = [q for way in request.ways for q in way]
-    poses = tuple(link_poses(robot, complete(robot, q)) for q in [*request.configurations, *closed])
+    poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
     equations = [equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments]
     return Observation(
         engine=NAME,

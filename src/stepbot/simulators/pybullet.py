@@ -105,7 +105,7 @@ def observe(request: Request) -> Observation:
 def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, shapes: bool = True) -> Iterator["Body"]:
     """The only body of a file, alone in a world of its own, where nothing of a former file is used again."""
     client = engine.connect(engine.DIRECT)
-    engine.setPhysicsEngineParameter(enableFileCaching=0)
+    engine.setPhysicsEngineParameter(enableFileCaching=1)  # each mesh is read once for all the shapes that show it
     engine.setGravity(*GRAVITY)
     try:
         if written_in == "urdf":
@@ -121,6 +121,7 @@ def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, sh
     except engine.error as error:
         raise EngineRefused(str(error)) from error
     finally:
+        engine.setPhysicsEngineParameter(enableFileCaching=0)  # that also forgets what was read
         engine.disconnect(client)
 
 
@@ -202,7 +203,7 @@ def _observe_sdf(engine: Any, request: Request) -> Observation:
     file = Path(request.file)
     with tree_copy(file) as (path, notes), _loaded(engine, path, "sdf") as body:
         observation = replace(_tree(body, request), notes=tuple(notes), not_run=_NOT_RUN["sdf"])
-    with tree_copy(file, held=True) as (path, _), _loaded(engine, path, "sdf") as body:
+    with tree_copy(file, held=True, shapes=False) as (path, _), _loaded(engine, path, "sdf") as body:
         base = "floating" if engine.getDynamicsInfo(body.id, -1)[0] else "fixed"
         return replace(observation, base=base, dynamics=_weights(body, request) if base == "fixed" else ())
 

@@ -9,7 +9,7 @@ from enum import StrEnum
 from types import TracebackType
 
 from ..diagnostics import Diagnostics, Span, did_you_mean
-from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from ..isolation import DEFAULT_TIMEOUT, RemoteError, Start, Worker, WorkerDied
 from . import Engine, engines, engines_for
 from .memory import Memory
 from .observation import Observation, Request
@@ -50,15 +50,16 @@ class Outcome:
 class Engines:
     """Started workers, waiting for their requests."""
 
-    def __init__(self, files: Mapping[str, str], memory_limit: int | None = None) -> None:
+    def __init__(self, files: Mapping[str, str], memory_limit: int | None = None, start: Start | None = None) -> None:
         """Start a worker for every file and every engine that is there and reads its format.
 
         Args:
             files: What the caller calls each file, and its format.
             memory_limit: Address space [bytes] of each worker; None for no limit.
+            start: What starts their processes; None to start new interpreters.
         """
         self._files: dict[str, str] = {}
-        self._memory_limit = memory_limit
+        self._memory_limit, self._start = memory_limit, start
         self._asked: dict[str, Request] = {}
         self._memory = Memory(None, {})
         self._remembered: dict[tuple[str, str], Observation] = {}
@@ -75,7 +76,9 @@ class Engines:
             for engine in engines_for(written_in):
                 reason = engine.available()
                 if reason is None:
-                    self._workers[key, engine.NAME] = _started(engine, self._memory_limit)
+                    function = f"{engine.__name__}:observe"
+                    worker = Worker(function, memory_limit=self._memory_limit, start=self._start)
+                    self._workers[key, engine.NAME] = worker
                 else:
                     self._absent[engine.NAME] = reason
 
@@ -146,10 +149,6 @@ _FATES = {
     "ImportError": Fate.ABSENT,
     "ModuleNotFoundError": Fate.ABSENT,
 }
-
-
-def _started(engine: Engine, memory_limit: int | None) -> Worker:
-    return Worker(f"{engine.__name__}:observe", memory_limit=memory_limit)
 
 
 def check_required(names: Iterable[str], found: Diagnostics) -> None:

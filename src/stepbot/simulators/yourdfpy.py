@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..light_import import import_lightly
 from ..model import JointDynamics, Limit, Mimic
 from ..spatial import Pose, matrix3, turn_inertia, unit, vector3
 from .observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
@@ -45,8 +46,8 @@ def available() -> str | None:
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
-    import yourdfpy  # noqa: F401
+    """Do the slow import, in a process that only reads: it needs nothing that trimesh takes from scipy or networkx."""
+    import_lightly("yourdfpy")
 
 
 def observe(request: Request) -> Observation:

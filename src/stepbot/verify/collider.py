@@ -1,7 +1,7 @@
 """The process that looks for links that overlap; of a robot that it saw before it is not asked again."""
 
 from ..cache import Cache, Digest, Shelf, codec_of, environment
-from ..isolation import Worker
+from ..isolation import Start, Worker
 from ..model import Robot
 from ..selfcollision import Overlap, without_visuals
 
@@ -11,8 +11,8 @@ _Overlaps = tuple[Overlap, ...]
 class Collider:
     """A started worker, waiting for its robot."""
 
-    def __init__(self, memory_limit: int | None = None) -> None:
-        self._worker = Worker("stepbot.selfcollision:overlaps", memory_limit=memory_limit)
+    def __init__(self, memory_limit: int | None = None, start: Start | None = None) -> None:
+        self._worker = Worker("stepbot.selfcollision:overlaps", memory_limit=memory_limit, start=start)
         self._shelf: Shelf[_Overlaps] = Shelf(None, _Overlaps)
         self._key = ""
         self._known: _Overlaps | None = None

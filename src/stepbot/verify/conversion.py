@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..diagnostics import Diagnostics, Span
 from ..expect import mechanism, requests
+from ..forkserver import ForkServer
 from ..isolation import DEFAULT_TIMEOUT, RemoteError, WorkerDied
 from ..loops import DoesNotClose, degrees_of_freedom, driven_joints
 from ..model import Robot
@@ -35,13 +36,26 @@ class Written:
 class Provers:
     """The processes that will check the files: started early, so that they import while there is still work to do."""
 
-    def __init__(self, formats: Iterable[str], *, memory_limit: int | None = None) -> None:
+    def __init__(
+        self, formats: Iterable[str], *, memory_limit: int | None = None, server: ForkServer | None = None
+    ) -> None:
+        """Start them.
+
+        Args:
+            formats: What will be checked.
+            memory_limit: Address space [bytes] of each; None for no limit.
+            server: What starts them, and ends with them; None to start each on its own.
+        """
         files = {name: name for name in formats}
-        self.engines = Engines(files, memory_limit)
-        self.collider = Collider(memory_limit) if files and available() is None else None
+        self._server = server
+        start = server.fork if server is not None else None
+        self.engines = Engines(files, memory_limit, start)
+        self.collider = Collider(memory_limit, start) if files and available() is None else None
 
     def close(self) -> None:
         """End all processes that still run."""
+        if self._server is not None:
+            self._server.close()
         self.engines.close()
         if self.collider is not None:
             self.collider.close()

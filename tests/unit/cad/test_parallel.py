@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.cad import parallel
 from stepbot.cad.parallel import Died, Raised, run
+from stepbot.isolation import can_fork
 
-FORKS = pytest.mark.skipif(not parallel.can_fork(), reason="no fork on this system")
+FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
 
 
 def square(number: int) -> tuple[int, bytes]:

@@ -1,0 +1,154 @@
+"""Forked workers: the same results, the same limits and the same deaths as those of interpreters of their own."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from stepbot.forkserver import ForkServer, can_serve
+from stepbot.isolation import RemoteError, Worker, WorkerDied
+from tests.conftest import ROOT
+
+pytestmark = pytest.mark.skipif(not can_serve(), reason="no fork server on this system")
+
+HERE = "tests.unit.isolated_functions"
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[ForkServer]:
+    """One that knows the functions already, and a module that is not there."""
+    with ForkServer((f"{HERE}:prepare", "stepbot.no_such_module")) as started:
+        yield started
+
+
+def call(
+    server: ForkServer, function: str, *arguments: object, timeout: float = 60.0, limit: int | None = None
+) -> object:
+    """Call a function in a forked process."""
+    with Worker(f"{HERE}:{function}", memory_limit=limit, start=server.fork) as worker:
+        return worker.submit(*arguments).result(timeout)
+
+
+def test_results_of_many_at_once(server: ForkServer) -> None:
+    """Each gets its own arguments, larger than a pipe too, and answers for itself."""
+    workers = [Worker(f"{HERE}:double", start=server.fork) for _ in range(8)]
+    assert len({worker.pid for worker in workers}) == len(workers)
+    for number, worker in enumerate(workers):
+        worker.submit(bytes([number]) * 200_000)
+    assert [worker.result() for worker in workers] == [bytes([number]) * 400_000 for number in range(8)]
+
+
+def test_it_is_a_process_of_its_own(server: ForkServer) -> None:
+    """The server did the imports, and its forked processes do not do them again."""
+    assert call(server, "prepared") == 2
+
+
+def test_what_native_code_prints_does_not_disturb_the_result(server: ForkServer) -> None:
+    """Bytes on descriptor 1 land in the worker's standard error."""
+    assert call(server, "print_natively", "noise") == "noise"
+
+
+def test_an_exception_comes_back_as_such(server: ForkServer) -> None:
+    """With its kind and its text."""
+    with pytest.raises(RemoteError, match="no good") as caught:
+        call(server, "fail", "no good")
+    assert caught.value.kind == "ValueError"
+
+
+def test_a_crash_is_an_exception_with_the_last_lines(server: ForkServer) -> None:
+    """A segmentation fault ends neither the server nor the caller."""
+    with pytest.raises(WorkerDied, match="SIGSEGV") as caught:
+        call(server, "crash", "last words")
+    assert "last words" in caught.value.last_lines
+    assert call(server, "double", 21) == 42
+
+
+def test_an_exit_without_a_result_is_a_death(server: ForkServer) -> None:
+    """With the exit code."""
+    with pytest.raises(WorkerDied, match="exit code 3"):
+        call(server, "leave", 3)
+
+
+def test_too_long_is_a_death(server: ForkServer) -> None:
+    """The process is ended after the timeout."""
+    with pytest.raises(WorkerDied, match=r"no result after 0.5 s"):
+        call(server, "sleep", 60.0, timeout=0.5)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
+def test_too_much_memory_is_a_death(server: ForkServer) -> None:
+    """Of the one process alone: the next has no limit."""
+    with pytest.raises(WorkerDied, match="out of memory"):
+        call(server, "allocate", 4 << 30, limit=1 << 30)
+    assert call(server, "double", "x" * (1 << 20)) == "x" * (2 << 20)
+
+
+def test_a_process_that_is_killed(server: ForkServer) -> None:
+    """From outside, before it was asked."""
+    worker = Worker(f"{HERE}:double", start=server.fork)
+    os.kill(worker.pid, signal.SIGKILL)
+    worker.submit(b"x" * (1 << 22))
+    with pytest.raises(WorkerDied, match="SIGKILL"):
+        worker.result(timeout=20.0)
+
+
+def test_closed_before_it_was_asked(server: ForkServer) -> None:
+    """Twice, too; nothing is left running."""
+    worker = Worker(f"{HERE}:double", start=server.fork)
+    worker.close()
+    worker.close()
+    assert ended(worker.pid)
+
+
+def test_processes_end_with_their_server() -> None:
+    """Closing the server is the end of all; who waits for one of them is told."""
+    with ForkServer(()) as server:
+        busy, idle = (Worker(f"{HERE}:sleep", start=server.fork) for _ in range(2))
+        pids = [busy.pid, idle.pid]
+        busy.submit(60.0)
+    with pytest.raises(WorkerDied, match="SIGKILL"):
+        busy.result(timeout=20.0)
+    idle.close()
+    assert all(map(ended, pids))
+
+
+def test_without_its_server_a_worker_starts_on_its_own() -> None:
+    """A server that has ended is no reason to fail."""
+    server = ForkServer(())
+    server.close()
+    assert call(server, "double", 4) == 8
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc on this system")
+def test_nothing_outlives_a_caller_that_is_killed() -> None:
+    """Neither the server nor what it forked."""
+    code = (
+        "import time; from stepbot.forkserver import ForkServer; from stepbot.isolation import Worker\n"
+        f"server = ForkServer(()); worker = Worker('{HERE}:sleep', start=server.fork).submit(60.0)\n"
+        "print(server._server.pid, worker.pid, flush=True); time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=ROOT) as caller:
+        assert caller.stdout is not None
+        pids = [int(word) for word in caller.stdout.readline().split()]
+        caller.kill()
+    assert len(pids) == 2
+    assert all(map(ended, pids))
+
+
+def ended(pid: int) -> bool:
+    """Whether a process ends within some seconds."""
+    deadline = time.monotonic() + 20.0
+    while time.monotonic() < deadline:
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
+        except OSError:
+            return True
+        if state == "Z":
+            return True
+        time.sleep(0.01)
+    return False
