@@ -186,9 +186,9 @@ def _serve() -> NoReturn:
     os.set_blocking(waking, False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.set_wakeup_fd(waking)
+    gc.disable()
     for module in sys.argv[2:]:
         _prepare(module)
-    gc.collect()
     gc.freeze()  # what is there already is shared as long as nobody touches it
     children = _Children()
     while True:

@@ -7,6 +7,7 @@ never between the bytes of the result. Arguments and results are pickled: data c
 
 import contextlib
 import ctypes
+import gc
 import importlib
 import os
 import pickle
@@ -249,9 +250,12 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
     module, _, name = function.partition(":")
     outcome: tuple[str, Any]
     try:
+        gc.disable()  # what is imported stays, so that to look through it again and again finds nothing
         loaded = importlib.import_module(module)
         call: Callable[..., Any] = getattr(loaded, name)
         getattr(loaded, "prepare", lambda: None)()  # slow imports, while the caller is still busy
+        gc.freeze()
+        gc.enable()
         arguments = pickle.loads(sys.stdin.buffer.read())
         outcome = ("returned", call(*arguments))
     except MemoryError:

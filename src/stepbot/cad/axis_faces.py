@@ -31,6 +31,8 @@ _SAMPLES = 16
 """Places on a curve between which its extremes are sought."""
 _SECTIONS = 32
 """Steps of the search: they leave 2e-7 of the interval, and its square of the height."""
+_LEVEL = 1e-9
+"""Height [mm] within which samples count as equally high."""
 _PARALLEL = 1e-9
 """Angle [rad] below which directions count as parallel."""
 _SMALLEST = 1e-6
@@ -136,11 +138,19 @@ def _extremes(curve: Any, axis: gp_Ax1) -> list[float]:
         return ends
     step = (last - first) / _SAMPLES
     places = [ends[0], *(place(first + step * k) for k in range(1, _SAMPLES)), ends[1]]
+    slopes = [_slope(curve, parameter, direction) for parameter in (first, last)]
     return [
         *ends,
-        _highest(place, places, first, step),
-        -_highest(lambda p: -place(p), [-p for p in places], first, step),
+        _highest(place, places, first, step, slopes),
+        -_highest(lambda p: -place(p), [-p for p in places], first, step, [-slope for slope in slopes]),
     ]
+
+
+def _slope(curve: Any, parameter: float, direction: Any) -> float:
+    """How fast a curve goes along a direction."""
+    at, tangent = gp_Pnt(), gp_Vec()
+    curve.D1(parameter, at, tangent)
+    return float(tangent.Dot(gp_Vec(direction)))
 
 
 def _is_around(curve: Any, axis: gp_Ax1) -> bool:
@@ -150,10 +160,22 @@ def _is_around(curve: Any, axis: gp_Ax1) -> bool:
     return bool(curve.Circle().Axis().Direction().IsParallel(axis.Direction(), _PARALLEL))
 
 
-def _highest(place: Callable[[float], float], places: list[float], first: float, step: float) -> float:
-    """Largest value of a function near the largest of its samples (golden section)."""
-    best = max(range(len(places)), key=places.__getitem__)
-    low, high = first + step * max(best - 1, 0), first + step * min(best + 1, len(places) - 1)
+def _highest(
+    place: Callable[[float], float], places: list[float], first: float, step: float, slopes: list[float]
+) -> float:
+    """Largest value of a function near the largest of its samples; of a closed curve both ends may be that.
+
+    Where it is an end towards which the function rises, it is the end itself.
+    """
+    top = max(places)
+    rises = {0: slopes[0] < 0.0, len(places) - 1: slopes[1] > 0.0}
+    peaks = [k for k, value in enumerate(places) if value >= top - _LEVEL and not rises.get(k, False)]
+    last = len(places) - 1
+    return max([top, *(_peak(place, first + step * max(k - 1, 0), first + step * min(k + 1, last)) for k in peaks)])
+
+
+def _peak(place: Callable[[float], float], low: float, high: float) -> float:
+    """Largest value of a function that has one peak in an interval (golden section)."""
     a, b = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     at_a, at_b = place(a), place(b)
     for _ in range(_SECTIONS):
@@ -165,4 +187,4 @@ def _highest(place: Callable[[float], float], places: list[float], first: float,
             low, a, at_a = a, b, at_b
             b = low + _GOLDEN * (high - low)
             at_b = place(b)
-    return max(at_a, at_b, places[best])
+    return max(at_a, at_b)
