@@ -61,8 +61,7 @@ _KINDS = {0: "revolute", 1: "prismatic", 2: "ball", 3: "planar", 4: "fixed"}
 _TESSELLATED = b"unknown_file"
 """Name of the mesh that loadSDF makes of a cylinder, with 32 sides."""
 _IN_VAIN = "Couldn't parse vector3"
-"""What loadSDF complains of, twice for each cylinder and capsule and each time that the file is loaded, which is twice:
-it looks for MJCF's two end points first."""
+"""What loadSDF complains of, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
 _PLAIN = "?"
 """The line that getMeshData prints for each ball, box or other plain shape beside the meshes of a link."""
 _NO_LIMIT = 1e15
@@ -96,7 +95,7 @@ def observe(request: Request) -> Observation:
     except EngineRefused as error:
         raise EngineRefused("; ".join([str(error), *_complaints(lines, request)])) from error
     messages = _complaints(lines, request)
-    if request.format == "sdf" and messages.count(_IN_VAIN) == 4 * round_shapes(Path(request.file)):
+    if request.format == "sdf" and messages.count(_IN_VAIN) == 2 * round_shapes(Path(request.file)):
         messages = [message for message in messages if message != _IN_VAIN]
     return replace(observation, warnings=tuple(dict.fromkeys(messages)))
 
