@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 
+ASLANT = (3.0, 4.0, -8.0)
+"""A gravity [m/s^2] that moves joints which a plumb one would not."""
+
 
 def _model(file: str) -> Any:
     """A URDF or MJCF file, compiled; every complaint of the compiler is an error."""
@@ -196,42 +199,102 @@ def _at_home(model: Any) -> Any:
     return data
 
 
-def run_in_pybullet(file: str, seconds: float, floating: bool = False, snippet: str = "") -> dict[str, Any]:
-    """Let a URDF hang with its base fixed, or fall on a floor, without motors, for a while at 1 ms steps.
+def run_in_pybullet(file: str, seconds: float, robot: Mapping[str, Any], step: float = 1e-3) -> dict[str, Any]:
+    """Let a URDF hang with its base fixed, or fall on a floor, without motors, for a while.
 
     What hangs is pulled aslant, so that joints move that gravity would not.
 
     Args:
         file: The URDF.
         seconds: How long.
-        floating: Whether it stands on a floor instead.
-        snippet: Python with the function that closes its loops, as in report.json.
+        robot: What report.json says of the robot.
+        step: Time step [s].
+
+    Returns:
+        Whether all stays finite, the largest speed, how many links there are, and by how much more energy moves the
+        robot at any time than its weight has given it so far, as a share of the most that it gives.
     """
     import pybullet
 
-    body = _in_pybullet(file, floating, snippet)
+    from tests.energies import Energies
+
+    floating = robot["base"] == "floating"
+    body = _in_pybullet(file, floating, robot["pybullet"] or "", robot["joints"])
     if not floating:
-        pybullet.setGravity(3.0, 4.0, -8.0)
-    joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
-    for i in joints:
-        pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
-    speed, finite = 0.0, True
-    for _ in range(round(seconds * 1000)):
+        pybullet.setGravity(*ASLANT)
+    pybullet.setTimeStep(step)
+    joints = _let_go(body)
+    energies = Energies(body, robot["links"], (0.0, 0.0, -9.81) if floating else ASLANT)
+    speed, surplus, most, finite = 0.0, 0.0, 0.0, True
+    for _ in range(round(seconds / step)):
         pybullet.stepSimulation()
         states = [pybullet.getJointState(body, i)[:2] for i in joints]
         finite = finite and bool(np.isfinite(states).all())
         speed = max([speed, *(abs(state[1]) for state in states)])
-    return {"finite": finite, "speed": speed, "links": 1 + pybullet.getNumJoints(body)}
+        given = energies.given()
+        surplus, most = max(surplus, energies.kinetic() - given), max(most, given)
+    return {
+        "finite": finite,
+        "speed": speed,
+        "links": 1 + pybullet.getNumJoints(body),
+        "surplus": surplus / most if most > 0 else np.inf,
+    }
 
 
-def _in_pybullet(file: str, floating: bool, snippet: str) -> int:
-    """A URDF, loaded into a world with gravity and 1 ms steps, its base fixed or on a floor, its loops closed."""
+def energy_kept_in_pybullet(
+    file: str, steps: int, robot: Mapping[str, Any], gravity: Sequence[float] = ASLANT
+) -> float:
+    """Let a URDF hang from its base without motors and damping, and compare its energies after some steps of 1 ms.
+
+    The semi-implicit Euler method that PyBullet steps by turns n / (n + 1) of the work of a constant force into motion
+    in n steps from rest: it falls n (n + 1) / 2 g dt^2 in the time in which it gets n g dt fast.
+
+    Args:
+        file: The URDF.
+        steps: So few that forces stay nearly what they are and no joint comes to its stop.
+        robot: What report.json says of the robot, as which it is weighed.
+        gravity: [m/s^2]
+
+    Returns:
+        Energy of its motion in proportion to what the method makes of the work of its weight; 1 where nothing is wrong.
+    """
+    import pybullet
+
+    from tests.energies import Energies
+
+    body = _in_pybullet(file, False, robot["pybullet"] or "", robot["joints"])
+    pybullet.setGravity(*gravity)
+    pybullet.changeDynamics(body, -1, linearDamping=0, angularDamping=0)
+    for joint in _let_go(body):
+        pybullet.changeDynamics(body, joint, jointDamping=0)
+    energies = Energies(body, robot["links"], gravity)
+    for _ in range(steps):
+        pybullet.stepSimulation()
+    return energies.kinetic() / energies.given() * (steps + 1) / steps
+
+
+def _let_go(body: int) -> list[int]:
+    """Switch off the motors that PyBullet gives every joint; indices of the joints that move."""
+    import pybullet
+
+    joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
+    for i in joints:
+        pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
+    return joints
+
+
+def _in_pybullet(file: str, floating: bool, snippet: str, joints: Sequence[Mapping[str, Any]]) -> int:
+    """A URDF as drawn, in a world with gravity and 1 ms steps, its base fixed or on a floor, its loops closed."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
     pybullet.setPhysicsEngineParameter(enableFileCaching=0)
     flags = pybullet.URDF_USE_INERTIA_FROM_FILE
     body = pybullet.loadURDF(file, useFixedBase=not floating, flags=flags)
+    drawn = {joint["name"]: joint["drawn_position"] for joint in joints}
+    for i in range(pybullet.getNumJoints(body)):
+        name = pybullet.getJointInfo(body, i)[1].decode()
+        pybullet.resetJointState(body, i, drawn.get(name, 0.0))
     if floating:
         lowest = min(pybullet.getAABB(body, i)[0][2] for i in range(-1, pybullet.getNumJoints(body)))
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE)
@@ -264,7 +327,7 @@ def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, 
     from stepbot.simulators._printed import printed
 
     with printed() as lines:
-        body = _in_pybullet(file, robot["base"] == "floating", robot["pybullet"] or "")
+        body = _in_pybullet(file, robot["base"] == "floating", robot["pybullet"] or "", robot["joints"])
         infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
         moving = {info[1].decode(): info[0] for info in infos if info[3] >= 0}
         links = {pybullet.getBodyInfo(body)[0].decode(): -1, **{info[12].decode(): info[0] for info in infos}}

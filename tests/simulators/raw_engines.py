@@ -42,6 +42,25 @@ def axis(path: str, joint: str) -> tuple[float, ...]:
     return next(tuple(info[13]) for info in infos if info[1].decode() == joint)
 
 
+def pushed(path: str, joint: str) -> list[float]:
+    """Speeds [rad/s] of a joint in 50 steps of 1 ms after a push, without gravity and motors."""
+    import pybullet
+
+    pybullet.connect(pybullet.DIRECT)
+    body = pybullet.loadURDF(path, useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
+    pybullet.setTimeStep(1e-3)
+    index = {}
+    for i in range(pybullet.getNumJoints(body)):
+        index[pybullet.getJointInfo(body, i)[1].decode()] = i
+        pybullet.setJointMotorControl2(body, i, pybullet.VELOCITY_CONTROL, force=0)
+    pybullet.resetJointState(body, index[joint], 0.5, 1e-3)
+    speeds = []
+    for _ in range(50):
+        pybullet.stepSimulation()
+        speeds.append(abs(pybullet.getJointState(body, index[joint])[1]))
+    return speeds
+
+
 def geared(path: str, leader: str, follower: str, multiplier: float) -> tuple[tuple[float, float], tuple[float, float]]:
     """Positions of leader and follower after the leader was pushed, without and with PyBullet's gear."""
     import pybullet

@@ -10,7 +10,10 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.dynamics import mass_matrix
 from stepbot.isolation import RemoteError, WorkerDied, call_isolated
+from stepbot.kinematics import moving_joints
+from stepbot.model import JointDynamics
 from stepbot.simulators.observation import Quantity
 from stepbot.writers import render
 from tests.robots import ROBOTS
@@ -78,6 +81,25 @@ def test_pybullet_follows_a_mimic_by_a_gear_alone(tmp_path: Path) -> None:
     assert abs(free[0]) > 0.003
     assert abs(free[1]) < 1e-6
     assert geared[1] == pytest.approx(mimic.multiplier * geared[0], rel=0.05)
+
+
+@pytest.mark.pybullet
+@pytest.mark.parametrize(("share", "grows"), [(0.9, False), (1.1, True)])
+def test_pybullet_shakes_where_damping_is_too_much(share: float, grows: bool, tmp_path: Path) -> None:
+    """It integrates damping explicitly: above 2 x inertia / step, each step overshoots by more than it had."""
+    skip_without("pybullet")
+    robot = ROBOTS["two_link_arm"]()
+    names = [joint.name for joint in moving_joints(robot)]
+    mobility = np.linalg.inv(mass_matrix(robot, {"elbow": 0.5}))[names.index("elbow"), names.index("elbow")]
+    damping = share * 2 / (1e-3 * mobility)
+    joints = tuple(
+        replace(joint, dynamics=JointDynamics(damping=damping if joint.name == "elbow" else 0.0))
+        for joint in robot.joints
+    )
+    file = write(replace(robot, joints=joints), tmp_path).written["urdf"].path
+    speeds = call_isolated("tests.simulators.raw_engines:pushed", str(file), "elbow", timeout=60.0)
+    assert (speeds[-1] > 10 * speeds[0]) == grows
+    assert (speeds[-1] < 0.1 * speeds[0]) != grows
 
 
 @pytest.mark.pybullet

@@ -18,8 +18,10 @@ CODES: tuple[Code, ...] = (
         "passive force of a joint left out",
         "A joint has a spring or an armature (reflected inertia of its drive), and the format has no place for it.",
         "The joint moves differently there: a spring that is missing pushes nothing back, an armature that is missing "
-        "makes the joint lighter.",
-        "Use a format that has it (`docs/mapping.md`), or add it in the simulator.",
+        "makes the joint lighter. Damping that was chosen beside an armature can then be too much: PyBullet becomes "
+        "unstable where damping x time step exceeds twice the inertia that is left.",
+        "Use a format that has it (`docs/mapping.md`), or add it in the simulator; or give the drag of a motor as its "
+        "actuator's `kv` and not as the joint's damping.",
     ),
     Code(
         "SB704",
