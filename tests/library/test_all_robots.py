@@ -25,8 +25,6 @@ from tests.library.conftest import (
 
 BETWEEN = {"ball": 2, "universal": 1, "screw": 1, "cylindrical": 1, "planar": 2, "floating": 5}
 """Links that URDF puts between the two links of a joint that it can only say by several."""
-SAID_IN_OTHER_WAYS = ("stepbot_delta", "stepbot_diff_drive", "stepbot_scara", "stepbot_stewart")
-"""Robots with ball, universal or screw joints: chains in one format, one joint in another."""
 FINER_STEPS = {"kinova_gen3": 5e-4}
 """Steps [s] of robots that the usual 1 ms is too long for: a wrist without damping passes 100 rad/s for a moment, and
 gains 12 % of energy there; at half the step it is 1 %."""
@@ -133,12 +131,8 @@ def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Con
 
 @pytest.mark.slow
 @every_converted_robot
-def test_its_files_are_one_robot(
-    robot: str, converted: Converted, tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
+def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Path) -> None:
     """`stepbot verify` on a copy, in another folder and without the report, finds the three files equal."""
-    if robot in SAID_IN_OTHER_WAYS:
-        request.applymarker(pytest.mark.xfail(strict=True, reason="verify does not see that a chain is a ball joint"))
     folder = shutil.copytree(converted(robot).folder, tmp_path / "copy")
     (folder / "report.json").unlink()
     (folder / ".stepbot.json").unlink()

@@ -155,9 +155,7 @@ def test_a_required_engine_says_how_to_get_it(
 
 def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """Then nothing passed, and a warning says so."""
-    from stepbot.simulators import mujoco, pybullet
-
-    for engine in (mujoco, pybullet):
+    for engine in engines():
         monkeypatch.setattr(engine, "available", lambda: "not installed")
     report = verify_files([arm.written["mjcf"].path], found)
     assert found.codes() == ["SB815"]

@@ -38,7 +38,25 @@ def observed_joints(compiled: "Compiled", body: int, mjcf: bool) -> Iterator[Obs
         return
     seen = [_single_joint(compiled, joint, parent, child, mjcf) for joint in above]
     whole = _as_one(compiled, above, seen) if len(seen) > 1 else None
-    yield from seen if whole is None else (whole,)
+    yield from seen if whole is None else (_with_steps(compiled, whole, seen),)
+
+
+def _with_steps(compiled: "Compiled", whole: ObservedJoint, seen: Sequence[ObservedJoint]) -> ObservedJoint:
+    """A joint, with those that it is said by; the two of a screw have one coordinate between them.
+
+    The velocity limit that is kept under its name is that of each joint that turns.
+    """
+    if whole.kind == "screw":
+        return whole
+    velocity = _velocity_limits(compiled).get(whole.name, inf)
+    steps = (
+        replace(step, limit=replace(step.limit, velocity=min(step.limit.velocity, velocity)))
+        if step.limit is not None and step.kind != "prismatic"
+        else step
+        for step in seen
+    )
+    limit = whole.limit and replace(whole.limit, velocity=min(whole.limit.velocity, velocity))
+    return replace(whole, limit=limit, steps=tuple(steps))
 
 
 def _as_one(compiled: "Compiled", above: range, seen: Sequence[ObservedJoint]) -> ObservedJoint | None:
@@ -50,7 +68,6 @@ def _as_one(compiled: "Compiled", above: range, seen: Sequence[ObservedJoint]) -
     name = stem if all(joint.name.startswith(f"{stem}_") for joint in seen) else ""
     if kinds == ("turn", "turn"):
         limit = first.limit if first.limit is not None and first.limit == last.limit else Limit(nan, nan, nan, nan)
-        limit = replace(limit, velocity=_velocity_limits(compiled).get(name, inf))
         dynamics = first.dynamics if first.dynamics == last.dynamics else JointDynamics(*[nan] * 5)
         return replace(first, name=name, kind="universal", axis2=last.axis, limit=limit, dynamics=dynamics)
     if kinds == ("prismatic", "turn") and np.array_equal(axes[0], axes[1]):
@@ -82,13 +99,14 @@ def _single_joint(compiled: "Compiled", joint: int, parent: str, child: str, mjc
         return _moving_joint(compiled, joint, parent, child, mjcf)
     if kind == engine.mjtJoint.mjJNT_BALL:
         velocities, name = _velocity_limits(compiled), compiled.name("JOINT", joint)
+        widest = float(compiled.model.jnt_range[joint][1]) if compiled.model.jnt_limited[joint] else inf
         return ObservedJoint(
             name,
             "ball",
             parent,
             child,
-            limit=Limit(velocity=velocities.get(name, inf)),
-            limit_fields=("velocity",) if mjcf else (),
+            limit=Limit(upper=widest, velocity=velocities.get(name, inf)),  # a cone, in MuJoCo alone
+            limit_fields=("upper", "velocity") if mjcf else (),
             dynamics=_passive(compiled, joint, 0.0),
             dynamics_fields=("damping", "friction", "stiffness", "armature"),
         )

@@ -111,6 +111,8 @@ class ObservedJoint:
     mimic: Mimic | None = None
     mimic_read: bool = False
     """Whether the engine tells about mimics at all."""
+    steps: "tuple[ObservedJoint, ...]" = ()
+    """The joints by which the file says this one, where it says it by several in one body."""
 
 
 @dataclass(frozen=True, eq=False)

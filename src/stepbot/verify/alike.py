@@ -4,7 +4,9 @@ from dataclasses import replace
 from math import isfinite
 
 from ..model import Mimic
-from ..simulators.observation import Observation, ObservedLink
+from ..simulators.observation import Observation
+from .bounds import without_stand_ins
+from .chains import is_bare
 
 WORLD = "world"
 """Name of the link that stands for the world in many a URDF."""
@@ -17,8 +19,9 @@ def alike(a: Observation, b: Observation) -> tuple[Observation, Observation]:
     has no link of that name. Mimics are resolved to the joint that leads. Only frames that both name are kept: formats
     mark different places, and that makes no other robot. Nor does what the robot and its shapes are called, or which
     colours they have. A file without any velocity limit is taken to say nothing of them: MJCF has no word for them.
+    Numbers that stand for no limit are none.
     """
-    a, b = _without_world(a), _without_world(b)
+    a, b = (without_stand_ins(_without_world(side)) for side in (a, b))
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
     a, b = _with_velocities(_without_looks(a)), _with_velocities(_without_looks(b))
@@ -28,7 +31,7 @@ def alike(a: Observation, b: Observation) -> tuple[Observation, Observation]:
 def _without_world(observation: Observation) -> Observation:
     """A massless root link called ``world`` on a fixed joint says that the base is fixed."""
     joints = [joint for joint in observation.joints if joint.parent == WORLD]
-    world = [link for link in observation.links if link.name == WORLD and _is_bare(link)]
+    world = [link for link in observation.links if link.name == WORLD and is_bare(link)]
     if not world or len(joints) != 1 or joints[0].kind != "fixed":
         return observation
     root = joints[0].child
@@ -48,7 +51,7 @@ def _without_world(observation: Observation) -> Observation:
 def _with_frames(observation: Observation, links: set[str]) -> Observation:
     """Links without mass and shape at the end of a fixed joint are URDF's frames, unless they are among ``links``."""
     parents = {joint.parent for joint in observation.joints}
-    bare = {link.name for link in observation.links if _is_bare(link)} - parents - links
+    bare = {link.name for link in observation.links if is_bare(link)} - parents - links
     mounts = {
         joint.child: joint.parent for joint in observation.joints if joint.kind == "fixed" and joint.child in bare
     }
@@ -97,10 +100,6 @@ def _with_velocities(observation: Observation) -> Observation:
         for joint in observation.joints
     )
     return replace(observation, joints=joints)
-
-
-def _is_bare(link: ObservedLink) -> bool:
-    return not (link.mass or link.has_visuals or link.has_collisions)
 
 
 def _with_common_frames(a: Observation, b: Observation) -> tuple[Observation, Observation]:

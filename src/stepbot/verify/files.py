@@ -4,29 +4,33 @@ Nobody says what such a file should hold, so engines are compared with engines: 
 most, across files with the first file.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from ..diagnostics import Diagnostics, Span
 from ..expect import CONFIGURATIONS, SECONDS, SEED
-from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from ..isolation import DEFAULT_TIMEOUT
 from ..kinematics import configurations, rates
-from ..model import Joint, JointKind, Limit, Link, Robot
+from ..model import Link, Robot
 from ..report import Check, Report
-from ..simulators import engines_for
-from ..simulators.observation import Observation, Quantity, Request
+from ..simulators.observation import Quantity, Request
 from ..simulators.workers import Engines, Fate, Outcome, check_required, check_started
 from .alike import alike
 from .checks import Subject, check_of, checks_without_observation, report_failure
 from .compare import Compared, compare
+from .correspondence import Correspondence
+from .naming import Naming, moved
+from .scouting import Scout
+from .telling import told_alike
 
 ENGINE_WARNING = "SB813"
 
 _FORMATS = {"robot": "urdf", "sdf": "sdf", "mujoco": "mjcf"}
 _PREFERRED = ("mujoco", "reader", "drake", "pybullet", "pinocchio", "yourdfpy")
 """Engines by how much they tell; one that is not named comes after these."""
-_SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
-"""Engines in the order in which they are asked for the joints: those that read mimics first."""
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """What an engine says without a second one to compare with."""
 
@@ -53,10 +57,8 @@ def verify_files(
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
     keys = {_key(path): name for path, name in formats.items()}
     with Engines(keys, memory_limit) as engines:
-        # What to ask depends on the joints: one engine per file is asked for them before, while the others start.
-        scouted = [seen for path, name in formats.items() if (seen := _scout(path, name, timeout, memory_limit))]
-        moved = _moved(scouted)
-        engines.submit({_key(path): _request(path, name, moved) for path, name in formats.items()})
+        asked = _asked(formats, Scout(timeout, memory_limit))  # while the engines start
+        engines.submit(asked.requests)
         outcomes = engines.results(timeout)
     check_started(required, outcomes, found)
     by_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in formats}
@@ -64,7 +66,7 @@ def verify_files(
     references = {key: _reference(of_file) for key, of_file in by_file.items()}
     for key, of_file in by_file.items():
         checks += _checks_within(key, of_file, references[key], found)
-    checks += _checks_across(references, found)
+    checks += _checks_across(references, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
     notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
     return Report(tuple(checks), dict(sorted(versions.items())), notes=notes)
@@ -97,52 +99,66 @@ def _key(path: Path) -> str:
     return path.as_posix()
 
 
-def _request(path: Path, written_in: str, moved: Robot) -> Request:
-    return Request(
-        str(path.resolve()),
-        written_in,
-        configurations=configurations(moved, CONFIGURATIONS, SEED),
-        rates=rates(moved, CONFIGURATIONS, SEED),
-        simulate=SECONDS,
-    )
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What engines are asked about all files."""
+
+    requests: Mapping[str, Request]
+    """For each file, by what the user called it."""
+    correspondences: Mapping[str, Correspondence]
+    """How each further file corresponds to the first."""
+    configurations: Sequence[Mapping[str, float]]
+    """Where the joints of the first file are."""
 
 
-def _rank(engine: str, order: Sequence[str] = _PREFERRED) -> int:
-    return order.index(engine) if engine in order else len(order)
+def _asked(formats: Mapping[Path, str], scout: Scout) -> _Asked:
+    """The same poses and motions for all files, in the coordinates of each.
+
+    What to ask depends on the joints: one engine per file is asked for them before.
+    """
+    scouted = {path: seen for path, name in formats.items() if (seen := scout.look(path, name))}
+    by = {path: scout.correspondence(next(iter(scouted.values())), other) for path, other in list(scouted.items())[1:]}
+    joints = moved(one.naming for one in scouted.values())
+    drawn = _clear_of_locks(configurations(joints, CONFIGURATIONS, SEED), by.values())
+    moving = [(_followed(v, by.values()), _followed(a, by.values())) for v, a in rates(joints, CONFIGURATIONS, SEED)]
+    requests = {}
+    for path, name in formats.items():
+        corresponds = by.get(path, Correspondence(()))
+        names = scouted[path].naming if path in scouted else Naming(Robot("", (Link(""),), ()))
+        requests[_key(path)] = Request(
+            str(path.resolve()),
+            name,
+            configurations=tuple(corresponds.moved(q) for q in drawn),
+            rates=tuple(corresponds.moving(q, one) for q, one in zip(drawn, moving, strict=True)),
+            simulate=SECONDS,
+            balls=names.balls,
+            universals=names.universals,
+        )
+    return _Asked(requests, {_key(path): one for path, one in by.items()}, drawn)
 
 
-def _scout(path: Path, written_in: str, timeout: float, memory_limit: int | None) -> Observation | None:
-    """What the first engine sees that can load the file; what the others say of it is asked later."""
-    for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME, _SCOUTS)):
-        if engine.available() is not None:
-            continue
-        with Worker(f"{engine.__name__}:observe", memory_limit=memory_limit) as worker:
-            try:
-                seen: Observation = worker.submit(Request(str(path.resolve()), written_in, simulate=0.0)).result(
-                    timeout
-                )
-            except (RemoteError, WorkerDied):  # the engine is asked again below, and its failure reported there
-                continue
-            return seen
-    return None
+def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:
+    for one in by:
+        rate = one.following(rate)
+    return rate
 
 
-def _moved(scouted: Sequence[Observation]) -> Robot:
-    """All joints of all files, within the limits of each, to draw configurations of."""
-    joints: dict[str, Joint] = {}
-    for joint in (joint for observation in scouted for joint in observation.joints):
-        if not joint.name or joint.kind not in ("revolute", "continuous", "prismatic"):
-            continue
-        limit = joint.limit or Limit()
-        known = joints.get(joint.name)
-        if known is not None:
-            lower, upper = max(limit.lower, known.limit.lower), min(limit.upper, known.limit.upper)
-            limit = Limit(lower, upper) if lower <= upper else known.limit
-        mimic = joint.mimic or (known.mimic if known else None)
-        child = f"{len(joints)}" if known is None else known.child
-        joints[joint.name] = Joint(joint.name, JointKind(joint.kind), "", child, limit=limit, mimic=mimic)
-    links = (Link(""), *(Link(joint.child) for joint in joints.values()))
-    return Robot("", links, tuple(joints.values()))
+def _clear_of_locks(
+    drawn: Iterable[Mapping[str, float]], by: Collection[Correspondence]
+) -> tuple[Mapping[str, float], ...]:
+    """Configurations in which no angles of a ball joint, in any file, lose a freedom: their speeds would be endless."""
+    random = np.random.Generator(np.random.PCG64(SEED + 2))
+    clear = []
+    for q in drawn:
+        for one in by:
+            while not all(other.is_clear(q) for other in by):
+                q = one.turned_elsewhere(q, random)
+        clear.append(q)
+    return tuple(clear)
+
+
+def _rank(engine: str) -> int:
+    return _PREFERRED.index(engine) if engine in _PREFERRED else len(_PREFERRED)
 
 
 def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:
@@ -172,7 +188,7 @@ def _checks_within(
         yield from _reported(subject, results, found)
 
 
-def _checks_across(references: Mapping[str, Outcome | None], found: Diagnostics) -> Iterator[Check]:
+def _checks_across(references: Mapping[str, Outcome | None], asked: _Asked, found: Diagnostics) -> Iterator[Check]:
     """Every further file against the first, both as the engine sees them that tells most."""
     seen = {key: outcome for key, outcome in references.items() if outcome is not None}
     if len(seen) < 2:
@@ -182,7 +198,9 @@ def _checks_across(references: Mapping[str, Outcome | None], found: Diagnostics)
         assert reference.observation is not None
         assert outcome.observation is not None
         subject = Subject(key, outcome.format, outcome.engine, f"{first} ({reference.engine})")
-        pair = alike(reference.observation, outcome.observation)
+        by = asked.correspondences.get(key, Correspondence(()))
+        pair = told_alike(reference.observation, outcome.observation, by, asked.configurations)
+        pair = alike(*pair)
         yield from _reported(subject, [one for one in compare(*pair) if one.quantity not in _OWN], found)
 
 

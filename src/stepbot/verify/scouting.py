@@ -1,0 +1,98 @@
+"""Looks at files before they are compared: which joints they have, and how these correspond from file to file."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..isolation import RemoteError, Worker, WorkerDied
+from ..simulators import engines_for
+from ..simulators.observation import Observation, Request
+from ..spatial import Pose
+from .bounds import without_stand_ins
+from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
+from .correspondence import Correspondence, match
+from .naming import Naming, naming
+
+_SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
+"""Engines in the order in which they are asked for the joints: those that read mimics first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scouted:
+    """What the first engine sees of a file that can load it; what the others say of it is asked later."""
+
+    seen: Observation
+    asked: Request
+    naming: Naming
+    engine: str
+    """Its module."""
+
+
+@dataclass(frozen=True)
+class Scout:
+    """Asks one engine about a file."""
+
+    timeout: float
+    """[s]."""
+    memory_limit: int | None = None
+    """Address space [bytes]; None for no limit."""
+
+    def look(self, path: Path, written_in: str) -> Scouted | None:
+        """What there is in a file; None where no engine can tell."""
+        asked = Request(str(path.resolve()), written_in, simulate=0.0)
+        for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
+            if engine.available() is None:
+                seen = self._observe(engine.__name__, asked)
+                if seen is not None:
+                    seen = without_stand_ins(seen)
+                    return Scouted(seen, asked, naming(seen), engine.__name__)
+        return None
+
+    def correspondence(self, first: Scouted, other: Scouted) -> Correspondence:
+        """How the joints of a file correspond to those of another, where the two say them differently."""
+        pairs = [
+            (a, b)
+            for a, b in edges_said_differently(first.seen, other.seen)
+            if is_known(a, first.naming) and is_known(b, other.naming)
+        ]
+        if not pairs:
+            return Correspondence(())
+        ours = self._chains(first, [a for a, _ in pairs])
+        theirs = self._chains(other, [b for _, b in pairs])
+        if ours is None or theirs is None:
+            return Correspondence(())
+        return Correspondence(tuple(match(a, b) for a, b in zip(ours, theirs, strict=True)))
+
+    def _chains(self, scouted: Scouted, edges: Sequence[Edge]) -> list[Chain] | None:
+        """What the joints of edges do when they are moved one by one, by one unit; None where the engine fails now."""
+        names = [name for edge in edges for name in coordinates(edge, scouted.naming)]
+        request = replace(
+            scouted.asked,
+            configurations=({}, *({name: 1.0} for name in names)),
+            balls=scouted.naming.balls,
+            universals=scouted.naming.universals,
+        )
+        seen = self._observe(scouted.engine, request)
+        if seen is None or len(seen.poses) != 1 + len(names):
+            return None
+        moved = dict(zip(names, seen.poses[1:], strict=True))
+        return [_chain(edge, scouted.naming, seen.poses[0], moved) for edge in edges]
+
+    def _observe(self, engine: str, request: Request) -> Observation | None:
+        with Worker(f"{engine}:observe", memory_limit=self.memory_limit) as worker:
+            try:
+                seen: Observation = worker.submit(request).result(self.timeout)
+            except (RemoteError, WorkerDied):  # the engine is asked again later, and its failure reported there
+                return None
+            return seen
+
+
+def _chain(edge: Edge, naming: Naming, at_zero: Mapping[str, Pose], moved: Mapping[str, Mapping[str, Pose]]) -> Chain:
+    def X_PC(poses: Mapping[str, Pose]) -> Pose:
+        return poses[edge.parent].inverse() @ poses[edge.child]
+
+    return chain(edge, naming, {name: X_PC(moved[name]) for name in coordinates(edge, naming)}, X_PC(at_zero))
+
+
+def _rank(engine: str) -> int:
+    return _SCOUTS.index(engine) if engine in _SCOUTS else len(_SCOUTS)
