@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,14 +11,13 @@ import click
 
 from stepbot.diagnostics import Diagnostics, Span
 
-from .caching import cache_options, opened
 from .columns import aligned
 from .command import Command, concise_option, json_option
-from .convert import format_names
-from .encodings import encoding_option
-from .engines import limit_options, require_option
+from .convert import again_format_option, format_names, no_verify_option, strict_option
+from .engines import require_option
 from .interrupts import interruptible
 from .junit import junit_option, write_junit
+from .reading import reading_options
 from .render import paint, printable
 from .terminal import show_diagnostics, wants_color, write_json, write_result
 
@@ -37,17 +37,16 @@ _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
 )
 @click.option("-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Cores to use.  [default: all]")
 @click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster of tcp://HOST:PORT instead.")
-@click.option("-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`.")
-@click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
-@click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
+@again_format_option
+@no_verify_option
+@strict_option
 @junit_option
 @require_option
-@encoding_option
-@limit_options
-@cache_options
+@reading_options
 @json_option
 @concise_option
 def command(
+    options: "Options",
     sidecars: tuple[Path, ...],
     output: Path,
     jobs: int | None,
@@ -57,11 +56,6 @@ def command(
     strict: bool,
     junit: Path | None,
     require: tuple[str, ...],
-    encoding: str,
-    timeout: float,
-    memory_limit: int | None,
-    cache: Path | None,
-    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -71,23 +65,19 @@ def command(
     input and files are what they were is not converted again: a batch that was stopped goes on where it was.
     """
     from stepbot.batch import plan
-    from stepbot.conversion import Options
     from stepbot.sidecars import find_sidecars
 
     found = Diagnostics()
     tasks = plan(find_sidecars(sidecars, found), output, found)
     if found.has_errors:
         return _told(found, [], as_json, concise)
-    options = Options(
+    options = replace(
+        options,
         output=output,
         formats=format_names(formats),
-        encoding=encoding,
         verify=not no_verify,
         strict=strict,
         require=require,
-        timeout=timeout,
-        memory_limit=memory_limit,
-        cache=opened(cache, no_cache),
     )
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)
     if junit is not None and not found.has_errors:

@@ -1,17 +1,21 @@
 """``stepbot check``: sidecars on their own, or against the STEP files that they name."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .caching import cache_options, opened, say_trouble
+from .caching import say_trouble
 from .command import Command, concise_option, json_option
-from .encodings import encoding_option
-from .engines import limit_options
 from .progress import progress_bar
+from .reading import reading_options
 from .terminal import show_diagnostics, write_json
+
+if TYPE_CHECKING:
+    from stepbot.conversion import Options
 
 STEP_SUFFIXES = (".step", ".stp", ".p21", ".stpz")
 _NAMED = "the one that the sidecar names"
@@ -40,20 +44,14 @@ class CheckCommand(Command):
     "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."
 )
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
-@encoding_option
-@limit_options
-@cache_options
+@reading_options
 @json_option
 @concise_option
 def command(
+    options: "Options",
     sidecars: tuple[Path, ...],
     step: str | None,
     strict: bool,
-    encoding: str,
-    timeout: float,
-    memory_limit: int | None,
-    cache: Path | None,
-    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -61,18 +59,10 @@ def command(
 
     Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
     """
-    from stepbot.conversion import Options
     from stepbot.incremental import check
     from stepbot.sidecars import find_sidecars
 
-    options = Options(
-        output=Path(),
-        step=None if step in (None, _NAMED) else Path(str(step)),
-        encoding=encoding,
-        timeout=timeout,
-        memory_limit=memory_limit,
-        cache=opened(cache, no_cache),
-    )
+    options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)))
     found = Diagnostics()
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     with progress_bar([str(path) for path in sidecars] if step else ()) as progress:

@@ -1,6 +1,7 @@
 """``stepbot convert``: sidecar and STEP in, files and a proof out."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,12 +9,12 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 
-from .caching import cache_options, opened, say_trouble
+from .caching import say_trouble
 from .command import Command, concise_option, json_option
-from .encodings import encoding_option
-from .engines import limit_options, require_option
+from .engines import require_option
 from .junit import junit_option, write_junit
 from .progress import progress_bar
+from .reading import reading_options
 from .table import show_table
 from .terminal import show_diagnostics, write_json, write_result
 
@@ -29,6 +30,10 @@ format_option = click.option(
     metavar="FORMAT",
     help="Write this format; may be repeated.  [default: all]",
 )
+again_format_option = click.option(
+    "-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`."
+)
+strict_option = click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
 no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
 
 
@@ -46,15 +51,14 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load t
     help="Folder for the files.  [default: named like SIDECAR, in the current folder]",
 )
 @no_verify_option
-@click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
+@strict_option
 @require_option
-@encoding_option
-@limit_options
-@cache_options
+@reading_options
 @junit_option
 @json_option
 @concise_option
 def command(
+    options: "Options",
     sidecar: Path,
     step: Path | None,
     formats: tuple[str, ...],
@@ -62,11 +66,6 @@ def command(
     no_verify: bool,
     strict: bool,
     require: tuple[str, ...],
-    encoding: str,
-    timeout: float,
-    memory_limit: int | None,
-    cache: Path | None,
-    no_cache: bool,
     junit: Path | None,
     as_json: bool,
     concise: bool,
@@ -76,21 +75,16 @@ def command(
     Each file is loaded in every engine that reads its format, and what the engine sees is compared with the CAD; the
     table shows the worst deviation. After an error the former files in DIR are still there, untouched.
     """
-    from stepbot.conversion import Options
-
     if no_verify and require:
         raise click.UsageError("--require asks for engines that --no-verify does not start; leave one of them out")
-    options = Options(
+    options = replace(
+        options,
         output=output or default_output(sidecar),
         formats=format_names(formats),
         step=step,
-        encoding=encoding,
         verify=not no_verify,
         strict=strict,
         require=require,
-        timeout=timeout,
-        memory_limit=memory_limit,
-        cache=opened(cache, no_cache),
     )
     return run_conversion(sidecar, options, junit=junit, as_json=as_json, concise=concise)
 

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .caching import cache_options, opened, say_trouble
+from .caching import say_trouble
 from .command import Command, concise_option, json_option
-from .encodings import encoding_option
-from .engines import limit_options
 from .progress import progress_bar
+from .reading import reading_options
 from .terminal import show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
+    from stepbot.conversion import Options
     from stepbot.pipeline import Inspection
 
 
@@ -27,20 +27,14 @@ if TYPE_CHECKING:
     metavar="A B",
     help="Show only the axis lines that two components share, and those up to 2 mm apart.",
 )
-@encoding_option
-@limit_options
-@cache_options
+@reading_options
 @json_option
 @concise_option
 def command(
+    options: "Options",
     step: Path,
     features: bool,
     between: tuple[str, str] | None,
-    encoding: str,
-    timeout: float,
-    memory_limit: int | None,
-    cache: Path | None,
-    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -48,17 +42,10 @@ def command(
 
     STEP may also be a sidecar: then the STEP that it names is shown, and --between takes the names of links too.
     """
-    from stepbot.pipeline import Options, inspect
+    from stepbot.pipeline import inspect
 
     with progress_bar(("read",)) as progress:
         progress("read")
-        options = Options(
-            output=Path(),
-            encoding=encoding,
-            timeout=timeout,
-            memory_limit=memory_limit,
-            cache=opened(cache, no_cache),
-        )
         inspection = inspect(step, options)
     found = inspection.diagnostics
     say_trouble(options.cache, found)

@@ -1,6 +1,7 @@
 """``stepbot library``: the robots that come with stepbot."""
 
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,14 +9,14 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 
-from .caching import cache_options, opened
 from .columns import aligned
 from .command import Command, concise_option, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
-from .engines import limit_options
+from .reading import working_options
 from .terminal import write_json, write_result
 
 if TYPE_CHECKING:
+    from stepbot.conversion import Options
     from stepbot.library import LibraryRobot
 
 WIDTH = 100
@@ -75,33 +76,22 @@ def show(name: str, as_json: bool) -> int:
     help="Folder for the files.  [default: named like the robot, in the current folder]",
 )
 @no_verify_option
-@limit_options
-@cache_options
+@working_options
 @json_option
 @concise_option
 def export(
+    options: "Options",
     name: str,
     formats: tuple[str, ...],
     output: Path | None,
     no_verify: bool,
-    timeout: float,
-    memory_limit: int | None,
-    cache: Path | None,
-    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
-    from stepbot.conversion import Options
-
     robot = _found(name)
-    options = Options(
-        output=output or Path(robot.short_name),
-        formats=format_names(formats),
-        verify=not no_verify,
-        timeout=timeout,
-        memory_limit=memory_limit,
-        cache=opened(cache, no_cache),
+    options = replace(
+        options, output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
     )
     return run_conversion(robot.sidecar, options, as_json=as_json, concise=concise)
 

@@ -1,18 +1,22 @@
 """``stepbot uptodate``: whether committed files are what stepbot would write now."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .caching import cache_options, opened, say_trouble
+from .caching import say_trouble
 from .command import Command, concise_option, json_option
-from .convert import format_names
-from .encodings import encoding_option
-from .engines import limit_options
+from .convert import again_format_option, format_names
 from .progress import progress_bar
+from .reading import reading_options
 from .terminal import show_diagnostics, write_json
+
+if TYPE_CHECKING:
+    from stepbot.conversion import Options
 
 
 @click.command(cls=Command, short_help="Check that written files are what would be written now.")
@@ -25,25 +29,19 @@ from .terminal import show_diagnostics, write_json
     help="Folder of the files, where {name} stands for the robot and {folder} for that of its sidecar.  "
     "[default: {name}, as `convert` has it]",
 )
-@click.option("-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`.")
+@again_format_option
 @click.option("--ignore", multiple=True, metavar="GLOB", help="Do not compare these files; may be repeated.")
 @click.option("--strict", is_flag=True, help="As for `convert`.")
-@encoding_option
-@limit_options
-@cache_options
+@reading_options
 @json_option
 @concise_option
 def command(
+    options: "Options",
     sidecars: tuple[Path, ...],
     output: str,
     formats: tuple[str, ...],
     ignore: tuple[str, ...],
     strict: bool,
-    encoding: str,
-    timeout: float,
-    memory_limit: int | None,
-    cache: Path | None,
-    no_cache: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
@@ -52,25 +50,17 @@ def command(
     Of a folder all sidecars below it, without any those of the current folder. Engines are asked only where a folder
     has a report.json to compare.
     """
-    from stepbot.conversion import Options
     from stepbot.sidecars import find_sidecars, robot_name
     from stepbot.uptodate import check_up_to_date
 
-    kept, names, found = opened(cache, no_cache), format_names(formats), Diagnostics()
+    options = replace(options, formats=format_names(formats), strict=strict)
+    found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)
     with progress_bar() as progress:
         for path in paths:
-            options = Options(
-                output=_folder(output, robot_name(path), path),
-                formats=names,
-                encoding=encoding,
-                strict=strict,
-                timeout=timeout,
-                memory_limit=memory_limit,
-                cache=kept,
-            )
-            check_up_to_date(path, options, found, ignore=ignore, progress=progress)
-    say_trouble(kept, found)
+            there = replace(options, output=_folder(output, robot_name(path), path))
+            check_up_to_date(path, there, found, ignore=ignore, progress=progress)
+    say_trouble(options.cache, found)
     if as_json:
         write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})
     else:

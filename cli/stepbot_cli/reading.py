@@ -1,0 +1,42 @@
+"""Options of the commands that read STEP files: the code page, what workers may take, where results are kept."""
+
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+from .caching import cache_options, opened
+from .encodings import encoding_option
+from .engines import limit_options
+
+
+def working_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Add what workers may take and where results are kept; the command gets both as ``options``, to add its own to."""
+
+    @wraps(command)
+    def with_options(
+        *,
+        timeout: float,
+        memory_limit: int | None,
+        cache: Path | None,
+        no_cache: bool,
+        encoding: str = "",
+        **others: Any,
+    ) -> int:
+        from stepbot.conversion import Options
+
+        options = Options(
+            output=Path(),
+            encoding=encoding,
+            timeout=timeout,
+            memory_limit=memory_limit,
+            cache=opened(cache, no_cache),
+        )
+        return command(options=options, **others)
+
+    return limit_options(cache_options(with_options))
+
+
+def reading_options(command: Callable[..., int]) -> Callable[..., int]:
+    """The same, and the code page of STEP files that may be anyone's."""
+    return encoding_option(working_options(command))
