@@ -8,12 +8,14 @@ about y of what the first one carries. At q = 0 the leg is straight, along the u
 Lengths are in any one unit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import acos, atan2, sqrt
+from typing import Any
 
 import numpy as np
 
+from .expected import frame
 from .moments import Array, pose, turn
 
 
@@ -71,3 +73,34 @@ class Leg:
 def _near(angle: float) -> float:
     """The same angle [rad] between -pi and pi."""
     return atan2(np.sin(angle), np.cos(angle))
+
+
+def known_feet(
+    foot: Callable[..., Array],
+    joints: Sequence[str],
+    drawn: Mapping[str, Sequence[float]],
+    limits: tuple[Sequence[float], Sequence[float]],
+    seed: int,
+) -> dict[str, Any]:
+    """What expected.json holds of legs beyond links and joints: the feet at 21 positions of the joints, as drawn first.
+
+    Args:
+        foot: Gives X_BF [m] of the leg of a name at positions [rad] of its joints.
+        joints: What the joints of a leg are called, after the leg's name.
+        drawn: Positions [rad] of each leg's joints in the drawing.
+        limits: Lowest and highest positions [rad] of a leg's joints.
+        seed: Of the random positions.
+    """
+    rng = np.random.default_rng(seed)
+    low, high = map(np.array, limits)
+    states: list[Mapping[str, Sequence[float]]] = [drawn]
+    states += [{name: (low + (high - low) * rng.random(len(joints))).tolist() for name in drawn} for _ in range(20)]
+    return {
+        "motions": [
+            {
+                "joints": {f"{name}_{joint}": q for name in drawn for joint, q in zip(joints, at[name], strict=True)},
+                "frames": {f"{name}_foot": frame(foot(name, *at[name])) for name in drawn},
+            }
+            for at in states
+        ]
+    }

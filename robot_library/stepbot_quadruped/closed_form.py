@@ -1,11 +1,11 @@
-"""Kinematics of the quadruped in closed form [m, rad]: where a foot is, and which positions bring it to a place."""
+"""Kinematics of the quadruped in closed form [m, rad]: where a foot is; the way back is that of any leg."""
 
 from math import cos, sin
 from typing import Any
 
 import numpy as np
 
-from ..expected import frame
+from ..legs import known_feet
 from ..moments import Array, pose, turn
 from . import dimensions as d
 
@@ -28,27 +28,6 @@ def foot(name: str, roll: float, hip: float, knee: float) -> Array:
     return pose(np.array(place) / 1000, turn("x", roll) @ turn("y", hip + knee))
 
 
-def reaching(name: str, place: Array) -> tuple[float, float, float]:
-    """Positions of roll, hip and knee [rad] that bring a foot to a place in the trunk, shape (3,) [m].
-
-    Raises:
-        ValueError: The place is out of reach.
-    """
-    return d.LEGS[name].reaching(1000 * place)
-
-
 def known() -> dict[str, Any]:
     """What expected.json holds beyond links and joints: the feet at some positions of the joints."""
-    rng = np.random.default_rng(3)
-    low, high = np.array(LOWEST), np.array(HIGHEST)
-    states = [{name: d.drawn(name) for name in d.LEGS}]
-    states += [{name: tuple((low + (high - low) * rng.random(3)).tolist()) for name in d.LEGS} for _ in range(20)]
-    return {
-        "motions": [
-            {
-                "joints": {f"{name}_{joint}": q for name in d.LEGS for joint, q in zip(JOINTS, at[name], strict=True)},
-                "frames": {f"{name}_foot": frame(foot(name, *at[name])) for name in d.LEGS},
-            }
-            for at in states
-        ]
-    }
+    return known_feet(foot, JOINTS, {name: d.drawn(name) for name in d.LEGS}, (LOWEST, HIGHEST), seed=3)

@@ -75,7 +75,7 @@ def test_legs_are_their_formula_and_its_inverse(robot: str) -> None:
             chained = leg.places(q)[3]
             chained[:3, 3] /= 1000
             np.testing.assert_allclose(chained, X_BF, atol=1e-12)
-            found = formulas.reaching(name, X_BF[:3, 3])
+            found = leg.reaching(1000 * X_BF[:3, 3])
             if reaches_outwards(leg, q):
                 np.testing.assert_allclose(found, q, atol=1e-9)
             np.testing.assert_allclose(formulas.foot(name, *found)[:3, 3], X_BF[:3, 3], atol=1e-12)

@@ -1,11 +1,18 @@
-"""Nothing in the library is older than what it was made from; judged by hashes, without drawing anything."""
+"""Nothing in the library is older than what it was made from; judged by hashes, without drawing anything.
 
+The hashes know nothing of stepbot's own code: what it makes of a robot now is held against the numbers of its page.
+"""
+
+import re
+from math import degrees
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from robot_library import fingerprints, making, pages, preview
-from tests.library.conftest import LIBRARY, every_robot
+from stepbot.library import LibraryRobot
+from tests.library.conftest import LIBRARY, Converted, every_converted_robot, every_robot, sidecar_of
 
 
 @every_robot
@@ -17,6 +24,40 @@ def test_nothing_is_stale(robot: str) -> None:
 def test_the_gallery_shows_every_robot() -> None:
     """Pictures and table of the library's README are what the pages of the robots say."""
     assert not making.gallery_is_stale(), "run `make library`, or `python -m robot_library --stale`"
+
+
+@pytest.mark.slow
+@every_converted_robot
+def test_the_page_has_the_numbers_of_a_fresh_conversion(robot: str, converted: Converted) -> None:
+    """Joints, limits, masses, centres and inertias in the tables are what stepbot finds now, to the digits shown."""
+    told, page = converted(robot).report["robot"], LibraryRobot(LIBRARY / robot, sidecar_of(robot))
+    for title, expected in (("Joints", joint_cells), ("Links", link_cells)):
+        rows = {row[0]: row[1:] for row in page.table(title)}
+        for entry in told[title.lower()]:
+            for cell, value in zip(rows[entry["name"]], expected(entry), strict=True):
+                assert (cell.split(",")[0] if isinstance(value, str) else numbers(cell)) == value, entry["name"]
+
+
+def joint_cells(joint: dict[str, Any]) -> list[Any]:
+    """What the table has of a joint: words, and numbers in its units."""
+    limits, angular = joint["limits"], joint["kind"] != "prismatic"
+    axis = [] if joint["kind"] in ("fixed", "ball") else joint["axis"]
+    shown = [[] if q is None else [degrees(q) if angular else 1000 * q] for q in (limits["lower"], limits["upper"])]
+    rates = [[] if limits[key] is None else [limits[key]] for key in ("velocity", "effort")]
+    values = [axis, *shown, *rates]
+    return [joint["kind"], joint["parent"], joint["child"], *(pytest.approx(v, rel=6e-4, abs=1e-9) for v in values)]
+
+
+def link_cells(link: dict[str, Any]) -> list[Any]:
+    """What the table has of a link: mass [kg], centre of mass [mm], principal entries of its inertia [kg m^2]."""
+    moments = [link["inertia"][i][i] for i in range(3)]
+    com = pytest.approx([1000 * value for value in link["com"]], abs=0.051)
+    return [pytest.approx([link["mass"]], rel=6e-4), com, pytest.approx(moments, rel=6e-4)]
+
+
+def numbers(cell: str) -> list[float]:
+    """The numbers in a cell of a table."""
+    return [float(text) for text in re.findall(r"-?\b\d[\d.]*(?:e[+-]?\d+)?", cell)]
 
 
 @pytest.mark.parametrize("name", ["build.py", "expected.json", "robot.robot.yaml", "robot.step", "view.py"])
