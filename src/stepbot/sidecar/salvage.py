@@ -87,12 +87,19 @@ def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:
         is_about_cut = diagnostic.message.startswith(subject(cut[:2]) + ":")
         if is_about_cut and (diagnostic.code not in _STANDS_ALONE or {"origin", "frame"} & set(cut[1:])):
             return True
+        if cut[0] == "actuators" and cut[-1] == "kind" and _is_on_one_joint_with(str(cut[1]), diagnostic):
+            return True
         if cut[0] in ("joints", "joint_defaults") and diagnostic.code in _FOLLOWS_FROM_POSITION:
             return True
         is_whole = len(cut) <= 2 or cut[0] == "joint_defaults"
         if is_whole and diagnostic.code in _consequences(str(cut[0])):
             return True
     return False
+
+
+def _is_on_one_joint_with(actuator: str, diagnostic: Diagnostic) -> bool:
+    """Whether a finding is that another actuator is of the kind that one without a kind is taken to be of."""
+    return diagnostic.code == "SB459" and f": '{actuator}' is a " in diagnostic.message
 
 
 def _consequences(section: str) -> tuple[str, ...]:
