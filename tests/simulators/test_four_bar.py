@@ -1,5 +1,6 @@
 """The four-bar closes: by MuJoCo's own rows, by PyBullet's constraints, and in the text of the SDFormat."""
 
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -7,7 +8,8 @@ import numpy as np
 import pytest
 
 from stepbot.kinematics import link_poses
-from stepbot.simulators.observation import Request
+from stepbot.model import Joint, JointKind, Link, Mimic
+from stepbot.simulators.observation import Quantity, Request
 from stepbot.verify.compare import compare
 from tests.robots import four_bar, four_bar_angles, four_bar_with_zeros
 from tests.simulators.conftest import Folder, failures, look, write
@@ -32,7 +34,7 @@ def _full_turn() -> tuple[tuple[dict[str, float], ...], ...]:
 
 @pytest.mark.mujoco
 def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: Folder) -> None:
-    """To 1e-6 rad, from the MJCF alone: the reference here is the equation and not stepbot's kinematics."""
+    """To 1e-9 rad and m, from the MJCF alone: the reference here is the equation and not stepbot's kinematics."""
     request = Request(
         str(folder.written["mjcf"].path),
         "mjcf",
@@ -47,6 +49,19 @@ def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: F
     assert closure.angle_error < 1e-9
     assert closure.residual is not None
     assert closure.residual < 1e-9
+
+
+def test_drake_holds_what_follows_the_crank(tmp_path: Path) -> None:
+    """Drake reads no mimics: a hand beside the loop stays where the crank has it, and the loop closes to 1e-9."""
+    robot = four_bar()
+    hand = Link("hand", mass_properties=robot.link_by_name["crank"].mass_properties)
+    pin = Joint("hand_pin", JointKind.CONTINUOUS, "ground", "hand", mimic=Mimic("crank_pin", 0.5))
+    folder = write(replace(robot, links=(*robot.links, hand), joints=(*robot.joints, pin)), tmp_path)
+    observed = look("drake", folder.request("drake.sdf"))
+    assert Quantity.CLOSURES not in failures(folder.expected("drake.sdf"), observed)
+    (closure,) = observed.closures or ()
+    assert closure.residual is not None
+    assert 0.0 < closure.residual < 1e-11
 
 
 @pytest.mark.pybullet

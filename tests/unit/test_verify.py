@@ -300,14 +300,14 @@ def test_closures_differ_by_place_links_and_residual() -> None:
     loop = seen(four_bar())
     assert loop.closures is not None
     assert failed(loop, replace(loop, closures=())) == {Quantity.CLOSURES}
-    assert _closure(residual=2e-6) == {Quantity.CLOSURES}
+    assert _closure(residual=2e-9) == {Quantity.CLOSURES}
     assert _closure(residual=math.nan) == {Quantity.CLOSURES}
-    assert _closure(angle_error=2e-6) == {Quantity.CLOSURES}
+    assert _closure(angle_error=2e-9) == {Quantity.CLOSURES}
     assert _closure(link_a="crank") == {Quantity.CLOSURES}
     assert _closure(kind="ball") == {Quantity.CLOSURES}
     assert _closure(X_AF=Pose()) == {Quantity.CLOSURES}
     assert _closure(axis=(1.0, 0.0, 0.0)) == {Quantity.CLOSURES}
-    assert _closure(residual=5e-7, angle_error=5e-7) == set()
+    assert _closure(residual=5e-10, angle_error=5e-10) == set()
 
 
 def test_a_closure_told_from_its_other_end_is_the_same() -> None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 NUDGE = 0.02
 """How far [rad], [m] following joints are put off the reference's solution before Drake's solver leads them back."""
-SETTLED = 1e-10
+SETTLED = 1e-12
 """Motion [rad], [m] in a step below which nothing moves any more."""
 MOST_STEPS = 400
 
@@ -68,11 +68,11 @@ def closures_in(_built: "Built", request: Request) -> tuple[ObservedClosure, ...
 def _closed(built: "Built", request: Request, q: Mapping[str, float]) -> dict[str, float]:
     """The coordinates where Drake's solver comes to rest."""
     plant, context = built.plant, built.context
-    built.place(
-        {name: q.get(name, 0.0) + (0.0 if name in request.driven else NUDGE) for name in built.coordinates.names}
-    )
+    # Drake reads no mimics of SDFormat: what follows a driven joint is held with it.
+    held = {*request.driven, *(name for name, mimic in request.mimics.items() if mimic.joint in request.driven)}
+    built.place({name: q.get(name, 0.0) + (0.0 if name in held else NUDGE) for name in built.coordinates.names})
     for joint in built.joints:
-        if joint.name() in request.driven:
+        if joint.name() in held:
             joint.Lock(context)
         elif joint.is_locked(context):
             joint.Unlock(context)

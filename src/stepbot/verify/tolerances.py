@@ -39,7 +39,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.MASS_MATRIX: Tolerance(relative=1e-9),
     Quantity.GRAVITY: Tolerance(relative=1e-9),
     Quantity.INVERSE_DYNAMICS: Tolerance(relative=1e-9),
-    Quantity.CLOSURES: Tolerance(absolute=1e-6),
+    Quantity.CLOSURES: Tolerance(absolute=1e-9),
     Quantity.MESHES: Tolerance(absolute=1e-6),
     Quantity.SHAPES: EQUAL,
     Quantity.CONTACTS: EQUAL,
@@ -64,8 +64,6 @@ ENGINE_TOLERANCES: Mapping[tuple[str, Quantity], Tolerance] = {
     ("pybullet", Quantity.CLOSURES): Tolerance(absolute=1e-5, relative=5e-6),
     # It makes hulls of collision meshes on a grid of 1/10216 of their extent.
     ("pybullet", Quantity.MESHES): Tolerance(absolute=1e-6, relative=2e-4),
-    # The frames of a closing joint are text that is read back, not the outcome of an iteration.
-    ("reader", Quantity.CLOSURES): Tolerance(absolute=1e-9),
 }
 
 COLOR = Tolerance(absolute=1e-6)
