@@ -68,8 +68,9 @@ SDFormat that no engine of the core install reads, for its joints, counts with D
 ## Blocks that no engine reads
 
 `<ros2_control>`, `<gazebo>` and `<transmission>` in URDF, `<sensor>` and `<plugin>` in SDFormat are for other programs
-than engines, and so is `<ambient>`, the colour that Gazebo gives to what lies in the shade. They are not in the counts
-above ({counts}); what checks them is `tests/simulators/test_device_blocks.py` and `tests/conformance/test_sdformat.py`.
+than engines, and so is `<ambient>`, the colour that Gazebo gives to what lies in the shade and that Drake alone tells.
+They are not in the counts above ({counts}); what checks them is `tests/simulators/test_device_blocks.py`,
+`tests/simulators/test_wrong_files.py` and `tests/conformance/test_sdformat.py`.
 """
 _SURVIVORS = """
 ## What nobody notices, and why

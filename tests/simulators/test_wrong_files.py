@@ -73,6 +73,8 @@ SDF = {
     "closure": ("four_bar", r'(<joint name="rocker_pin"[^$]*?<pose>)([^ ]*)', 1.001, {"reader"}, Q.CLOSURES),
     "box": ("primitives", r'(<collision name="box[^$]*?<size>)([^ ]*)', 1.01, {"reader"}, Q.MESHES),
     "visual": ("primitives", r'(<visual name="cylinder[^$]*?<length>)([^<]*)', 1.01, {"reader"}, Q.MESHES),
+    "colour": ("two_link_arm", r"(<diffuse>)([^ ]*)", 0.9, {"drake"}, Q.SHAPES),
+    "colour in the shade": ("two_link_arm", r"(<ambient>)([^ ]*)", 0.9, {"drake"}, Q.SHAPES),
     "gain": ("equipped", r"(<p_gain>)([^<]*)", 1.001, {"reader"}, Q.ACTUATORS),
     "force": ("equipped", r"(<cmd_max>)([^<]*)", 1.001, {"reader"}, Q.ACTUATORS),
     "imu": ("equipped", r'(<sensor name="imu"[^$]*?<pose>)([^ ]*)', 1.001, {"reader"}, Q.SENSORS),

@@ -33,10 +33,16 @@ def observed_shape(built: "Built", geometry: Any, *, seen: bool) -> ObservedShap
     if not seen:
         return ObservedShape(name)
     properties = inspector.GetIllustrationProperties(geometry)
-    if properties is None or not properties.HasProperty("phong", "diffuse"):
-        return ObservedShape(name, ())
-    color = properties.GetProperty("phong", "diffuse")
-    return ObservedShape(name, (color.r(), color.g(), color.b(), color.a()))
+    shaded = built.request.format.endswith("sdf")
+    return ObservedShape(name, _color(properties, "diffuse"), _color(properties, "ambient") if shaded else None)
+
+
+def _color(properties: Any, name: str) -> tuple[float, ...]:
+    """Red, green, blue and opacity; empty where the shape has no such colour."""
+    if properties is None or not properties.HasProperty("phong", name):
+        return ()
+    color = properties.GetProperty("phong", name)
+    return color.r(), color.g(), color.b(), color.a()
 
 
 def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:

@@ -46,7 +46,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         format=request.format,
         name=robot.name,
         base=robot.base.value,
-        links=tuple(_link(robot, link) for link in robot.links),
+        links=tuple(_link(robot, link, shaded=request.format.endswith("sdf")) for link in robot.links),
         joints=tuple(_joint(joint) for joint in robot.joints),
         coordinates=tree.joints,
         poses=poses,
@@ -60,7 +60,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
     )
 
 
-def _link(robot: Robot, link: Link) -> ObservedLink:
+def _link(robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
     body = link.mass_properties
     return ObservedLink(
         link.name,
@@ -71,7 +71,9 @@ def _link(robot: Robot, link: Link) -> ObservedLink:
         _bounds(robot, link.collisions),
         has_visuals=bool(link.visuals),
         has_collisions=bool(link.collisions),
-        visuals=tuple(ObservedShape(shape.name, shape.rgba, group=2) for shape in link.visuals),
+        visuals=tuple(
+            ObservedShape(shape.name, shape.rgba, shape.rgba if shaded else None, group=2) for shape in link.visuals
+        ),
         collisions=tuple(ObservedShape(shape.name, group=3) for shape in link.collisions),
     )
 

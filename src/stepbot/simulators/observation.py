@@ -55,6 +55,8 @@ class ObservedShape:
     """Empty where the file gives none."""
     rgba: tuple[float, ...] | None = None
     """Red, green, blue, opacity, in [0, 1]; empty where the file gives none."""
+    ambient: tuple[float, ...] | None = None
+    """The colour in the shade, likewise; SDFormat alone has one."""
     group: int | None = None
     """Which shapes viewers show and hide together: by custom, 2 is what is seen and 3 is what is touched."""
 

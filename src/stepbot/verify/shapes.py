@@ -61,6 +61,8 @@ def _compare_series(
             gauge.equal(same, f"{which}: named '{b.name}'")
         if a.rgba is not None and b.rgba is not None:
             _compare_colors(gauge, f"colour of {which}", a.rgba, b.rgba)
+        if a.ambient is not None and b.ambient is not None:
+            _compare_colors(gauge, f"colour in the shade of {which}", a.ambient, b.ambient)
         if a.group is not None and b.group is not None:
             gauge.equal(a.group == b.group, f"{which}: in group {b.group}, {a.group} expected")
 
