@@ -15,6 +15,7 @@ from pathlib import Path
 import build123d as bd
 
 from ..drawing import Body, draw_described
+from ..limb_parts import across
 from ..shapes import (
     ALUMINIUM,
     BLACK,
@@ -98,7 +99,7 @@ def base_link() -> list[Body]:
 def wheel(hand: int) -> list[Body]:
     """A mecanum wheel about y: six rollers at 45 degrees; ``hand`` says to which side the upper ones lead."""
     width = WHEEL_WIDTH - 2 * GAP
-    hub = at(cylinder(HUB_RADIUS, width - 2 * DISC), (0, width / 2 - DISC, 0), (90, 0, 0))
+    hub = across(cylinder(HUB_RADIUS, width - 2 * DISC), width / 2 - DISC)
     bodies = [Body("hub", hub, ALUMINIUM)]
     for side in (-1, 1):
         disc = flange(DISC_RADIUS, DISC, on_circle(6, 44, 30), 3.0, 6.0)
@@ -150,7 +151,7 @@ def arm_link_1() -> list[Body]:
     x, z = J2
     table = at(cylinder(52, 10), (0, 0, TURN_Z))
     near, far = UPPER_SIDE[1] + GAP, 48.0
-    body = at(hull_plate([((-8, 6), 22), ((x, z), BIG), ((20, 4), 20)], far - near), (0, far, 0), (90, 0, 0))
+    body = across(hull_plate([((-8, 6), 22), ((x, z), BIG), ((20, 4), 20)], far - near), far)
     body &= at(block(200, 200, 100), (0, 0, TURN_Z + 10))
     cap = at(housing(BIG - 5, 6, 3, 0), (x, far, z), (-90, 0, 0))
     return [Body("table", table, DARK), Body("bracket", body, ORANGE), Body("cap", cap, BLACK)]
@@ -160,7 +161,7 @@ def beam(length: float, side: tuple[float, float], first: float, last: float, ou
     """A link up the z axis between two joints about y: a plate with round ends, and caps on its outside."""
     low, high = side
     thick = high - low
-    shell = at(hull_plate([((0, 0), first), ((0, length), last)], thick), (0, high, 0), (90, 0, 0))
+    shell = across(hull_plate([((0, 0), first), ((0, length), last)], thick), high)
     rim = shell.faces().sort_by(bd.Axis.Y)[-1 if outside > 0 else 0].edges()
     shell = bd.fillet(rim, 7)
     y, turn = (high, -90) if outside > 0 else (low, 90)
@@ -170,7 +171,7 @@ def beam(length: float, side: tuple[float, float], first: float, last: float, ou
 
 def drive(radius: float, start: float, end: float, z: float) -> Body:
     """What is seen of a drive about y between two links."""
-    return Body("drive", at(cylinder(radius, abs(end - start)), (0, max(start, end), z), (90, 0, 0)), DARK)
+    return Body("drive", across(cylinder(radius, abs(end - start)), max(start, end), z=z), DARK)
 
 
 def arm_link_4() -> list[Body]:
@@ -179,8 +180,8 @@ def arm_link_4() -> list[Body]:
     end = WRIST - HAND - RING - GAP
     width = high - low
     plan = [((0, 0), SMALL), ((-16, end - 20), 10), ((12, end - 20), 10)]
-    shell = at(hull_plate(plan, width), (0, high, 0), (90, 0, 0))
-    cap = at(housing(SMALL - 8, 4, 2, 0), (0, low, 0), (90, 0, 0))
+    shell = across(hull_plate(plan, width), high)
+    cap = across(housing(SMALL - 8, 4, 2, 0), low)
     head = at(block(56, 60, 24, 12, only="z"), (-2, 0, end - 24))
     shell -= head
     ring = at(cylinder(24, RING), (-2, 0, end))

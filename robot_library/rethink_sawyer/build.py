@@ -14,6 +14,7 @@ from pathlib import Path
 import build123d as bd
 
 from ..drawing import Body, draw_described
+from ..limb_parts import across
 from ..shapes import (
     ALUMINIUM,
     BLACK,
@@ -114,12 +115,10 @@ def right_l0() -> list[Body]:
     x, y, z = SHOULDER_PLACE
     inner, outer = -92.0, y + UPPER.start - GAP
     turret = lathe([(TURRET, 0), (TURRET, 60), (74, 110), (60, 150)])
-    leaning = at(
-        hull_plate([((0, 95), 62), ((x, z), SHOULDER - 6)], outer - inner - 40), (0, outer - 20, 0), (90, 0, 0)
-    )
-    drum = at(housing(SHOULDER, outer - inner, 20, 0), (x, outer, z), (90, 0, 0))
+    leaning = across(hull_plate([((0, 95), 62), ((x, z), SHOULDER - 6)], outer - inner - 40), outer - 20)
+    drum = across(housing(SHOULDER, outer - inner, 20, 0), outer, x, z)
     neck = at(lathe([(62, 0), (56, 60), (NECK, 110), (NECK, HEAD - 130 - GAP)]), (0, 0, 130))
-    cap = at(housing(48, 8, 4, 0), (x, inner, z), (90, 0, 0))
+    cap = across(housing(48, 8, 4, 0), inner, x, z)
     shell = turret + leaning + drum + neck
     band = at(tube(TURRET + 3, TURRET, 22), (0, 0, 18))
     return [Body("shell", shell, RED), Body("cap", cap, GREY), Body("band", band, BLACK)]
@@ -166,8 +165,8 @@ def bending_link(s: Segment) -> list[Body]:
     low, high = sorted((s.start, far))
     rims = (0.42 * s.barrel, 2.0) if s.height > 0 else (2.0, 0.42 * s.barrel)
     barrel = at(housing(s.barrel, high - low, *rims), (0, 0, low))
-    boss = at(cylinder(s.boss, s.boss_end), (0, 0, s.height), (90, 0, 0))
-    ring = at(tube(s.boss + 2, s.boss - 10, 12), (0, -s.boss_end, s.height), (90, 0, 0))
+    boss = across(cylinder(s.boss, s.boss_end), 0, z=s.height)
+    ring = across(tube(s.boss + 2, s.boss - 10, 12), -s.boss_end, z=s.height)
     end = high if s.height > 0 else low
     cap = at(housing(0.5 * s.barrel, 6, 3, 0), (0, 0, end), (0 if s.height > 0 else 180, 0, 0))
     return [Body("shell", barrel + boss, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
