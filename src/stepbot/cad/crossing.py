@@ -5,7 +5,7 @@ Their volume counts twice what lies in two of their lobes, whoever integrates it
 
 import numpy as np
 
-from ..spatial import Array, Pose
+from ..spatial import Array, Pose, cross
 from .stitching import Indices, Stitched
 
 _SAMPLES = 64
@@ -23,19 +23,25 @@ def share_within(mesh: Stitched) -> float:
     From the middle of a triangle a ray goes upwards. How often it leaves the solid minus how often it enters is 0 if it
     starts on an upper side and 1 if it starts on a lower one: that is what inside and outside mean (Jordan).
     """
-    corners = (mesh.vertices @ _AXES)[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lows, highs = (np.ascontiguousarray(extreme(axis=1)[:, :2].T) for extreme in (corners.min, corners.max))
-    wrong = tried = 0
-    for triangle in _spread(np.linalg.norm(normals, axis=1)):
-        rise = normals[triangle, 2]
-        if abs(rise) > _STEEP * np.linalg.norm(normals[triangle]):
-            tried += 1
-            x, y, _ = middle = corners[triangle].mean(axis=0)
-            near = np.flatnonzero((lows[0] <= x) & (highs[0] >= x) & (lows[1] <= y) & (highs[1] >= y))
-            others = near[near != triangle]
-            wrong += _leaves(middle, corners[others], normals[others, 2]) != (rise < 0.0)
-    share = float(wrong) / tried if tried else 0.0
+    points = mesh.vertices @ _AXES
+    a, b, c = (points[mesh.faces[:, corner]] for corner in range(3))
+    normals = cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    samples = _spread(lengths)
+    samples = samples[np.abs(normals[samples, 2]) > _STEEP * lengths[samples]]
+    if not len(samples):
+        return 0.0
+    starts = (a[samples] + b[samples] + c[samples]) / 3.0
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    x, y = starts[:, :1], starts[:, 1:2]
+    near = (low[:, 0] <= x) & (high[:, 0] >= x) & (low[:, 1] <= y) & (high[:, 1] >= y)
+    sample, triangle = np.nonzero(near)
+    others = triangle != samples[sample]
+    sample, triangle = sample[others], triangle[others]
+    corners = np.stack([a[triangle], b[triangle], c[triangle]], axis=1)
+    crossed = _crossings(starts[sample], corners, normals[triangle, 2])
+    leaves = np.bincount(sample, crossed, len(samples))
+    share = float((leaves != (normals[samples, 2] < 0.0)).mean())
     return share if share >= _LEAST else 0.0
 
 
@@ -48,13 +54,13 @@ def _spread(areas: Array) -> Indices:
     return np.unique(np.searchsorted(total, steps))
 
 
-def _leaves(start: Array, corners: Array, rises: Array) -> int:
-    """How often a ray upwards from a point leaves through triangles, minus how often it enters."""
+def _crossings(starts: Array, corners: Array, rises: Array) -> Array:
+    """Whether rays upwards from points (k, 3) meet their triangles (k, 3, 3): 1 leaves, -1 enters, 0 passes by."""
     # Twice the signed areas that the point spans with the sides: the weights of the opposite corners.
-    a = corners[:, :, :2] - start[:2]
+    a = corners[:, :, :2] - starts[:, None, :2]
     b = np.roll(a, -1, axis=1)
     sides = (a[:, :, 0] * b[:, :, 1] - a[:, :, 1] * b[:, :, 0]) * np.sign(rises)[:, None]
-    hit = (sides >= 0.0).all(axis=1) & (rises != 0.0)
-    weights = sides[hit]
-    heights = (np.roll(corners[hit, :, 2], 1, axis=1) * weights).sum(axis=1) / weights.sum(axis=1)
-    return int(np.sign(rises[hit][heights > start[2]]).sum())
+    total = sides.sum(axis=1)
+    hit = (sides >= 0.0).all(axis=1) & (total > 0.0)
+    heights = (np.roll(corners[:, :, 2], 1, axis=1) * sides).sum(axis=1)
+    return np.where(hit & (heights > starts[:, 2] * total), np.sign(rises), 0.0)
