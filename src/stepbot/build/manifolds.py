@@ -111,18 +111,6 @@ class Solid:
 
 
 @dataclass(frozen=True, eq=False)
-class Common:
-    """What two solids have in common, in the frame of the first, as plain numbers that go from process to process."""
-
-    vertices: Array
-    """Shape (n, 3) [m]."""
-    faces: NDArray[np.uint64]
-    """Shape (m, 3)."""
-    volume: float
-    """[m^3]."""
-
-
-@dataclass(frozen=True, eq=False)
 class Intersection:
     """What two solids have in common, in the frame of the first."""
 
@@ -130,12 +118,6 @@ class Intersection:
     volume: float
     """[m^3]."""
     _solids: dict[int, Solid]
-
-    @property
-    def common(self) -> Common:
-        """The same, free of its solids."""
-        mesh = self._manifold.to_mesh64()
-        return Common(np.array(mesh.vert_properties)[:, :3], np.array(mesh.tri_verts), self.volume)
 
     @cached_property
     def noise(self) -> float:
@@ -155,14 +137,11 @@ class Intersection:
         return float(areas @ (depths + 0.5 * TOUCHING))
 
 
-def union_volume(parts: Sequence[tuple[Common, Pose]]) -> float:
-    """Volume [m^3] of several bodies together, each given in A and placed by X_WA."""
+def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
+    """Volume [m^3] of several intersections together, each given in A and placed by X_WA."""
     import manifold3d
 
-    placed = [
-        manifold3d.Manifold(manifold3d.Mesh64(part.vertices, part.faces)).transform(X_WA.matrix[:3])
-        for part, X_WA in parts
-    ]
+    placed = [part._manifold.transform(X_WA.matrix[:3]) for part, X_WA in parts]
     return float(manifold3d.Manifold.batch_boolean(placed, manifold3d.OpType.Add).volume())
 
 

@@ -5,6 +5,8 @@ lighter material is taken to give way to the denser one, as plastic does to a sc
 is counted twice. Faces that touch are no overlap, whatever their meshes say: :attr:`.Intersection.noise`.
 
 That is most of the time that it takes to build a robot, and edits of joints change nothing about it: it is kept.
+manifold3d works on all cores by itself, by threads that no process inherits: whatever was forked after it was used
+would wait for them forever.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,10 +16,9 @@ import numpy as np
 
 from ..cache import Cache, Digest, Shelf, environment
 from ..cad.assembly import Assembly
-from ..parallel import Died, Raised, run
 from ..spatial import IDENTITY, Pose
 from .box_pairs import box_pairs, moved_boxes
-from .manifolds import TOUCHING, Common, Solid, union_volume
+from .manifolds import TOUCHING, Intersection, Solid, union_volume
 from .masses import PartMass
 
 SMALLEST = 1e-3
@@ -25,8 +26,6 @@ SMALLEST = 1e-3
 MAX_FACES = 2_000_000
 """Faces of all pairs together that are intersected in one robot: about two seconds of work."""
 
-_WORTH_A_PROCESS = 50_000
-"""Faces of all pairs together from which on several processes take less time than one."""
 _DECIMALS = 8
 """Of relative poses [m] that count as the same."""
 
@@ -139,7 +138,7 @@ class _Group:
     smaller: float
     """Volume [m^3] of the smaller one."""
     candidates: list[_Candidate] = field(default_factory=list)
-    common: Common | None = None
+    common: Intersection | None = None
     """None where that is nothing, or not enough to count."""
     unchecked: str = ""
 
@@ -182,9 +181,8 @@ def _collect(
 
 
 def _intersect(assembly: Assembly, groups: Iterable[_Group], max_faces: int) -> None:
-    """Find what the bodies of each group have in common, on all cores, until the work is too much."""
+    """Find what the bodies of each group have in common, until the work is too much."""
     solids: dict[int, Solid] = {}
-    chosen: list[tuple[_Group, int]] = []
     spent = 0
     for group in sorted(groups, key=lambda group: -sum(pair.most for pair in group.candidates)):
         for body in group.bodies:
@@ -200,21 +198,9 @@ def _intersect(assembly: Assembly, groups: Iterable[_Group], max_faces: int) -> 
             group.unchecked = "a mesh is not closed"
         else:
             spent += work
-            chosen.append((group, work))
-
-    def common(number: int) -> Common | None:
-        group = chosen[number][0]
-        a, b = (solids[body] for body in group.bodies)
-        found = a.intersection(b, group.X_AB)
-        return found.common if found.volume > SMALLEST * group.smaller and found.volume > found.noise else None
-
-    order = sorted(range(len(chosen)), key=lambda number: -chosen[number][1])
-    for number, found in run(common, order, processes=1 if spent < _WORTH_A_PROCESS else None).items():
-        group = chosen[number][0]
-        if isinstance(found, Died | Raised):
-            group.unchecked = f"to intersect them failed ({found.reason if isinstance(found, Died) else found.text})"
-        else:
-            group.common = found
+            common = a.intersection(b, group.X_AB)
+            if common.volume > SMALLEST * group.smaller and common.volume > common.noise:
+                group.common = common
 
 
 def _by_link(assembly: Assembly, links: Iterable[str], groups: Iterable[_Group]) -> dict[str, Overlaps]:
@@ -248,7 +234,7 @@ class _Share:
     """What a solid has in common with one of those before it, placed by X_WA."""
 
     mass: float
-    common: Common
+    common: Intersection
     X_WA: Pose
 
 

@@ -21,7 +21,6 @@ from OCP.TopExp import TopExp
 from ..diagnostics import Diagnostic, Diagnostics, Span
 from ..measure import prepare as prepare_measuring
 from ..mesh import TriMesh
-from ..parallel import Died, Raised, run
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
 from .claims import definition_tolerances
@@ -34,6 +33,7 @@ from .length_unit import LengthUnit, read_length_unit
 from .materials import Materials
 from .mirroring import variant
 from .operators import correct_operators
+from .parallel import Died, Raised, run
 from .part21 import Part21
 from .products import Products
 from .repetition import MisplacedOccurrence

@@ -119,9 +119,7 @@ def test_union_counts_once() -> None:
     """Two intersections that overlap each other by half fill three halves."""
     cube = _box(1, 1, 1)
     common = cube.intersection(cube, IDENTITY)
-    assert union_volume([(common.common, IDENTITY), (common.common, Pose.of(position=(0.5, 0, 0)))]) == pytest.approx(
-        1.5
-    )
+    assert union_volume([(common, IDENTITY), (common, Pose.of(position=(0.5, 0, 0)))]) == pytest.approx(1.5)
 
 
 def test_a_mesh_that_does_not_close_is_not_sound() -> None:

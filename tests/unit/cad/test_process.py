@@ -158,8 +158,7 @@ def test_bugs_stay_bugs(found: ReadDiagnostics) -> None:
 @pytest.mark.skipif(sys.platform == "darwin", reason="bodies are not made in processes of their own")
 def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """One body's crash is an error that names its component; the other bodies are there."""
-    from stepbot import parallel
-    from stepbot.cad import worker
+    from stepbot.cad import parallel, worker
     from stepbot.cad.bodies import BodyRequest, ReadBody, read_body
     from stepbot.cad.source import BodySource
 
@@ -183,7 +182,7 @@ def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, mo
 SCRIPT = """
 import hashlib, sys
 from pathlib import Path
-from stepbot import parallel
+from stepbot.cad import parallel
 from tests.unit.cad.here import read_quietly
 from tests.unit.cad.test_process import content
 parallel.core_count = lambda: int(sys.argv[2])

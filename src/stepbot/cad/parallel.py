@@ -16,8 +16,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
-from .cores import core_count
-from .isolation import can_fork, end_with_parent
+from ..cores import core_count
+from ..isolation import can_fork, end_with_parent
 
 T = TypeVar("T")
 
@@ -60,8 +60,7 @@ class _Child(Generic[T]):
         sys.stdout.flush()
         sys.stderr.flush()
         with warnings.catch_warnings():
-            # Forking beside threads is risky where they hold locks. The kernel's process has no threads; in stepbot's
-            # own they only draw a progress bar, and what is called in forked processes prints nothing.
+            # Forking beside threads is risky where they hold locks; the kernel's process has none of its own.
             warnings.simplefilter("ignore", DeprecationWarning)
             self.pid = os.fork()
         if self.pid == 0:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.cad.parallel import Died, Raised, run
 from stepbot.isolation import can_fork
-from stepbot.parallel import Died, Raised, run
 
 FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
 
