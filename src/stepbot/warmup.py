@@ -12,17 +12,11 @@ from pathlib import Path
 from .cache import Cache, Digest, environment, file_digest
 from .cad import KERNEL
 from .conversion import Options
-from .forkserver import ForkServer, can_serve
+from .engine_server import started_engine_server
+from .forkserver import ForkServer
 from .isolation import Worker
 
 _STEP = re.compile(r"""^step:[ \t]*(?:"([^"\n]+)"|'([^'\n]+)'|([^\s"'#][^\n#]*))""", re.MULTILINE)
-_SHARED = (
-    "lxml.etree",
-    "stepbot.selfcollision",
-    *(f"stepbot.simulators.{name}" for name in ("extensions", "libsdformat", "reader", "yourdfpy")),
-    *(f"stepbot.simulators.{name}:prepare" for name in ("mujoco", "pybullet")),
-)
-"""What is imported once for all engines; two of them read several formats each."""
 _LARGEST_SIDECAR = 1 << 20
 
 
@@ -38,7 +32,7 @@ def started_kernel(sidecar: Path, options: Options) -> Worker | None:
 
 def started_server(options: Options) -> ForkServer | None:
     """A process that will start the engines; None where there will be none, or it cannot."""
-    return ForkServer(_SHARED) if options.verify and can_serve() else None
+    return started_engine_server() if options.verify else None
 
 
 def was_read(cache: Cache, content: str) -> bool:

@@ -5,12 +5,14 @@ most, across files with the first file.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..diagnostics import Diagnostics, Span
+from ..engine_server import started_engine_server
 from ..expect import CONFIGURATIONS, SECONDS, SEED
 from ..isolation import DEFAULT_TIMEOUT
 from ..kinematics import configurations, rates
@@ -56,8 +58,11 @@ def verify_files(
     check_required(required, found)
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
     keys = {_key(path): name for path, name in formats.items()}
-    with Engines(keys, memory_limit) as engines:
-        asked = _asked(formats, Scout(timeout, memory_limit))  # while the engines start
+    with ExitStack() as running:
+        server = started_engine_server()
+        start = running.enter_context(server).fork if server is not None else None
+        engines = running.enter_context(Engines(keys, memory_limit, start))
+        asked = _asked(formats, Scout(timeout, memory_limit, start))  # while the engines start
         engines.submit(asked.requests)
         outcomes = engines.results(timeout)
     check_started(required, outcomes, found)

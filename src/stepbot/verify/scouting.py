@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..isolation import RemoteError, Worker, WorkerDied
+from ..isolation import RemoteError, Start, Worker, WorkerDied
 from ..simulators import engines_for
 from ..simulators.observation import Observation, Request
 from ..spatial import Pose
@@ -36,6 +36,8 @@ class Scout:
     """[s]."""
     memory_limit: int | None = None
     """Address space [bytes]; None for no limit."""
+    start: Start | None = None
+    """What starts its process; None to start a new interpreter."""
 
     def look(self, path: Path, written_in: str) -> Scouted | None:
         """What there is in a file; None where no engine can tell."""
@@ -79,7 +81,7 @@ class Scout:
         return [_chain(edge, scouted.naming, seen.poses[0], moved) for edge in edges]
 
     def _observe(self, engine: str, request: Request) -> Observation | None:
-        with Worker(f"{engine}:observe", memory_limit=self.memory_limit) as worker:
+        with Worker(f"{engine}:observe", memory_limit=self.memory_limit, start=self.start) as worker:
             try:
                 seen: Observation = worker.submit(request).result(self.timeout)
             except (RemoteError, WorkerDied):  # the engine is asked again later, and its failure reported there
