@@ -205,8 +205,10 @@ def _serve() -> NoReturn:
                 children.kill(number)
                 continue
             *streams, telling = descriptors
+            server = os.getpid()
             pid = os.fork()
             if pid == 0:
+                end_with_parent(server)
                 for descriptor in (orders.detach(), woken, waking, telling):
                     os.close(descriptor)
                 children.forget()

@@ -205,10 +205,16 @@ def can_fork() -> bool:
     return hasattr(os, "fork") and sys.platform != "darwin"
 
 
-def end_with_parent() -> None:
-    """Have the system end this process when its parent is ended, in whatever way: Linux only."""
+def end_with_parent(parent: int | None = None) -> None:
+    """Have the system end this process when its parent is ended, in whatever way: Linux only.
+
+    Args:
+        parent: Who that is. If it has ended already, which the system then tells nobody, so does this process.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if parent is not None and os.getppid() != parent:
+            os._exit(1)
 
 
 def worker_environment() -> dict[str, str]:

@@ -62,11 +62,12 @@ class _Child(Generic[T]):
         with warnings.catch_warnings():
             # Forking beside threads is risky where they hold locks; the kernel's process has none of its own.
             warnings.simplefilter("ignore", DeprecationWarning)
+            parent = os.getpid()
             self.pid = os.fork()
         if self.pid == 0:
             status = 1
             try:
-                end_with_parent()
+                end_with_parent(parent)
                 _work(function, numbers, self._results, failures, seconds)
                 status = 0
             finally:  # a forked process must never return into its parent's code
