@@ -10,7 +10,8 @@ JOBS := auto --dist loadgroup
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
-.PHONY: help install demo test test-long format lint types contracts generate fresh check library benchmarks build all lock clean
+.PHONY: help install demo test test-long format lint types contracts generate fresh check fuzz mutation library \
+	benchmarks build all lock clean
 .DEFAULT_GOAL := help
 
 help:  ## print this
@@ -63,6 +64,13 @@ fresh: install  ## check that what is generated is up to date
 
 check: lint types contracts fresh  ## all that needs no test run
 
+fuzz: install  ## read 2,000 damaged STEP files, about an hour
+	$(BIN)/python -m tests.fuzz.mutants --count 2000 --seed 1
+
+mutation: install  ## remove everything from every file, one at a time, and write docs/mutation.md; hours
+	$(BIN)/python -m pip install --quiet -e '.[verify]'
+	$(BIN)/python -m tests.mutation.page
+
 library: install  ## draw, convert, verify and render every robot of the library, and write its pages
 	$(BIN)/python -m pip install --quiet -e '.[draw]'
 	$(BIN)/python -m robot_library
@@ -73,7 +81,7 @@ benchmarks: install  ## run every benchmark once on something small; docs/perfor
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check test test-long library benchmarks build  ## everything
+all: check test test-long library benchmarks build  ## everything, but for the hours of fuzz and mutation
 
 lock: install  ## pin again what is installed on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt

@@ -49,12 +49,13 @@ def test_mutants_find_no_fault(bases: Path, origin: str) -> None:
 
 
 @pytest.mark.long
-def test_two_thousand_mutants(bases: Path) -> None:
-    """All of them, of every base and every kind of damage: the numbers are in docs/reading.md."""
-    trials = list(try_all(plan(base_files.names(bases), 2000, seed=1), bases, jobs=core_count()))
+def test_two_hundred_mutants(bases: Path) -> None:
+    """Of every base and every kind of damage; the numbers of all 2,000 are in docs/reading.md."""
+    trials = list(try_all(plan(base_files.names(bases), 200, seed=2), bases, jobs=core_count()))
     failed = [trial for trial in trials if trial.verdict.faults]
     assert not failed, "\n".join(map(described, failed)) + table(trials)
-    assert len(trials) == 2000
+    assert len(trials) == 200
+    assert {trial.mutant.kind for trial in trials} >= set(KINDS)
 
 
 # The mutants
