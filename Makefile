@@ -29,6 +29,7 @@ $(STAMP): pyproject.toml requirements-ci.txt
 		$(BIN)/python -m pip install --quiet --require-hashes -r requirements-ci.txt && \
 		$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .; \
 	else $(BIN)/python -m pip install --quiet -e '.[dev]'; fi
+	@$(BIN)/python -m compileall -q src cli  # as pip does: where Python may not keep bytecode, it would compile in each run
 	@touch $@
 
 demo: install  ## convert the four-bar linkage to all formats and print what the engines say

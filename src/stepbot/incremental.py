@@ -67,6 +67,8 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
 
 def recorded(sidecar: Path, options: Options) -> Record | None:
     """What came of a conversion with the same input; None where nobody knows."""
+    if options.cache is None:
+        return None
     content = _content(sidecar, options.cache)
     step = options.step or _named_step(sidecar, content, options.cache)
     geometry = file_digest(step) if step is not None else None

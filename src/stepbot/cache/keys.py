@@ -1,8 +1,9 @@
 """What a key is made of: everything that a result depends on, and nothing else."""
 
+import contextlib
 import hashlib
+import os
 import platform
-import re
 import sys
 from collections.abc import Mapping
 from functools import cache
@@ -10,8 +11,6 @@ from pathlib import Path
 
 _CHUNK = 1 << 22
 _SIZE = 20
-_NAME = re.compile(r"[A-Za-z0-9._-]+")
-"""The name at the start of a requirement."""
 
 
 class Digest:
@@ -81,24 +80,20 @@ def own_code() -> str:
 
 @cache
 def environment() -> str:
-    """Hash of all that stepbot's results come from beside their input: its own code and the packages that it uses.
+    """Hash of all that stepbot's results come from beside their input: its own code, and the packages beside it.
 
-    A package that is not there counts too: with it, more can be computed.
+    Any package counts, whether stepbot uses it itself, another one does, or it is not there yet.
     """
-    return Digest("environment").add(own_code(), *_versions()).key
+    return Digest("environment").add(own_code(), *_packages()).key
 
 
-def _versions() -> list[str]:
-    from importlib import metadata
+def _packages() -> list[str]:
+    """Names and versions of all packages that can be imported: what pip calls their folders.
 
-    try:
-        required = metadata.requires("stepbot") or []
-    except metadata.PackageNotFoundError:  # run from its sources: nobody says what it needs, so all that there is
-        return sorted(f"{one.metadata['Name']} {one.version}" for one in metadata.distributions())
-    versions = []
-    for name in sorted({match[0] for line in required if (match := _NAME.match(line))}):
-        try:
-            versions.append(f"{name} {metadata.version(name)}")
-        except metadata.PackageNotFoundError:
-            versions.append(f"{name} is absent")
-    return versions
+    Their metadata says the same, but to import what reads it takes longer than all else before a result is found.
+    """
+    found: set[str] = set()
+    for folder in sys.path:
+        with contextlib.suppress(OSError):  # an archive, or nothing
+            found.update(name for name in os.listdir(folder or ".") if name.endswith((".dist-info", ".egg-info")))
+    return sorted(found)

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from stepbot.cache import Digest, content_digest, environment, file_digest, own_code
 
 
@@ -39,3 +41,18 @@ def test_environment_holds_code_and_packages() -> None:
     """The environment is more than stepbot's own code, and stays the same within a process."""
     assert environment() == environment()
     assert environment() != own_code()
+
+
+def test_a_package_more_is_another_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether or not stepbot knows it: what is installed beside it may be what its own dependencies compute with."""
+    before = environment()
+    monkeypatch.syspath_prepend(tmp_path)
+    keys = []
+    for name in ("some_solver-1.0.dist-info", "some_solver-1.1.dist-info"):
+        (tmp_path / name).mkdir()
+        environment.cache_clear()
+        keys.append(environment())
+        (tmp_path / name).rmdir()
+    environment.cache_clear()
+    assert len({before, *keys}) == 3
+    assert environment() == before
