@@ -29,7 +29,7 @@ class Case:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Nothing of what the caller's own stepbot has kept counts, and Python keeps its bytecode as it does by default."""
+        """Nothing of what the caller's own stepbot has kept counts; Python keeps bytecode, as it does by default."""
         own = {"STEPBOT_CACHE": str(self.folder / "kept"), "STEPBOT_NO_CACHE": ""}
         return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | own
 

@@ -13,7 +13,7 @@ from .cad.reader import Reading, start_reading
 from .conversion import Options
 from .diagnostics import Diagnostic, Diagnostics, Span
 from .isolation import Worker, WorkerDied
-from .measure import MEASURE
+from .meshwork import MESHWORK, report_death
 from .warmup import note_read
 
 
@@ -47,31 +47,44 @@ class Loading:
             StepbotError: The file is refused.
         """
         self._step, self._timeout = step, options.timeout
-        self._measuring: Worker | None = None
+        self._told = Diagnostics()
+        self._assembly: Assembly | None = None
         self._memory = _Memory(options.cache, step, what)
         self._known = self._memory.recall()
         self._reading: Reading | None = None
-        if self._known is None:
+        self._meshwork: Worker | None = None
+        if self._known is not None:
+            self._told.extend(self._known.diagnostics)
+        else:
             self._reading = start_reading(step, what, memory_limit=options.memory_limit, kernel=kernel)
             if self._reading.pid is None:
                 self._reading.finish(found)
                 found.raise_if_errors()
             # It imports while the kernel works; this process needs no trimesh at all.
-            self._measuring = Worker(MEASURE, memory_limit=options.memory_limit)
+            self._meshwork = Worker(MESHWORK, memory_limit=options.memory_limit)
 
-    def finish(self, found: Diagnostics) -> Geometry:
-        """Wait for it; what there is to say about the file goes to ``found``.
+    def assembly(self, found: Diagnostics) -> Assembly:
+        """Wait for the assembly, whose bodies are measured from then on; what there is to say goes to ``found``.
 
         Raises:
             StepbotError: There are errors.
         """
-        if self._known is None:
-            self._known = self._read()
-            if not any(diagnostic.severity == "error" for diagnostic in self._known.diagnostics):
-                self._memory.keep(self._known)
-        found.extend(self._known.diagnostics)
+        assembly = self._read() if self._known is None else self._known.assembly
+        found.extend(self._told)
         found.raise_if_errors()
-        return self._known
+        assert assembly is not None  # else there is an error that says why
+        return assembly
+
+    def measures(self, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
+        """For each body of the assembly, which was waited for before, what trimesh measures on its mesh."""
+        if self._known is None:
+            self._known = self._measured(found)
+        return self._known.measures
+
+    @property
+    def meshwork(self) -> Worker | None:
+        """The process that has measured, for other work on meshes; None where the geometry was known."""
+        return self._meshwork
 
     @property
     def content(self) -> str:
@@ -80,30 +93,28 @@ class Loading:
 
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
-        for running in (self._reading, self._measuring):
+        for running in (self._reading, self._meshwork):
             if running is not None:
                 running.close()
 
-    def _read(self) -> Geometry:
+    def _read(self) -> Assembly | None:
         assert self._reading is not None  # else the geometry is known
-        found = Diagnostics()
-        assembly = self._reading.finish(found, timeout=self._timeout)
-        if assembly is None:
-            found.raise_if_errors()
-            raise AssertionError("no assembly, and no error that says why")
-        return Geometry(assembly, self._measures(assembly, found), tuple(found))
+        assert self._meshwork is not None
+        self._assembly = self._reading.finish(self._told, timeout=self._timeout)
+        if self._assembly is not None:
+            self._meshwork.submit("measures", tuple(body.mesh for body in self._assembly.bodies), more=True)
+        return self._assembly
 
-    def _measures(self, assembly: Assembly, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
-        assert self._measuring is not None  # it was started with the kernel
-        meshes = tuple(body.mesh for body in assembly.bodies)
+    def _measured(self, found: Diagnostics) -> Geometry:
+        assert self._meshwork is not None  # else the geometry is known
+        assert self._assembly is not None  # it was waited for
         try:
-            measures: tuple[VolumeProperties | None, ...] = self._measuring.submit(meshes).result(self._timeout)
+            geometry = Geometry(self._assembly, self._meshwork.result(self._timeout), tuple(self._told))
         except WorkerDied as death:
-            message = f"the process that measures the meshes ended: {death.reason}"
-            remedies = ["raise `--timeout` or `--memory-limit`"]
-            found.add("SB902", message, Span(str(self._step)), help=remedies, notes=death.last_lines)
-            measures = (None,) * len(meshes)
-        return measures
+            report_death(death, "measures the meshes", Span(str(self._step)), found)
+            return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._told))
+        self._memory.keep(geometry)
+        return geometry
 
 
 class _Memory:

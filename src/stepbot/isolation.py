@@ -1,8 +1,9 @@
 """Runs functions on foreign data in processes of their own, so that a crash is a diagnostic.
 
 A :class:`Worker` starts at once and imports the module of its function while the caller is still busy; ``submit`` hands
-it the arguments, ``result`` waits. What native code prints to file descriptor 1 lands in the worker's standard error,
-never between the bytes of the result. Arguments and results are pickled: data classes and arrays only.
+it the arguments, ``result`` waits; then there may be another call. What native code prints to file descriptor 1 lands
+in the worker's standard error, never between the bytes of the result. Arguments and results are pickled: data classes
+and arrays only.
 """
 
 import contextlib
@@ -12,12 +13,14 @@ import importlib
 import os
 import pickle
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import traceback
 from collections.abc import Callable
+from functools import cache
 from types import TracebackType
 from typing import IO, Any, BinaryIO, NoReturn, Protocol
 
@@ -25,6 +28,8 @@ DEFAULT_TIMEOUT = 600.0
 """Seconds that a worker may take for one call."""
 
 _LAST_LINES = 12
+_LENGTH = struct.Struct("<q")
+"""Of an outcome, before it."""
 _PR_SET_PDEATHSIG = 1
 
 
@@ -79,7 +84,7 @@ Start = Callable[[str, int | None, BinaryIO], Process]
 
 
 class Worker:
-    """One process that calls one function once."""
+    """One process that calls one function, once or one time after the other."""
 
     def __init__(self, function: str, *, memory_limit: int | None = None, start: Start | None = None) -> None:
         """Start the process; it begins to import at once.
@@ -92,15 +97,22 @@ class Worker:
         self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
         self._process = (start or spawned)(function, memory_limit, self._stderr)
         self._writer: threading.Thread | None = None
+        self._more = False
 
     @property
     def pid(self) -> int:
         """The worker's process id."""
         return self._process.pid
 
-    def submit(self, *arguments: Any) -> "Worker":
-        """Hand over the arguments; returns at once."""
-        payload = pickle.dumps(arguments, protocol=5)
+    def submit(self, *arguments: Any, more: bool = False) -> "Worker":
+        """Hand over the arguments of a call; returns at once.
+
+        Args:
+            arguments: What the function is called with.
+            more: Whether there may be another call once this one is answered; if not, the process ends with the answer.
+        """
+        self._more = more
+        payload = pickle.dumps((arguments, more), protocol=5)
         self._writer = threading.Thread(target=self._feed, args=(payload,), daemon=True)
         self._writer.start()
         return self
@@ -121,10 +133,9 @@ class Worker:
         timer = threading.Timer(timeout, end)
         timer.daemon = True
         timer.start()
-        assert self._process.stdout is not None
         try:
-            output = self._process.stdout.read()
-            status = self._process.wait()
+            output = self._answer()
+            status = self._process.wait() if output is None else 0
         except BaseException:  # Ctrl-C: nobody waits for the process any more
             self.close()
             raise
@@ -132,13 +143,14 @@ class Worker:
             timer.cancel()
         if self._writer is not None:
             self._writer.join()
-        last_lines = self._last_lines()
-        self.close()
-        if timed_out.is_set():
-            raise WorkerDied(f"no result after {timeout:g} s", last_lines)
-        if status != 0 or not output:
-            raise WorkerDied(_death(status, last_lines), last_lines)
+        if output is None:
+            last_lines = self._last_lines()
+            self.close()
+            reason = f"no result after {timeout:g} s" if timed_out.is_set() else _death(status, last_lines)
+            raise WorkerDied(reason, last_lines)
         outcome, value = pickle.loads(output)
+        if not self._more:
+            self.close()
         if outcome == "raised":
             raise RemoteError(*value)
         return value
@@ -167,9 +179,19 @@ class Worker:
         assert self._process.stdin is not None
         try:
             self._process.stdin.write(payload)
-            self._process.stdin.close()
-        except (BrokenPipeError, OSError):  # the worker is gone: `result` reports how it ended
+            self._process.stdin.flush()
+        except (OSError, ValueError):  # the worker is gone, or closed: `result` reports how it ended
             return
+
+    def _answer(self) -> bytes | None:
+        """The outcome of the call, pickled; None where the process ended before it was written."""
+        assert self._process.stdout is not None
+        head = self._process.stdout.read(_LENGTH.size)
+        if len(head) < _LENGTH.size:
+            return None
+        length = _LENGTH.unpack(head)[0]
+        output = self._process.stdout.read(length)
+        return output if len(output) == length else None
 
     def _last_lines(self) -> tuple[str, ...]:
         self._stderr.seek(0)
@@ -241,7 +263,7 @@ def _serve() -> NoReturn:
 
 
 def answer(function: str, memory_limit: int | None) -> NoReturn:
-    """Serve one call in this process, and end it: import, read the arguments, call, write the outcome.
+    """Serve calls in this process, then end it: import, read the arguments, call, write the outcome.
 
     Args:
         function: ``package.module:function``.
@@ -253,26 +275,47 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
     sys.stdout = sys.stderr
     if memory_limit is not None:
         _limit_memory(memory_limit)
-    module, _, name = function.partition(":")
-    outcome: tuple[str, Any]
-    try:
-        gc.disable()  # what is imported stays, so that to look through it again and again finds nothing
-        loaded = importlib.import_module(module)
-        call: Callable[..., Any] = getattr(loaded, name)
-        getattr(loaded, "prepare", lambda: None)()  # slow imports, while the caller is still busy
-        gc.freeze()
-        gc.enable()
-        arguments = pickle.loads(sys.stdin.buffer.read())
-        outcome = ("returned", call(*arguments))
-    except MemoryError:
-        sys.stderr.write("MemoryError\n")
-        sys.exit(1)
-    except Exception as error:  # noqa: BLE001 - raised again by the caller, as a RemoteError
-        outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
-    results.write(pickle.dumps(outcome, protocol=5))
-    results.flush()
+    more = True
+    while more:
+        more = False
+        outcome: tuple[str, Any]
+        try:
+            call = _prepared(function)
+            arguments, more = _next_call()
+            outcome = ("returned", call(*arguments))
+        except MemoryError:
+            sys.stderr.write("MemoryError\n")
+            sys.exit(1)
+        except Exception as error:  # noqa: BLE001 - raised again by the caller, as a RemoteError
+            outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
+        payload = pickle.dumps(outcome, protocol=5)
+        results.write(_LENGTH.pack(len(payload)))
+        results.write(payload)
+        results.flush()
     # Engines and the kernel are known to crash while they are torn down: the result is out, so leave at once.
     os._exit(0)
+
+
+def _next_call() -> tuple[tuple[Any, ...], bool]:
+    """Arguments of the next call, and whether there may be another; where the caller has left, it does not return."""
+    try:
+        arguments, more = pickle.load(sys.stdin.buffer)
+    except EOFError:
+        os._exit(0)
+    return arguments, more
+
+
+@cache
+def _prepared(function: str) -> Callable[..., Any]:
+    """The function, once its module is imported and what it will need is too, while the caller is still busy."""
+    gc.disable()  # what is imported stays, so that to look through it again and again finds nothing
+    module, _, name = function.partition(":")
+    loaded = importlib.import_module(module)
+    call: Callable[..., Any] = getattr(loaded, name)
+    getattr(loaded, "prepare", lambda: None)()
+    gc.freeze()
+    gc.enable()
+    return call
 
 
 def _limit_memory(limit: int) -> None:

@@ -8,9 +8,6 @@ from .cad.assembly import VolumeProperties
 from .light_import import import_lightly
 from .mesh import TriMesh
 
-MEASURE = "stepbot.measure:measured_all"
-"""The function that runs in a process of its own."""
-
 
 def prepare() -> None:
     """Do the slow import, in a process that only measures."""

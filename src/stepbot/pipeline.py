@@ -10,6 +10,7 @@ Nothing here prints or decides an exit code: the result carries its diagnostics,
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,7 +21,7 @@ from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .conversion import REPORT, Conversion, Options, write
 from .diagnostics import Diagnostics, StepbotError, did_you_mean
 from .forkserver import ForkServer
-from .geometry import Geometry, Loading
+from .geometry import Loading
 from .isolation import Worker
 from .loops import degrees_of_freedom, driven_joints
 from .lowering import lower
@@ -95,11 +96,6 @@ def _produce(
     kernel: Worker | None,
     server: ForkServer | None,
 ) -> Conversion:
-    def stage_ends() -> None:
-        if options.strict:
-            found.make_strict()
-        found.raise_if_errors()
-
     progress("read")
     writers = [writer_of(name) for name in dict.fromkeys(options.formats)]
     if options.verify:
@@ -112,25 +108,29 @@ def _produce(
         formats = [writer.NAME for writer in writers] if options.verify else []
         server = server or started_server(options)
         provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit, server=server))
-        geometry = loading.finish(found)
-        assembly = geometry.assembly
+        assembly = loading.assembly(found)
 
         progress("build")
-        robot = build_robot(assembly, sidecar, geometry.measures, found, options.cache)
-        stage_ends()
-        assert robot is not None  # no robot without an error
-        robot = run_passes(robot, found)
+        measures = partial(loading.measures, found)
+        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.meshwork)
+        found.raise_if_errors()
+        assert built is not None  # no robot without an error
+        robot = run_passes(built.robot, found)
         check_robot(robot, found, sidecar.span(), assembly.unit)
-        stage_ends()
+        found.raise_if_errors()
 
         progress("write")
         lowered = {writer.NAME: lower(robot, writer, found) for writer in writers}
-        stage_ends()
+        found.raise_if_errors()
         by_format = {writer.NAME: files_of(lowered[writer.NAME], writer) for writer in writers}
+        built.double_counting.report(options.timeout)
+        if options.strict:
+            found.make_strict()
+        found.raise_if_errors()
 
         progress("verify")
         report = _prove(robot, lowered, by_format, provers, found, options)
-    bodies = measured_bodies(assembly, geometry.measures, sidecar.document.mass)
+    bodies = measured_bodies(assembly, measures(), sidecar.document.mass)
     report = replace(report, names=emitted_names(robot), bodies=bodies)
     if options.strict:
         found.make_strict()
@@ -179,10 +179,12 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         named = loaded.document.step
         if open_step:
             source = options.step or _named_step(loaded, found)
-            geometry = _read(source, _what(loaded, options), options, found)
-            robot = build_robot(geometry.assembly, loaded, geometry.measures, found, options.cache)
-            if robot is not None:
-                check_robot(run_passes(robot, found), found, loaded.span(), geometry.assembly.unit)
+            with closing(Loading(source, _what(loaded, options), options, found)) as loading:
+                assembly, measures = loading.assembly(found), partial(loading.measures, found)
+                built = build_robot(assembly, loaded, measures, found, options.cache, loading.meshwork)
+                if built is not None:
+                    check_robot(run_passes(built.robot, found), found, loaded.span(), assembly.unit)
+                    built.double_counting.report(options.timeout)
     except StepbotError as error:
         found.extend(error.diagnostics)
     return named
@@ -203,12 +205,14 @@ def inspect(path: Path, options: Options) -> Inspection:
     try:
         sidecar = _load(path, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or _named_step(sidecar, found)
-        geometry = _read(step, _what(sidecar, options), options, found)
+        with closing(Loading(step, _what(sidecar, options), options, found)) as loading:
+            assembly, measures = loading.assembly(found), loading.measures(found)
+        found.raise_if_errors()
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Inspection(found, None)
-    links = {} if sidecar is None else link_components(geometry.assembly, sidecar, found)
-    return Inspection(found, geometry.assembly, geometry.measures, links)
+    links = {} if sidecar is None else link_components(assembly, sidecar, found)
+    return Inspection(found, assembly, measures, links)
 
 
 def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
@@ -236,8 +240,3 @@ def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
         found.add("SB001", f"step: no file '{sidecar.document.step}'", sidecar.span("step"), help=remedies)
         found.raise_if_errors()
     return path
-
-
-def _read(step: Path, what: ReadOptions, options: Options, found: Diagnostics) -> Geometry:
-    with closing(Loading(step, what, options, found)) as loading:
-        return loading.finish(found)

@@ -60,7 +60,7 @@ def test_heavy_imports_live_in_one_place() -> None:
     owners = {
         "OCP": r"src/stepbot/cad/",
         "fcl": r"src/stepbot/selfcollision\.py",
-        "manifold3d": r"src/stepbot/(passes|build)/",
+        "manifold3d": r"src/stepbot/solids/",
         "mujoco": r"src/stepbot/simulators/",
         "pybullet": r"src/stepbot/simulators/",
         "pydantic": r"src/stepbot/sidecar/",

@@ -17,7 +17,7 @@ from .conftest import Stepbot
 
 FAST = ("-f", "urdf", "--no-verify")
 ENGINES = "stepbot.simulators."
-READ = ["stepbot.cad.worker:read", "stepbot.measure:measured_all"]
+READ = ["stepbot.cad.worker:read", "stepbot.meshwork:compute"]
 """What is asked to read a STEP."""
 
 
@@ -63,9 +63,9 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         self.function = function  # type: ignore[attr-defined]
         Worker.started.append(function)  # type: ignore[attr-defined]
 
-    def noted_submit(self: Worker, *arguments: object) -> Worker:
+    def noted_submit(self: Worker, *arguments: object, more: bool = False) -> Worker:
         functions.append(self.function)  # type: ignore[attr-defined]
-        return submit(self, *arguments)
+        return submit(self, *arguments, more=more)
 
     monkeypatch.setattr(Worker, "__init__", noted_start)
     monkeypatch.setattr(Worker, "submit", noted_submit)

@@ -20,7 +20,7 @@ from stepbot.writers import FORMATS, render
 from tests.corpus.files import FILES, READABLE, CorpusFile, index_row
 from tests.corpus.plain_kernel import PlainSolid, plain_solids
 from tests.corpus.reading import ACCURACY, DEVIATIONS, ReadFile
-from tests.unit.build.workshop import sidecar
+from tests.unit.build.workshop import robot_of, sidecar
 from tests.unit.cad.here import by_path
 
 pytestmark = pytest.mark.slow
@@ -122,7 +122,7 @@ def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> 
     """A robot that is the whole assembly as one link, and what was said about it."""
     found = Diagnostics()
     loaded = sidecar(folder, ONE_LINK % mass)
-    robot = build_robot(assembly, loaded, reading.measures, found)
+    robot = robot_of(build_robot(assembly, loaded, lambda: reading.measures, found))
     if robot is not None:
         robot = run_passes(robot, found)
         check_robot(robot, found, loaded.span(), assembly.unit)

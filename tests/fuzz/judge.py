@@ -93,13 +93,14 @@ def _convert(step: Path, read: Read, trial: _Trial) -> None:
         trial.outcome = "body failed" if _has(trial, _BODY_FAILED) else "refused"
         return
     measures = tuple(measured(body.mesh) for body in assembly.bodies)
-    robot = build_robot(assembly, _sidecar(), measures, trial.found)
+    built = build_robot(assembly, _sidecar(), lambda: measures, trial.found)
     trial.outcome = "no robot"
-    if robot is None:
+    if built is None:
         trial.faults += [] if _has_errors(trial) else ["no robot, and no error that says why"]
         return
-    robot = run_passes(robot, trial.found)
+    robot = run_passes(built.robot, trial.found)
     check_robot(robot, trial.found)
+    built.double_counting.report()
     if _has_errors(trial):
         return
     for name in FORMATS:

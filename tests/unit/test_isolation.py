@@ -18,6 +18,28 @@ def test_a_result_comes_back() -> None:
     assert call_isolated(f"{HERE}:double", 21) == 42
 
 
+def test_one_call_after_the_other() -> None:
+    """In the same process, also after one that raised, until there are no more; then it is gone."""
+    with Worker(f"{HERE}:prepared") as worker:
+        assert [worker.submit(more=True).result(), worker.submit(more=True).result()] == [1, 1]
+        os.kill(worker.pid, 0)
+        assert worker.submit().result() == 1
+        with pytest.raises(ProcessLookupError):
+            os.kill(worker.pid, 0)
+    with Worker(f"{HERE}:fail") as worker:
+        for text in ("no good", "no better"):
+            with pytest.raises(RemoteError, match=text):
+                worker.submit(text, more=True).result()
+
+
+def test_a_death_between_calls() -> None:
+    """What was answered stays answered; the next call tells how the process ended."""
+    with Worker(f"{HERE}:double_or_leave") as worker:
+        assert worker.submit(21, more=True).result() == 42
+        with pytest.raises(WorkerDied, match="exit code 3"):
+            worker.submit(None, more=True).result()
+
+
 def test_the_worker_prepares_before_it_is_asked() -> None:
     """``prepare`` of the module runs first, once."""
     assert call_isolated(f"{HERE}:prepared") == 1

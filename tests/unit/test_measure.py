@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from stepbot.isolation import call_isolated
-from stepbot.measure import MEASURE, measured
+from stepbot.measure import measured
 from stepbot.mesh import TriMesh
+from stepbot.meshwork import MESHWORK
 from stepbot.spatial import Pose, rotation_from_rpy
 
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
@@ -72,8 +73,8 @@ def test_in_a_process_of_its_own() -> None:
     """There, without what trimesh imports beside: the same numbers to the last bit; here nothing changes."""
     meshes = (box(), box().moved(X_AB), TriMesh.of(CORNERS, FACES[1:]))
     before = {name for name in ("scipy", "networkx") if name in sys.modules}
-    assert call_isolated(MEASURE, meshes) == tuple(map(measured, meshes))
-    assert call_isolated(MEASURE, meshes)[2] is None
+    assert call_isolated(MESHWORK, "measures", meshes) == tuple(map(measured, meshes))
+    assert call_isolated(MESHWORK, "measures", meshes)[2] is None
     assert before <= set(sys.modules)
 
 

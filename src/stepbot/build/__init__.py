@@ -7,17 +7,19 @@ masses    what each component weighs            links     mass properties, visua
                                                 overlaps  what is weighed twice
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from ..cache import Cache
 from ..cad.assembly import Assembly, VolumeProperties
 from ..diagnostics import Diagnostics
+from ..isolation import Worker
 from ..model import Robot
 from ..sidecar.located import Sidecar
 from .binder import Binder
 from .claims import Claims, claim
 from .devices import build_actuators, build_frames, build_sensors
-from .double_counting import report_double_counting
+from .double_counting import DoubleCounting
 from .frames import Frames
 from .joints import build_closures, build_joints, tree_order
 from .links import Links, is_complete
@@ -27,21 +29,33 @@ from .unsupported import report_unsupported
 from .weigh import Weighing, report_weighing, report_weightless, weigh
 
 
+@dataclass(frozen=True)
+class Built:
+    """A robot, and what is still to be said about it."""
+
+    robot: Robot
+    double_counting: DoubleCounting
+    """Has to report before anything is written."""
+
+
 def build_robot(
     assembly: Assembly,
     sidecar: Sidecar,
-    measures: Sequence[VolumeProperties | None],
+    measures: Callable[[], Sequence[VolumeProperties | None]],
     found: Diagnostics,
     cache: Cache | None = None,
-) -> Robot | None:
+    process: Worker | None = None,
+) -> Built | None:
     """The robot that the sidecar makes of the assembly; None where there are errors, all of which are in ``found``.
 
     Args:
         assembly: What the STEP holds.
         sidecar: A sidecar whose own check found no error.
-        measures: What trimesh measures on the mesh of each of ``assembly.bodies``; None where it encloses no volume.
+        measures: Gives, when it is needed, what trimesh measures on the mesh of each of ``assembly.bodies``; None where
+            it encloses no volume.
         found: Receives SB3xx, SB4xx and SB5xx.
         cache: Where it is kept what overlaps; None for nowhere.
+        process: Where to look for what overlaps, once it has measured; None for this process.
     """
     document = sidecar.document
     binder = Binder(assembly, sidecar, found)
@@ -55,7 +69,7 @@ def build_robot(
     named = build_frames(binder, frames)
     sensors = build_sensors(binder, frames)
 
-    weighings = weigh(assembly, measures, document.mass)
+    weighings = weigh(assembly, measures(), document.mass)
     weighed = masses(binder, matter, weighings)
     links = Links(binder, claims, matter.of, weighed, weighings)
     links.report_unknown_masses()
@@ -65,11 +79,11 @@ def build_robot(
     if found.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
         return None
 
-    report_double_counting(binder, claims, weighed, cache=cache)
+    double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
     X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
     built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
     links.report_flat()
-    return Robot(
+    robot = Robot(
         document.robot,
         built,
         joints,
@@ -81,6 +95,7 @@ def build_robot(
         assembly.source,
         sensors,
     )
+    return Built(robot, double_counting)
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
@@ -99,4 +114,4 @@ def _report_bodies(binder: Binder, claims: Claims, weighings: Sequence[Weighing]
     report_weightless(binder, weighings, weighed)
 
 
-__all__ = ["build_robot", "link_components"]
+__all__ = ["Built", "build_robot", "link_components"]

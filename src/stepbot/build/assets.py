@@ -12,8 +12,8 @@ from ..cad.assembly import Assembly, Component
 from ..cad.naming import BODY, base_name
 from ..mesh import TriMesh, joined
 from ..model import MeshAsset, MeshRef, Rgba
+from ..solids.manifolds import convex_hull
 from ..spatial import Array
-from .manifolds import convex_hull
 from .names import FALLBACK, UniqueNames, ascii_name
 
 

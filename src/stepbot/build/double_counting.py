@@ -4,47 +4,69 @@ from collections.abc import Mapping, Sequence
 
 from ..cache import Cache
 from ..cad.paths import quoted
+from ..isolation import DEFAULT_TIMEOUT, Worker, WorkerDied
+from ..meshwork import report_death
+from ..solids.overlapping import Overlaps, Pair
 from .binder import Binder, listed
 from .claims import Claims
 from .masses import PartMass
-from .overlaps import MAX_FACES, Overlaps, Pair, find_overlaps
+from .overlaps import MAX_FACES, OverlapSearch
 from .reading import MASS_TOLERANCE
 
 _CUT = "cut one solid out of the other in the CAD"
 _WEIGH = "or say what was weighed: `mass` in `parts`, or `inertial` in the link"
 
 
-def report_double_counting(
-    binder: Binder,
-    claims: Claims,
-    masses: Mapping[int, PartMass],
-    max_faces: int = MAX_FACES,
-    cache: Cache | None = None,
-) -> None:
-    """Report overlaps in links whose mass is computed; where an ``inertial`` gives it, nothing is counted twice.
+class DoubleCounting:
+    """What overlaps in links whose mass is computed; where an ``inertial`` gives it, nothing is counted twice."""
 
-    Args:
-        binder: Its collector receives SB512 to SB514.
-        claims: The link of each component.
-        masses: Mass of every component that has a volume.
-        max_faces: Limit of the work.
-        cache: Where the overlaps are kept; None for nowhere.
-    """
-    links = [name for name, link in binder.document.links.items() if link.inertial is None]
-    parts = {link: claims.parts_of(link) for link in links}
-    found = find_overlaps(binder.assembly, parts, masses, max_faces, cache)
-    slight: dict[str, Overlaps] = {}
-    for link, overlaps in found.items():
-        total = sum(masses[index].mass for index in parts[link] if index in masses)
-        if overlaps.mass >= MASS_TOLERANCE * total > 0.0:
-            _warn(binder, link, overlaps, total)
-        elif overlaps.pairs:
-            slight[link] = overlaps
-    if slight:
-        _note_slight(binder, slight)
-    unchecked = [pair for overlaps in found.values() for pair in overlaps.unchecked]
-    if unchecked:
-        _note_unchecked(binder, unchecked)
+    def __init__(
+        self,
+        binder: Binder,
+        claims: Claims,
+        masses: Mapping[int, PartMass],
+        max_faces: int = MAX_FACES,
+        cache: Cache | None = None,
+        process: Worker | None = None,
+    ) -> None:
+        """Begin to search; returns at once.
+
+        Args:
+            binder: Its collector receives SB512 to SB514, and SB902.
+            claims: The link of each component.
+            masses: Mass of every component that has a volume.
+            max_faces: Limit of the work.
+            cache: Where the overlaps are kept; None for nowhere.
+            process: Where to search; see :class:`.OverlapSearch`.
+        """
+        self._binder, self._masses = binder, masses
+        links = [name for name, link in binder.document.links.items() if link.inertial is None]
+        self._parts = {link: claims.parts_of(link) for link in links}
+        self._search = OverlapSearch(binder.assembly, self._parts, masses, max_faces, cache, process)
+
+    def report(self, timeout: float = DEFAULT_TIMEOUT) -> None:
+        """Wait for what was found, and tell it.
+
+        Args:
+            timeout: How long to wait [s].
+        """
+        try:
+            found = self._search.result(timeout)
+        except WorkerDied as death:
+            report_death(death, "intersects solids", self._binder.span(("links",)), self._binder.found)
+            return
+        slight: dict[str, Overlaps] = {}
+        for link, overlaps in found.items():
+            total = sum(self._masses[index].mass for index in self._parts[link] if index in self._masses)
+            if overlaps.mass >= MASS_TOLERANCE * total > 0.0:
+                _warn(self._binder, link, overlaps, total)
+            elif overlaps.pairs:
+                slight[link] = overlaps
+        if slight:
+            _note_slight(self._binder, slight)
+        unchecked = [pair for overlaps in found.values() for pair in overlaps.unchecked]
+        if unchecked:
+            _note_unchecked(self._binder, unchecked)
 
 
 def _warn(binder: Binder, link: str, overlaps: Overlaps, total: float) -> None:

@@ -2,7 +2,6 @@
 
 import contextlib
 import hashlib
-import os
 import platform
 import sys
 from collections.abc import Mapping
@@ -95,5 +94,5 @@ def _packages() -> list[str]:
     found: set[str] = set()
     for folder in sys.path:
         with contextlib.suppress(OSError):  # an archive, or nothing
-            found.update(name for name in os.listdir(folder or ".") if name.endswith((".dist-info", ".egg-info")))
+            found.update(path.name for path in Path(folder).iterdir() if path.suffix in (".dist-info", ".egg-info"))
     return sorted(found)

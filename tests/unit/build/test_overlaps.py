@@ -9,15 +9,16 @@ import pytest
 
 from stepbot.build.binder import Binder
 from stepbot.build.claims import claim
-from stepbot.build.double_counting import report_double_counting
-from stepbot.build.manifolds import Solid
+from stepbot.build.double_counting import DoubleCounting
 from stepbot.build.masses import masses
 from stepbot.build.matter import matters
-from stepbot.build.overlaps import Overlaps, find_overlaps
+from stepbot.build.overlaps import OverlapSearch
 from stepbot.build.weigh import weigh
 from stepbot.cache import Cache
 from stepbot.diagnostics import Diagnostics
 from stepbot.mesh import TriMesh
+from stepbot.solids.manifolds import Solid
+from stepbot.solids.overlapping import Overlaps
 from tests.conftest import ReadDiagnostics
 from tests.unit.build.workshop import Workshop, at, build, sidecar
 
@@ -34,7 +35,7 @@ def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -
     matter = matters(binder)
     claims = claim(binder, matter.of)
     weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
-    (overlaps,) = find_overlaps(shop.assembly, {"base": claims.parts_of("base")}, weighed, max_faces).values()
+    (overlaps,) = OverlapSearch(shop.assembly, {"base": claims.parts_of("base")}, weighed, max_faces).result().values()
     return overlaps
 
 
@@ -132,7 +133,7 @@ def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: R
 
 def test_equal_pairs_are_intersected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twenty pairs of the same parts in the same relative pose, however turned as a whole, cost one intersection."""
-    from stepbot.build.manifolds import Intersection, Solid
+    from stepbot.solids.manifolds import Intersection, Solid
     from stepbot.spatial import Pose
 
     calls = []
@@ -211,7 +212,7 @@ def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) ->
     binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), found)
     matter = matters(binder)
     weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
-    report_double_counting(binder, claim(binder, matter.of), weighed, max_faces=0)
+    DoubleCounting(binder, claim(binder, matter.of), weighed, max_faces=0).report()
     (note,) = found
     assert (note.code, note.severity) == ("SB514", "note")
     assert "2 pairs of solids were not checked" in note.message
@@ -248,9 +249,8 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         matter = matters(binder)
         claims = claim(binder, matter.of)
         weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
-        return find_overlaps(
-            shop.assembly, {link: claims.parts_of(link) for link in binder.document.links}, weighed, cache=cache
-        )
+        parts = {link: claims.parts_of(link) for link in binder.document.links}
+        return OverlapSearch(shop.assembly, parts, weighed, cache=cache).result()
 
     first = found(5, WATER + ONE)
     assert len(first["base"].pairs) == len(asked) == 1

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.build.manifolds import convex_hull
 from stepbot.cad.assembly import BodyKind
 from stepbot.mesh import TriMesh
 from stepbot.model import Box, Capsule, Collision, Cylinder, MeshRef, Rgba, Robot, Sphere
+from stepbot.solids.manifolds import convex_hull
 from tests.conftest import ReadDiagnostics
 from tests.unit.build.workshop import BOX_FACES, CORNERS, Workshop, at, build, built
 

@@ -13,7 +13,7 @@ from stepbot.rules import check_robot
 from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.parts import Drawing
-from tests.unit.build.workshop import sidecar
+from tests.unit.build.workshop import robot_of, sidecar
 from tests.unit.cad.here import read_here
 
 ONE = "    links: {base: {rest: true}}\n"
@@ -31,7 +31,7 @@ def _convert(drawing: Drawing | Path, folder: Path, text: str, found: Diagnostic
     assembly = read_here(path, Diagnostics())
     assert assembly is not None
     loaded = sidecar(folder, text)
-    robot = build_robot(assembly, loaded, [measured(body.mesh) for body in assembly.bodies], found)
+    robot = robot_of(build_robot(assembly, loaded, lambda: [measured(body.mesh) for body in assembly.bodies], found))
     if robot is not None:
         check_robot(robot, found, loaded.span(), assembly.unit)
     return robot

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stepbot.build import build_robot
+from stepbot.build import Built, build_robot
 from stepbot.cad.assembly import Assembly, AxisFace, Body, BodyKind, Component, VolumeProperties
 from stepbot.cad.naming import NamedComponent, assign_paths
 from stepbot.diagnostics import Diagnostics
@@ -212,7 +212,15 @@ def sidecar(folder: Path, text: str) -> Sidecar:
 
 def build(shop: Workshop, folder: Path, text: str, found: Diagnostics) -> Robot | None:
     """The robot that a sidecar makes of what is in the workshop."""
-    return build_robot(shop.assembly, sidecar(folder, text), shop.measures, found)
+    return robot_of(build_robot(shop.assembly, sidecar(folder, text), lambda: shop.measures, found))
+
+
+def robot_of(built: Built | None) -> Robot | None:
+    """The robot, once all is said about it."""
+    if built is None:
+        return None
+    built.double_counting.report()
+    return built.robot
 
 
 def built(shop: Workshop, folder: Path, text: str) -> Robot:

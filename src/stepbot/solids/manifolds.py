@@ -26,6 +26,11 @@ _SMOOTH = radians(50.0)
 """Angle between neighbouring triangles up to which they stand for one curved face; by default it is 15 degrees."""
 
 
+def prepare() -> None:
+    """Do the slow import."""
+    import manifold3d  # noqa: F401
+
+
 class Solid:
     """A closed mesh; what is costly is made when it is first needed."""
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stepbot.build.box_pairs import box_pairs, moved_boxes
+from stepbot.solids.box_pairs import box_pairs, moved_boxes
 from stepbot.spatial import rotation_from_rpy
 
 

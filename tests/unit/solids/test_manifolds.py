@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stepbot.build.manifolds import Solid, union_volume
 from stepbot.mesh import TriMesh
+from stepbot.solids.manifolds import Solid, union_volume
 from stepbot.spatial import IDENTITY, Pose
 from tests.unit.build.workshop import BOX_FACES, CORNERS, rod_mesh
 

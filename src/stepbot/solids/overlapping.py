@@ -1,0 +1,167 @@
+"""Solids that overlap: what they have in common is weighed twice.
+
+Each two bodies are intersected once for each relative pose, what could weigh most first. Where two densities meet, the
+lighter material is taken to give way to the denser one, as plastic does to a screw. Of a mass that was measured nothing
+is counted twice. Faces that touch are no overlap, whatever their meshes say: :attr:`.Intersection.noise`.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..mesh import TriMesh
+from ..spatial import IDENTITY, Pose
+from .manifolds import TOUCHING, Intersection, Solid, union_volume
+
+SMALLEST = 1e-3
+"""Share of the smaller solid from which on an overlap counts."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Two components whose boxes overlap."""
+
+    link: str
+    first: int
+    second: int
+    density: float
+    """[kg/m^3] at which what they have in common is counted twice."""
+    most: float
+    """What that can weigh [kg], judged by their boxes."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Candidates that are the same two bodies in the same relative pose: they have the same in common."""
+
+    bodies: tuple[int, int]
+    X_AB: Pose
+    smaller: float
+    """Volume [m^3] of the smaller one."""
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def is_repeated(self) -> bool:
+        """Whether both are the same body at the same place."""
+        return self.bodies[0] == self.bodies[1] and max(self.X_AB.distance_to(IDENTITY)) <= TOUCHING
+
+
+@dataclass(frozen=True)
+class Search:
+    """What to intersect."""
+
+    links: tuple[str, ...]
+    groups: tuple[Group, ...]
+    meshes: Mapping[int, TriMesh]
+    """Of the bodies in the groups."""
+    poses: Mapping[int, Pose]
+    """Of the first component of each candidate."""
+    max_faces: int
+    """Limit of the work: the faces of all pairs together."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two components of one link that overlap, or may."""
+
+    first: int
+    second: int
+    mass: float
+    """What is counted twice [kg]; where the pair was not checked, the most that it can be."""
+    volume: float = 0.0
+    """What they have in common [m^3]."""
+    is_repeated: bool = False
+    """Whether both are the same part at the same place."""
+    unchecked: str = ""
+    """Why the pair was not checked; empty where it was."""
+
+
+@dataclass(frozen=True)
+class Overlaps:
+    """The overlaps of one link."""
+
+    pairs: tuple[Pair, ...] = ()
+    mass: float = 0.0
+    """What is counted more than once [kg]; less than the pairs together where three solids share something."""
+    unchecked: tuple[Pair, ...] = ()
+
+
+def overlaps_of(search: Search) -> dict[str, Overlaps]:
+    """The overlaps of every link, the heaviest pair first."""
+    return _by_link(search, _intersect(search))
+
+
+@dataclass(eq=False)
+class _Found:
+    """What came of a group."""
+
+    group: Group
+    common: Intersection | None = None
+    """None where that is nothing, or not enough to count."""
+    unchecked: str = ""
+
+
+def _intersect(search: Search) -> list[_Found]:
+    """What the bodies of each group have in common, until the work is too much."""
+    solids = {body: Solid(mesh) for body, mesh in search.meshes.items()}
+    found = [_Found(group) for group in search.groups]
+    spent = 0
+    for one in sorted(found, key=lambda one: -sum(pair.most for pair in one.group.candidates)):
+        group = one.group
+        a, b = (solids[body] for body in group.bodies)
+        if not a.may_meet(b, group.X_AB):
+            continue
+        work = a.face_count + b.face_count
+        if spent + work > search.max_faces:
+            one.unchecked = f"all pairs together have more than {search.max_faces:,} faces"
+        elif not (a.is_sound and b.is_sound):
+            one.unchecked = "a mesh is not closed"
+        else:
+            spent += work
+            common = a.intersection(b, group.X_AB)
+            if common.volume > SMALLEST * group.smaller and common.volume > common.noise:
+                one.common = common
+    return found
+
+
+def _by_link(search: Search, found: Iterable[_Found]) -> dict[str, Overlaps]:
+    checked: dict[str, list[Pair]] = {link: [] for link in search.links}
+    unchecked: dict[str, list[Pair]] = {link: [] for link in checked}
+    twice = dict.fromkeys(checked, 0.0)
+    shares: dict[tuple[str, int], list[_Share]] = {}
+    for one in found:
+        for c in one.group.candidates:
+            if one.unchecked:
+                unchecked[c.link].append(Pair(c.first, c.second, c.most, unchecked=one.unchecked))
+            elif one.common is not None:
+                mass = c.density * one.common.volume
+                checked[c.link].append(Pair(c.first, c.second, mass, one.common.volume, one.group.is_repeated))
+                share = _Share(mass, one.common, search.poses[c.first])
+                shares.setdefault((c.link, max(c.first, c.second)), []).append(share)
+    for (link, _), of_one in shares.items():
+        twice[link] += _shared_once(of_one)
+    return {
+        link: Overlaps(_heaviest_first(checked[link]), twice[link], _heaviest_first(unchecked[link]))
+        for link in checked
+    }
+
+
+def _heaviest_first(pairs: Iterable[Pair]) -> tuple[Pair, ...]:
+    return tuple(sorted(pairs, key=lambda pair: (-pair.mass, pair.first, pair.second)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Share:
+    """What a solid has in common with one of those before it, placed by X_WA."""
+
+    mass: float
+    common: Intersection
+    X_WA: Pose
+
+
+def _shared_once(shares: Sequence[_Share]) -> float:
+    """Mass [kg] that a solid has in common with those before it; where these overlap each other too, only once."""
+    mass = sum(share.mass for share in shares)
+    if len(shares) == 1:
+        return mass
+    union = union_volume([(share.common, share.X_WA) for share in shares])
+    return mass * union / sum(share.common.volume for share in shares)
