@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .fixed_point import fixed_point_lines
 from .spatial import Pose, Vector3, bounds
 
-GRID_PER_METRE = 1e9
+GRID_DECIMALS = 9
+GRID_PER_METRE = 10.0**GRID_DECIMALS
 """Vertices lie on a grid of nanometres: what is measured is what is written; the last bits of a kernel never show."""
 
 
@@ -77,17 +79,16 @@ def joined(meshes: list[TriMesh]) -> TriMesh:
 
 
 def obj_bytes(mesh: TriMesh, name: str) -> bytes:
-    """Wavefront OBJ, one object called ``name``, coordinates [m] in the shortest text that reads back the same.
+    """Wavefront OBJ, one object called ``name``, coordinates [m] with as many decimals as read back the same.
 
     A mesh of fewer than four vertices gets the middle of its first face as one more, with that face split around it:
     MuJoCo reads no mesh with less.
     """
     if 0 < len(mesh.vertices) < 4 and len(mesh.faces):
         mesh = _split_first_face(mesh)
-    coordinates = iter(map(repr, mesh.vertices.ravel().tolist()))
-    vertices = "".join([f"v {x} {y} {z}\n" for x, y, z in zip(coordinates, coordinates, coordinates, strict=True)])
-    faces = ("f %d %d %d\n" * len(mesh.faces)) % tuple((mesh.faces + 1).ravel().tolist())
-    return f"o {name}\n{vertices}{faces}".encode()
+    nanometres = np.rint(mesh.vertices * GRID_PER_METRE).astype(np.int64)
+    vertices = fixed_point_lines("v", nanometres, GRID_DECIMALS)
+    return f"o {name}\n".encode() + vertices + fixed_point_lines("f", mesh.faces.astype(np.int64) + 1)
 
 
 def _split_first_face(mesh: TriMesh) -> TriMesh:

@@ -1,5 +1,8 @@
 """Mass that overlapping solids count twice, against closed forms, and what is not taken for an overlap."""
 
+import os
+import signal
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +19,9 @@ from stepbot.build.overlaps import OverlapSearch
 from stepbot.build.weigh import weigh
 from stepbot.cache import Cache
 from stepbot.diagnostics import Diagnostics
+from stepbot.isolation import Worker
 from stepbot.mesh import TriMesh
+from stepbot.meshwork import MESHWORK
 from stepbot.solids.manifolds import Solid
 from stepbot.solids.overlapping import Overlaps
 from tests.conftest import ReadDiagnostics
@@ -260,3 +265,41 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert found(5, WATER.replace("1000", "2000") + ONE)["base"].mass == pytest.approx(2 * first["base"].mass)
     assert found(5, WATER + ONE.replace("base", "foot")) == {"foot": first["base"]}
     assert len(asked) == 4
+
+
+def _search(shop: Workshop, folder: Path, found: Diagnostics, process: Worker) -> DoubleCounting:
+    binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), found)
+    matter = matters(binder)
+    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+    return DoubleCounting(binder, claim(binder, matter.of), weighed, process=process)
+
+
+def _row_of_blocks(count: int) -> Workshop:
+    shop = Workshop()
+    for number in range(count):
+        shop.box(f"block {number}", (12, 10, 10), at(10 * number, 0, 0))
+    return shop
+
+
+def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Once it has measured, the process that measures says of overlaps what this one would."""
+    shop = _row_of_blocks(4)
+    with Worker(MESHWORK) as process:
+        meshes = tuple(body.mesh for body in shop.assembly.bodies)
+        assert len(process.submit("measures", meshes, more=True).result()) == len(meshes)
+        _search(shop, tmp_path, found, process).report()
+    here = Diagnostics()
+    assert build(shop, tmp_path, WATER + ONE, here) is not None
+    assert list(found) == list(here)
+    assert found.codes() == ["SB512"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+def test_the_death_of_that_process_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """As an error: nobody knows then what is weighed twice."""
+    with Worker(MESHWORK) as process:
+        os.kill(process.pid, signal.SIGKILL)
+        _search(_row_of_blocks(2), tmp_path, found, process).report()
+    (error,) = found
+    assert (error.code, error.severity) == ("SB902", "error")
+    assert "the process that intersects solids ended: killed by SIGKILL" in error.message

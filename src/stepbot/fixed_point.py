@@ -1,0 +1,51 @@
+"""Many numbers as text at once: digit by digit over whole arrays, not number by number."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+_ZERO, _SPACE, _MINUS, _POINT, _END = b"0 -.\n"
+
+
+def fixed_point_lines(start: str, rows: NDArray[np.int64], decimals: int = 0) -> bytes:
+    """One line for each row: ``start``, then its numbers, each after a space.
+
+    Args:
+        start: What each line starts with.
+        rows: Integers (n, k), in units of the last decimal: ``[[1500]]`` with 3 decimals is written as 1.5.
+        decimals: How many decimals there are at most; zeros at the end are not written, nor is a point before nothing.
+    """
+    if not len(rows):
+        return b""
+    head = start.encode()
+    magnitude = np.abs(rows)
+    digits = max(len(str(magnitude.max())), decimals + 1)
+    whole = digits - decimals  # places before the point
+    count, numbers = rows.shape
+    text = np.empty((count, numbers, 2 + digits + 1), np.uint8)
+    shown = np.empty(text.shape, np.bool_)
+
+    text[..., 0], shown[..., 0] = _SPACE, True
+    text[..., 1], shown[..., 1] = _MINUS, rows < 0
+    text[..., 2 + whole] = _POINT
+    rest, fraction = (
+        magnitude,
+        np.zeros(rows.shape, np.bool_),
+    )  # whether a digit of it is not zero, from here to its end
+    for place in reversed(range(digits)):
+        column = 2 + place + (place >= whole)
+        is_leading = rest == 0
+        rest, digit = np.divmod(rest, 10)
+        text[..., column] = digit + _ZERO
+        if place >= whole:
+            fraction |= digit > 0
+            shown[..., column] = fraction
+        else:
+            shown[..., column] = ~is_leading if place < whole - 1 else True
+    shown[..., 2 + whole] = fraction
+
+    lines = np.empty((count, len(head) + text[0].size + 1), np.uint8)
+    kept = np.ones(lines.shape, np.bool_)
+    lines[:, : len(head)] = np.frombuffer(head, np.uint8)
+    lines[:, len(head) : -1], kept[:, len(head) : -1] = text.reshape(count, -1), shown.reshape(count, -1)
+    lines[:, -1] = _END
+    return lines[kept].tobytes()
