@@ -4,6 +4,7 @@ python -m benchmarks generate definitions -o FOLDER     one of the large assembl
 python -m benchmarks cold SIDECAR...                    against the bare script, cascadio and an earlier stepbot
 python -m benchmarks check SIDECAR...                   an unchanged sidecar against ``import click``
 python -m benchmarks batch FOLDER                       all robots below a folder, on one core and on two
+python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks report                             tables and plot in docs/ from what ``--keep`` has kept
 python -m benchmarks smoke                              all of it on something small: does it still run?
@@ -48,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
     made.add_argument("names", nargs="+", choices=sorted(ASSEMBLIES), metavar="NAME")
     made.add_argument("-o", "--output", type=Path, default=Path("build/assemblies"), metavar="FOLDER")
     made.set_defaults(run=_generate)
-    for name, run in (("cold", _cold), ("check", _check)):
+    for name, run in (("cold", _cold), ("check", _check), ("cores", _cores)):
         one = commands.add_parser(name, help="compare on sidecars and the STEP files that they name")
         one.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
         one.add_argument("--step", type=Path, metavar="FILE", help="STEP file, instead of the one that is named")
@@ -91,6 +92,10 @@ def _check(options: argparse.Namespace, folder: Path) -> None:
     _compare_sidecars(options, folder, [who.CLICK, who.CHECK])
 
 
+def _cores(options: argparse.Namespace, folder: Path) -> None:
+    _compare_sidecars(options, folder, [who.IN_TURN, who.AT_ONCE])
+
+
 def _compare_sidecars(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> None:
     for sidecar in options.sidecars:
         _compare(options, case_of(sidecar, options.step, folder), contenders)
@@ -120,6 +125,7 @@ def _smoke(_: argparse.Namespace, folder: Path) -> None:
     memory = Path("/proc/self/smaps_rollup").exists()
     for contenders in (
         [who.CLICK, who.CHECK],
+        [who.IN_TURN, who.AT_ONCE],
         [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.batch(2, sidecar.parent)],
     ):
         print(table(compare(case, contenders, 1, warm_up=False, memory=memory)), flush=True)

@@ -84,7 +84,23 @@ def _script(case: Case) -> list[str]:
     return [sys.executable, str(ROOT / "benchmarks" / "bare_occt.py"), case.step.name]
 
 
+_TWICE = """\
+import subprocess, sys
+runs = [subprocess.Popen(sys.argv[2:])]
+if sys.argv[1] == "in turn":
+    runs[0].wait()
+runs.append(subprocess.Popen(sys.argv[2:]))
+sys.exit(any([run.wait() for run in runs]))
+"""
+
+
+def _twice(how: str) -> Contender:
+    """The bare script two times: what the cores of a machine give to processes that share nothing."""
+    return Contender(f"bare OCCT script, twice {how}", lambda case: [sys.executable, "-c", _TWICE, how, *_script(case)])
+
+
 BARE = Contender("bare OCCT script", _script)
+IN_TURN, AT_ONCE = _twice("in turn"), _twice("at once")
 CLICK = Contender("import click", lambda case: [sys.executable, "-c", "import click"])
 COLD = Contender("stepbot, cold", _convert("--no-cache", "--no-verify"))
 VERIFIED = Contender("stepbot, cold, verified", _convert("--no-cache"))
