@@ -27,21 +27,18 @@ def fixed_point_lines(start: str, rows: NDArray[np.int64], decimals: int = 0) ->
     text[..., 0], shown[..., 0] = _SPACE, True
     text[..., 1], shown[..., 1] = _MINUS, rows < 0
     text[..., 2 + whole] = _POINT
-    rest, fraction = (
-        magnitude,
-        np.zeros(rows.shape, np.bool_),
-    )  # whether a digit of it is not zero, from here to its end
+    rest = magnitude
+    has_fraction = np.zeros(rows.shape, np.bool_)  # as far as it was looked at, from its end
     for place in reversed(range(digits)):
-        column = 2 + place + (place >= whole)
         is_leading = rest == 0
         rest, digit = np.divmod(rest, 10)
-        text[..., column] = digit + _ZERO
         if place >= whole:
-            fraction |= digit > 0
-            shown[..., column] = fraction
+            has_fraction |= digit > 0
+            text[..., 3 + place], shown[..., 3 + place] = digit + _ZERO, has_fraction
         else:
-            shown[..., column] = ~is_leading if place < whole - 1 else True
-    shown[..., 2 + whole] = fraction
+            text[..., 2 + place], shown[..., 2 + place] = digit + _ZERO, ~is_leading
+    shown[..., 1 + whole] = True  # the digit before the point, also where it is zero
+    shown[..., 2 + whole] = has_fraction
 
     lines = np.empty((count, len(head) + text[0].size + 1), np.uint8)
     kept = np.ones(lines.shape, np.bool_)
