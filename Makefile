@@ -73,7 +73,7 @@ mutation: install  ## remove everything from every file, one at a time, and writ
 	$(BIN)/python -m tests.mutation.page
 
 library: install  ## draw, convert, verify and render every robot of the library, and write its pages
-	$(BIN)/python -m pip install --quiet -e '.[draw]'
+	$(BIN)/python -m pip install --quiet -e '.[draw,verify]'
 	$(BIN)/python -m robot_library
 
 benchmarks: install  ## run every benchmark once on something small; docs/performance.md says how to measure

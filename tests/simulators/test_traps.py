@@ -176,7 +176,7 @@ def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
-    """It turns them into no limits, or refuses them."""
+    """It turns them into no limits, others refuse them or die over them, and say why."""
     path = arm.path / "swapped.urdf"
     text = arm.written["urdf"].path.read_text(encoding="utf-8")
     path.write_text(re.sub(r'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"', text), encoding="utf-8")
@@ -184,6 +184,10 @@ def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
         engines.submit({"file": replace(arm.request("urdf"), file=str(path), simulate=0.0)})
         for outcome in engines.results(120.0):
             if outcome.fate is Fate.ABSENT or outcome.engine == "extensions":  # which reads no limits of joints
+                continue
+            if outcome.fate is Fate.DIED:
+                assert outcome.engine == "drake"
+                assert any("pos_lower_limits" in line for line in outcome.last_lines)
                 continue
             assert outcome.fate in (Fate.OBSERVED, Fate.REFUSED)
             if outcome.observation is not None:
