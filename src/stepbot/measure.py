@@ -8,10 +8,16 @@ from .cad.assembly import VolumeProperties
 from .light_import import import_lightly
 from .mesh import TriMesh
 
+_UNUSED = (
+    *("networkx", "scipy"),
+    *("PIL", "embreex", "fcl", "jsonschema", "lxml", "manifold3d", "rtree", "shapely"),
+)
+"""What integrals over triangles need nothing of."""
+
 
 def prepare() -> None:
     """Do the slow import, in a process that only measures."""
-    import_lightly("trimesh.triangles")
+    import_lightly("trimesh.triangles", _UNUSED)
 
 
 def measured_all(meshes: Sequence[TriMesh]) -> tuple[VolumeProperties | None, ...]:

@@ -12,11 +12,10 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from .build import build_robot, link_components
 from .build.reading import read_options
-from .cache import content_digest
 from .cad.assembly import Assembly, ReadOptions, VolumeProperties
 from .conversion import REPORT, Conversion, Options, write
 from .diagnostics import Diagnostics, StepbotError, did_you_mean
@@ -26,7 +25,6 @@ from .isolation import Worker
 from .loops import degrees_of_freedom, driven_joints
 from .lowering import lower
 from .model import Robot
-from .output import write_atomically
 from .passes import run_passes
 from .provenance import emitted_names, measured_bodies
 from .report import Report, report_bytes
@@ -34,11 +32,11 @@ from .rules import check_robot
 from .sidecar.check import check_sidecar
 from .sidecar.load import load_sidecar
 from .sidecar.located import Sidecar
-from .simulators.memory import Memory
 from .simulators.workers import check_required
-from .verify import Provers, Written, verify
-from .warmup import started_server
-from .writers import files_of, main_file, writer_of
+from .writers import files_of, joined, writer_of
+
+if TYPE_CHECKING:
+    from .proof import Proof
 
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
 
@@ -104,10 +102,9 @@ def _produce(
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
         loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
-        # The engines import while the kernel works.
-        formats = [writer.NAME for writer in writers] if options.verify else []
-        server = server or started_server(options)
-        provers = running.enter_context(Provers(formats, memory_limit=options.memory_limit, server=server))
+        proof = _started_proof([writer.NAME for writer in writers], options, server)
+        if proof is not None:
+            running.enter_context(closing(proof))
         assembly = loading.assembly(found)
 
         progress("build")
@@ -129,42 +126,27 @@ def _produce(
         found.raise_if_errors()
 
         progress("verify")
-        report = _prove(robot, lowered, by_format, provers, found, options)
+        report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
     bodies = measured_bodies(assembly, measures(), sidecar.document.mass)
     report = replace(report, names=emitted_names(robot), bodies=bodies)
     if options.strict:
         found.make_strict()
-    files = {**_joined(by_format), REPORT: report_bytes(report, found)}
+    files = {**joined(by_format), REPORT: report_bytes(report, found)}
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
 
 
-def _prove(
-    robot: Robot,
-    lowered: Mapping[str, Robot],
-    files: Mapping[str, Mapping[str, bytes]],
-    provers: Provers,
-    found: Diagnostics,
-    options: Options,
-) -> Report:
-    """Let the engines read the files, in a folder of their own, before anything is changed where they will go."""
+def _started_proof(formats: list[str], options: Options, server: ForkServer | None) -> "Proof | None":
+    """The engines that will prove the files; None where nobody asks for them."""
     if not options.verify:
-        driven = driven_joints(robot) if robot.closures else ()
-        return Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
-    with TemporaryDirectory(prefix="stepbot-") as folder:
-        write_atomically(_joined(files), Path(folder))
-        written = {name: Written(Path(folder) / main_file(one, writer_of(name)), one) for name, one in lowered.items()}
-        contents = {name: content_digest(of_format) for name, of_format in files.items()}
-        for name, one in lowered.items():
-            for beside in writer_of(name).companions(one):
-                written[beside.format] = Written(Path(folder) / beside.path, beside.robot)
-                contents[beside.format] = contents[name]
-        memory = Memory(options.cache, contents)
-        return verify(robot, written, provers, found, require=options.require, timeout=options.timeout, memory=memory)
+        return None
+    from .proof import Proof
+
+    return Proof(formats, options, server)
 
 
-def _joined(files: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
-    """The files of all formats, which share their meshes."""
-    return {path: content for of_format in files.values() for path, content in of_format.items()}
+def _unproven(robot: Robot) -> Report:
+    driven = driven_joints(robot) if robot.closures else ()
+    return Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
 
 
 def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> str:

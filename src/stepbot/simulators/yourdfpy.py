@@ -47,7 +47,7 @@ def available() -> str | None:
 
 def prepare() -> None:
     """Do the slow import, in a process that only reads: it needs nothing that trimesh takes from scipy or networkx."""
-    import_lightly("yourdfpy")
+    import_lightly("yourdfpy", ("networkx", "scipy"))
 
 
 def observe(request: Request) -> Observation:

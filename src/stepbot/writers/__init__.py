@@ -90,6 +90,11 @@ def files_of(lowered: Robot, writer: Writer) -> dict[str, bytes]:
     return files
 
 
+def joined(files: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
+    """The files of all formats, which share their meshes."""
+    return {path: content for of_format in files.values() for path, content in of_format.items()}
+
+
 def main_file(robot: Robot, writer: Writer) -> str:
     """Name of a robot's main file in a format."""
     return f"{robot.name}{writer.SUFFIX}"
