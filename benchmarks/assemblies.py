@@ -71,7 +71,7 @@ ASSEMBLIES = {
     "definitions": Assembly(definitions=1000),
     "occurrences": Assembly(definitions=1, occurrences=10_000),
     "faces": Assembly(cells=100),
-    "large": Assembly(definitions=1000, columns=12, rows=8),
+    "large": Assembly(definitions=1000, columns=14, rows=8),
 }
 """By name: 1,000 definitions once each (30 MB), one definition 10,000 times, one solid of 20,005 faces, 200 MB."""
 
