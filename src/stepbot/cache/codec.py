@@ -97,6 +97,7 @@ def _codec(kind: Any) -> Codec[Any]:
 
 @cache
 def _pair(kind: Any) -> tuple[Encoder, Decoder]:
+    kind = _expanded(kind)
     origin, arguments = get_origin(kind), get_args(kind)
     if kind in (bool, int, str):
         return lambda value, blobs: kind(value), _checked(kind)
@@ -121,6 +122,14 @@ def _pair(kind: Any) -> tuple[Encoder, Decoder]:
     if getattr(origin or kind, "__module__", "") == "numpy" and (origin or kind).__name__ == "ndarray":
         return _encode_array, _decode_array
     raise TypeError(f"no codec for {kind}")
+
+
+def _expanded(kind: Any) -> Any:
+    """A type without aliases at its top: what ``type Name[...] = ...`` stands for, as numpy's ``NDArray`` since 2.5."""
+    while (value := getattr(get_origin(kind) or kind, "__value__", None)) is not None:
+        arguments = get_args(kind)
+        kind = value[arguments] if arguments else value
+    return kind
 
 
 def _checked(kind: type) -> Decoder:
