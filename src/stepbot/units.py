@@ -2,8 +2,9 @@
 
 Inside, everything is SI: m, kg, s, rad. Values are converted where they enter, in ``cad/`` and ``sidecar/``. A
 quantity is written as a number, which is SI already, or as a number with its unit: ``45 deg``, ``1.04 g/cm^3``,
-``1.5 N*m``. Scales are exact fractions, so that ``57.2 g`` is 0.0572 kg and not 0.057200000000000004. (A table of our
-own, because importing a units library costs every run more than half a second.)
+``1.5 N*m``, also as catalogues print them: ``1.04 g/cm3``, ``1.5 N.m``, ``20 kg.cm``, ``80 oz-in``. Scales are exact
+fractions, so that ``57.2 g`` is 0.0572 kg and not 0.057200000000000004. (A table of our own, because importing a units
+library costs every run more than half a second.)
 """
 
 import math
@@ -63,6 +64,8 @@ class Quantity(NamedTuple):
     """[SI]."""
     dimension: Dimension | None
     """The dimension of the unit that was written; None for a plain number."""
+    taken_as: str = ""
+    """How it reads in forces, where a mass stands for its weight: ``20 kgf*cm`` for ``20 kg.cm``; else empty."""
 
 
 class UnitError(ValueError):
@@ -101,8 +104,11 @@ def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
     for dimension in dimensions:
         if unit.powers in dimension.powers:
             return Quantity(_scaled(match["number"], unit), dimension)
+    if unit.powers == _MASS_TIMES_LENGTH and TORQUE in dimensions:  # as data sheets of servos print torques
+        weight = UnitOfMeasure(unit.scale * _G0, unit.turns, _TORQUE_POWERS)
+        return Quantity(_scaled(match["number"], weight), TORQUE, f"{match['number']} {_with_forces(match['unit'])}")
     message = f"'{match['unit']}' is not a unit of {described(*dimensions)}"
-    raise UnitError(message, _dimension_hints(match["unit"], unit, dimensions))
+    raise UnitError(message, _dimension_hints(match["number"], match["unit"], unit, dimensions))
 
 
 def described(*dimensions: Dimension) -> str:
@@ -124,6 +130,7 @@ _TIME_POWERS: Powers = (0, 0, 1, 0)
 _ANGLE_POWERS: Powers = (0, 0, 0, 1)
 _FORCE_POWERS: Powers = (1, 1, -2, 0)
 _TORQUE_POWERS: Powers = (1, 2, -2, 0)
+_MASS_TIMES_LENGTH: Powers = (1, 1, 0, 0)
 
 _INCH = Fraction("0.0254")
 _POUND = Fraction("0.45359237")
@@ -183,11 +190,12 @@ _LONGEST = 100
 _NUMBER = r"[+-]?(?:(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][+-]?\d+)?|\.?inf)"
 _QUANTITY = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>[^\s\d_.,+*/^-].*?)?\s*", re.ASCII)
 _FACTOR = re.compile(
-    r"\s*(?P<operator>[*/\N{MIDDLE DOT}\N{DOT OPERATOR}])?\s*(?P<symbol>[A-Za-z\N{MICRO SIGN}]+|[%\N{DEGREE SIGN}])"
-    r"(?:\s*(?:\^|\*\*)\s*(?P<power>[+-]?\d)(?!\d)|(?P<raised>[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}]))?",
+    r"\s*(?P<operator>[*/.\N{MIDDLE DOT}\N{DOT OPERATOR}-])?\s*(?P<symbol>[A-Za-z\N{MICRO SIGN}]+|[%\N{DEGREE SIGN}])"
+    r"(?:\s*(?:\^|\*\*)\s*(?P<power>[+-]?\d)(?!\d)"
+    r"|(?P<raised>-[1-3]|[23\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])(?!\d))?",
     re.ASCII,
 )
-_RAISED = {"\N{SUPERSCRIPT TWO}": 2, "\N{SUPERSCRIPT THREE}": 3}
+_SUPERSCRIPTS = {"\N{SUPERSCRIPT TWO}": 2, "\N{SUPERSCRIPT THREE}": 3}
 
 QUANTITY_PATTERN = rf"^\s*{_NUMBER.replace('(?:', '(')}(\s*[^\s\d_.,+*/^-].*)?\s*$"
 """For JSON Schema (ECMA 262): a number, then perhaps a unit; whether it fits, only :func:`read_quantity` knows."""
@@ -211,14 +219,15 @@ def _scaled(number: str, unit: UnitOfMeasure) -> float:
 
 
 def _parse_unit(text: str) -> UnitOfMeasure:
-    """The product of factors such as ``N*m*s/rad``, ``g/cm^3`` or ``N m``, from left to right."""
+    """The product of factors such as ``N*m*s/rad``, ``g/cm^3``, ``g/cm3``, ``N m`` or ``N.m``, from left to right."""
     scale, turns, powers, end = Fraction(1), 0, (0, 0, 0, 0), 0
     while end < len(text.rstrip()):
         match = _FACTOR.match(text, end)
         if match is None or match["symbol"] not in _UNITS or (match["operator"] and not end):
             symbol = match["symbol"] if match else text
             raise UnitError(f"unknown unit '{text}'", _spelling_hints(symbol))
-        power = _RAISED[match["raised"]] if match["raised"] else int(match["power"] or 1)
+        written = match["power"] or match["raised"] or "1"
+        power = _SUPERSCRIPTS[written] if written in _SUPERSCRIPTS else int(written)
         power = -power if match["operator"] == "/" else power
         factor = _UNITS[match["symbol"]]
         scale *= factor.scale**power
@@ -226,6 +235,16 @@ def _parse_unit(text: str) -> UnitOfMeasure:
         powers = _multiplied(powers, factor.powers, power)
         end = match.end()
     return UnitOfMeasure(scale, turns, powers)
+
+
+_FORCE_OF = {"kg": "kgf", "g": "gf", "lb": "lbf", "oz": "ozf"}
+"""The force that each mass is the name of, where a data sheet leaves its `f` out."""
+
+
+def _with_forces(text: str) -> str:
+    """A unit with forces in the place of masses: ``kgf*cm`` for ``kg.cm``."""
+    symbols = re.findall(r"[A-Za-z\N{MICRO SIGN}]+", text)
+    return "*".join(_FORCE_OF.get(symbol, symbol) for symbol in symbols)
 
 
 def _multiplied(a: Powers, b: Powers, power: int) -> Powers:
@@ -259,6 +278,10 @@ _SPELLED_OUT = {
     "nm": "N*m",
     "gr": "g",
     "lbs": "lb",
+    "kgcm": "kgf*cm",
+    "kgfcm": "kgf*cm",
+    "ozin": "ozf*in",
+    "cc": "cm^3",
 }
 
 
@@ -268,20 +291,36 @@ def _spelling_hints(symbol: str) -> tuple[str, ...]:
     return did_you_mean(symbol, _UNITS) or ("known units: " + ", ".join(_UNITS),)
 
 
-def _dimension_hints(text: str, unit: UnitOfMeasure, dimensions: tuple[Dimension, ...]) -> tuple[str, ...]:
+def _dimension_hints(number: str, text: str, unit: UnitOfMeasure, dimensions: tuple[Dimension, ...]) -> tuple[str, ...]:
     if text == "nm":  # a nanometre where a torque belongs
         return ("did you mean 'N*m'?",)
+    hints = []
+    if unit.powers == _MASS_POWERS and text in _FORCE_OF:
+        force, arm = _FORCE_OF[text], "in" if text in ("oz", "lb") else "cm"
+        if TORQUE in dimensions:
+            hints.append(f"a torque is a force times a length: `{number} {force}*{arm}`, if the data sheet means that")
+        if FORCE in dimensions:
+            hints.append(f"a force is written `{number} {force}`; {text} is a mass")
+        if DENSITY in dimensions:
+            hints.append("a density is a mass per volume: g/cm^3 or kg/m^3")
     as_force = _multiplied(unit.powers, (0, 1, -2, 0), 1)
-    if any(as_force in dimension.powers for dimension in dimensions):
-        return ("a force is written in N, kgf, lbf or ozf; kg, lb and oz are masses",)
-    return (f"for example {' or '.join(d.example for d in dimensions)}",)
+    if not hints and any(as_force in dimension.powers for dimension in dimensions):
+        hints.append("a force is written in N, kgf, lbf or ozf; kg, lb and oz are masses")
+    return (*hints, f"for example {' or '.join(d.example for d in dimensions)}")
+
+
+_DECIMAL_COMMA = re.compile(r"(?P<whole>\s*[+-]?\d+),(?P<decimals>\d+)(?P<rest>[^,]*)", re.ASCII)
 
 
 def _number_hints(text: str, dimension: Dimension) -> tuple[str, ...]:
-    hint = f"write a number [{dimension.unit}], or a number with its unit, such as {dimension.example}"
-    if re.match(r"\s*[+-]?\d+,\d", text):
-        return ("the decimal separator is a point", hint)
-    return (hint,)
+    if match := _DECIMAL_COMMA.fullmatch(text) if len(text) <= _LONGEST else None:
+        corrected = (match["whole"] + "." + match["decimals"] + match["rest"]).strip()
+        hint = f"the decimal separator is a point: write `{corrected}`"
+        if len(match["decimals"]) == 3 and match["whole"].strip(" +-0"):  # 1,000 may be a thousand
+            thousand = (match["whole"] + match["decimals"] + match["rest"]).strip()
+            hint += f"; if the comma separates thousands, `{thousand}`"
+        return (hint,)
+    return (f"write a number [{dimension.unit}], or a number with its unit, such as {dimension.example}",)
 
 
 def _a(dimensions: tuple[Dimension, ...]) -> str:

@@ -32,6 +32,20 @@ KNOWN = [
     ("1.04 g/cm³", units.DENSITY, 1040.0),
     ("1240 kg/m**3", units.DENSITY, 1240.0),
     ("7.85 g cm^-3", units.DENSITY, 7850.0),
+    ("7.85 g/cm3", units.DENSITY, 7850.0),
+    ("7850 kg/m3", units.DENSITY, 7850.0),
+    ("7850 kg.m-3", units.DENSITY, 7850.0),
+    ("120 g.cm2", units.INERTIA, 1.2e-5),
+    ("1.5 N.m", units.TORQUE, 1.5),
+    ("1.5 N-m", units.TORQUE, 1.5),
+    ("0.1 N.m.s/rad", units.ANGULAR_DAMPING, 0.1),
+    ("1 kgf.cm", units.TORQUE, 0.0980665),
+    ("1 kgf-cm", units.TORQUE, 0.0980665),
+    ("1 kg.cm", units.TORQUE, 0.0980665),
+    ("1 kg*cm", units.TORQUE, 0.0980665),
+    ("1 oz-in", units.TORQUE, 0.45359237 / 16 * 9.80665 * 0.0254),
+    ("1 oz.in", units.TORQUE, 0.45359237 / 16 * 9.80665 * 0.0254),
+    ("1 lb-ft", units.TORQUE, 0.45359237 * 9.80665 * 0.3048),
     ("120 g*cm^2", units.INERTIA, 1.2e-5),
     ("60 rpm", units.ANGULAR_SPEED, 2 * math.pi),
     ("61 rpm", units.ANGULAR_SPEED, 61 * 2 * math.pi / 60),
@@ -92,7 +106,7 @@ def test_example_is_a_quantity(dimension: Dimension) -> None:
 @given(value=st.floats(allow_nan=False), dimension=st.sampled_from(DIMENSIONS))
 def test_plain_number_is_si(value: float, dimension: Dimension) -> None:
     """A number without a unit comes back bit by bit, whatever its dimension, and is known to have none."""
-    assert read_quantity(repr(value), dimension) == (value, None)
+    assert read_quantity(repr(value), dimension) == (value, None, "")
 
 
 @given(value=st.floats(allow_nan=False, allow_infinity=False))
@@ -150,9 +164,22 @@ def test_schema_pattern_accepts_every_quantity(text: str) -> None:
         ("90 degs", units.ANGLE, "unknown unit 'degs'", "did you mean 'deg'?"),
         ("90 degrees", units.ANGLE, "unknown unit 'degrees'", "did you mean 'deg'?"),
         ("3 kg", units.LENGTH, "'kg' is not a unit of length [m]", "for example 12 mm"),
-        ("20 kg*cm", units.TORQUE, "'kg*cm' is not a unit of torque [N*m]", "kg, lb and oz are masses"),
+        ("5 kg", units.TORQUE, "'kg' is not a unit of torque [N*m]", "`5 kgf*cm`"),
+        ("80 oz", units.TORQUE, "'oz' is not a unit of torque [N*m]", "`80 ozf*in`"),
+        ("5 kg", units.FORCE, "'kg' is not a unit of force [N]", "a force is written `5 kgf`"),
+        ("20 kg/mm", units.LINEAR_STIFFNESS, "'kg/mm' is not a unit of stiffness", "kg, lb and oz are masses"),
+        ("20 kg.cm", units.FORCE, "'kg.cm' is not a unit of force [N]", "for example 20 N"),
+        ("2700 g", units.DENSITY, "'g' is not a unit of density", "a mass per volume"),
+        ("5 kgcm", units.TORQUE, "unknown unit 'kgcm'", "did you mean 'kgf*cm'?"),
         ("2 nm", units.TORQUE, "'nm' is not a unit of torque [N*m]", "did you mean 'N*m'?"),
-        ("1,5 m", units.LENGTH, "'1,5 m' is not a length", "the decimal separator is a point"),
+        ("1,5 m", units.LENGTH, "'1,5 m' is not a length", "the decimal separator is a point: write `1.5 m`"),
+        ("-1,57", units.ANGLE, "'-1,57' is not an angle", "write `-1.57`"),
+        (
+            "1,000 mm",
+            units.LENGTH,
+            "'1,000 mm' is not",
+            "write `1.000 mm`; if the comma separates thousands, `1000 mm`",
+        ),
         ("five", units.LENGTH, "'five' is not a length", "such as 12 mm"),
         ("", units.ANGLE, "'' is not an angle", "such as 45 deg"),
         ("5 m s", units.LENGTH, "'m s' is not a unit", "12 mm"),
@@ -172,10 +199,19 @@ def test_says_what_is_wrong(text: str, dimension: Dimension, message: str, hint:
     assert hint in "\n".join(caught.value.hints)
 
 
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [("20 kg.cm", "20 kgf*cm"), ("80 oz-in", "80 ozf*in"), ("20 kgf.cm", ""), ("1.5 N.m", ""), ("1 kg*m^2/s^2", "")],
+)
+def test_mass_for_a_weight_is_known(text: str, meant: str) -> None:
+    """A torque for which a mass was written tells how it was taken; a torque in forces has nothing to tell."""
+    assert read_quantity(text, units.TORQUE, units.FORCE).taken_as == meant
+
+
 def test_one_of_several_dimensions_is_told() -> None:
     """The dimension of the unit is known, and a text of none of them is refused with all their names."""
     assert read_quantity("45 deg", units.ANGLE, units.LENGTH).dimension is units.ANGLE
-    assert read_quantity("45 mm", units.ANGLE, units.LENGTH) == (0.045, units.LENGTH)
+    assert read_quantity("45 mm", units.ANGLE, units.LENGTH) == (0.045, units.LENGTH, "")
     assert read_quantity("inf", units.ANGLE, units.LENGTH).dimension is None
     with pytest.raises(UnitError, match=re.escape("angle [rad] or length [m]")):
         read_quantity("45 kg", units.ANGLE, units.LENGTH)

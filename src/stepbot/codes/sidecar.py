@@ -262,4 +262,13 @@ CODES = (
         "Degrees, millimetres or g/cm^3 may be meant; the robot would be off by a factor of 57 or 1000.",
         "Write the unit: `90 deg`, `150 mm`, `1.2 g/cm^3`. If it is meant, write the SI unit, and the warning is gone.",
     ),
+    Code(
+        "SB140",
+        "note",
+        "torque in units of mass times length",
+        "A torque is written in kg.cm, g.cm, oz-in or lb-in, as data sheets of servos do, and is taken as the torque of "
+        "that weight at that distance: kgf*cm, gf*cm, ozf*in, lbf*in.",
+        "1 kgf*cm is 0.0980665 N*m. Read as newtons the same number would be off by a factor of ten.",
+        "If the weight is meant, write the unit of the force, as in the help. If not, write the torque in N*m.",
+    ),
 )

@@ -6,7 +6,7 @@ from .connections import check_connections
 from .device_rules import check_drives, check_sensors
 from .joint_rules import check_joints
 from .located import Sidecar
-from .magnitudes import check_magnitudes
+from .magnitudes import check_magnitudes, check_weights_as_forces
 from .mechanics import check_closures, check_mimics
 from .names import check_names
 from .references import check_references
@@ -22,11 +22,12 @@ _CHECKS = (
     check_drives,
     check_sensors,
     check_magnitudes,
+    check_weights_as_forces,
 )
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report what does not fit together: SB126, SB128, SB130 to SB139 and SB450 to SB462."""
+    """Report what does not fit together: SB126, SB128, SB130 to SB140 and SB450 to SB462."""
     local, complete = BoundedDiagnostics(), True
     try:
         for check in _CHECKS:

@@ -1,10 +1,11 @@
-"""Plain numbers, which are SI, that look as if degrees, millimetres or g/cm^3 were meant."""
+"""Values whose unit is likely another one: plain numbers far from what robots have, torques in kg.cm."""
 
 from collections.abc import Iterator
 from math import isfinite
 
 from ..diagnostics import Diagnostics
 from ..model import JointKind
+from ..units import FORCE, TORQUE, UnitError, read_quantity
 from .joint_settings import joint_settings, settings_of
 from .located import Sidecar
 from .subjects import subject
@@ -17,6 +18,7 @@ _MOST_ROTATION = 6.5
 _MOST_METRES = 10.0
 _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
+_EFFORTS = ("effort", "friction")
 _LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
 
 
@@ -36,6 +38,21 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
             _report(sidecar, keys, f"{number:g} m is larger than most robots", "mm", "m", found)
         elif named[-1] == "density" and 0.0 < number < _LIGHTEST:
             _report(sidecar, keys, f"{number:g} kg/m^3 is lighter than foam", "g/cm^3", "kg/m^3", found)
+
+
+def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB140 for torques that a mass was written for, as data sheets of servos do: ``20 kg.cm``."""
+    for keys, text in _texts(sidecar.root, ()):
+        if not isinstance(keys[-1], str) or keys[-1] not in _EFFORTS:
+            continue
+        try:
+            quantity = read_quantity(text, TORQUE, FORCE)
+        except UnitError:  # reported where the value was read
+            continue
+        if quantity.taken_as:
+            message = f"{subject(keys)}: '{text}' is taken as {quantity.taken_as}, which is {quantity.value:.6g} N*m"
+            help = [f"write `{quantity.taken_as}`, and the note is gone"]
+            found.add("SB140", message, sidecar.span(*keys), help=help)
 
 
 def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
@@ -60,12 +77,24 @@ def _turns(radians: float) -> str:
 
 def _plain_numbers(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, float]]:
     """Every value at and below a place that is written as a plain number."""
+    for place, scalar in _scalars(tree, keys):
+        if isinstance(scalar.value, int | float) and not isinstance(scalar.value, bool) and isfinite(scalar.value):
+            yield place, float(scalar.value)
+
+
+def _texts(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, str]]:
+    """Every value at and below a place that is written as a text."""
+    for place, scalar in _scalars(tree, keys):
+        if isinstance(scalar.value, str):
+            yield place, scalar.value
+
+
+def _scalars(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, Scalar]]:
     if isinstance(tree, Scalar):
-        if isinstance(tree.value, int | float) and not isinstance(tree.value, bool) and isfinite(tree.value):
-            yield keys, float(tree.value)
+        yield keys, tree
     elif isinstance(tree, Listing):
         for index, value in enumerate(tree.values):
-            yield from _plain_numbers(value, (*keys, index))
+            yield from _scalars(value, (*keys, index))
     elif isinstance(tree, Mapping):
         for key, entry in tree.entries.items():
-            yield from _plain_numbers(entry.value, (*keys, key))
+            yield from _scalars(entry.value, (*keys, key))

@@ -89,7 +89,7 @@ def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
             quantity = read_quantity(value, *dimensions)
         except UnitError as failure:
             raise fault("SB124", str(failure), *failure.hints) from None
-        return JointValue(*quantity)
+        return JointValue(quantity.value, quantity.dimension)
     try:
         number = float(value)
     except OverflowError:
