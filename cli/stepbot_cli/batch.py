@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .columns import aligned
 from .command import Command, concise_option, json_option
@@ -17,6 +17,7 @@ from .convert import again_format_option, format_names, no_verify_option, strict
 from .engines import require_option
 from .interrupts import interruptible
 from .junit import junit_option, write_junit
+from .progress import bar_column
 from .reading import reading_options
 from .render import paint, printable
 from .terminal import show_diagnostics, wants_color, write_json, write_result
@@ -65,10 +66,15 @@ def command(
     input and files are what they were is not converted again: a batch that was stopped goes on where it was.
     """
     from stepbot.batch import plan
+    from stepbot.output import check_writable
     from stepbot.sidecars import find_sidecars
 
     found = Diagnostics()
     tasks = plan(find_sidecars(sidecars, found), output, found)
+    try:
+        check_writable(output)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
     if found.has_errors:
         return _told(found, [], as_json, concise)
     options = replace(
@@ -138,7 +144,6 @@ def _bar(total: int) -> Iterator[Any]:
 
     from rich.console import Console
     from rich.progress import (
-        BarColumn,
         MofNCompleteColumn,
         Progress,
         ProgressColumn,
@@ -155,10 +160,11 @@ def _bar(total: int) -> Iterator[Any]:
         def render(self, task: Task) -> Text:
             return Text(f"{60.0 * (task.finished_speed or task.speed or 0.0):.1f}/min")
 
-    console = Console(stderr=True, no_color=not wants_color(sys.stderr))
+    color = wants_color(sys.stderr)
+    console = Console(stderr=True, no_color=not color)
     columns = (
         SpinnerColumn(),
-        BarColumn(20),
+        bar_column(color),
         MofNCompleteColumn(),
         Rate(),
         TimeRemainingColumn(),

@@ -3,10 +3,16 @@
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from .interrupts import interruptible
 from .terminal import wants_color
 
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
+
+BAR_WIDTH = 20
+"""Columns of a progress bar."""
 STAGES = {
     "read": "reading the STEP file",
     "build": "building the robot",
@@ -30,10 +36,11 @@ def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[st
         return
 
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True, no_color=not wants_color(sys.stderr))
-    columns = (SpinnerColumn(), BarColumn(bar_width=20), TextColumn("{task.description}"), TimeElapsedColumn())
+    color = wants_color(sys.stderr)
+    console = Console(stderr=True, no_color=not color)
+    columns = (SpinnerColumn(), bar_column(color), TextColumn("{task.description}"), TimeElapsedColumn())
     with interruptible() as end_if_interrupted, Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("starting", total=len(stages))
 
@@ -43,3 +50,21 @@ def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[st
             bar.update(task, description=STAGES.get(stage, stage), completed=done)
 
         yield begin
+
+
+def bar_column(color: bool) -> "ProgressColumn":
+    """The bar itself; rich's tells what is done from what is left by colour alone."""
+    from rich.progress import BarColumn, ProgressColumn, Task
+    from rich.text import Text
+
+    if color:
+        return BarColumn(BAR_WIDTH)
+
+    class PlainBar(ProgressColumn):
+        """A bar of two characters."""
+
+        def render(self, task: Task) -> Text:
+            done = int(BAR_WIDTH * (task.completed / task.total if task.total else 0.0))
+            return Text("#" * done + "." * (BAR_WIDTH - done))
+
+    return PlainBar()

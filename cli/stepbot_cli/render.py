@@ -4,12 +4,14 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from stepbot.diagnostics import Diagnostic, Span
+from stepbot.diagnostics import Diagnostic
 
 from .columns import cells
 
 FRAME_WIDTH = 120
-"""Characters of a source line that a code frame shows."""
+"""Columns of a code frame where nobody says how wide the screen is."""
+MOST_JUNK = 0.3
+"""Share of characters that cannot be printed; a line with more is not text, and gets no code frame."""
 LARGEST_SOURCE = 16 * 2**20
 """Bytes; a larger file gets no code frames, because reading it again would take longer than it helps."""
 
@@ -17,10 +19,16 @@ _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
 
 
-def full(diagnostics: Sequence[Diagnostic], *, color: bool = False) -> str:
-    """Each finding with the line that it is about, what is known, and what to do."""
+def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int = FRAME_WIDTH) -> str:
+    """Each finding with the line that it is about, what is known, and what to do.
+
+    Args:
+        diagnostics: What to show.
+        color: Whether to use the terminal's colours.
+        width: Columns that a code frame may take.
+    """
     lines = _source_lines(diagnostics)
-    return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color) for d in diagnostics)
+    return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in diagnostics)
 
 
 def concise(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
@@ -48,7 +56,7 @@ def summary(diagnostics: Iterable[Diagnostic]) -> str:
     found = list(diagnostics)
     counts = [(kind, sum(d.severity == kind for d in found)) for kind in ("error", "warning", "note")]
     text = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in counts if n)
-    codes = list(dict.fromkeys(d.code for d in found if d.severity != "note"))
+    codes = [d.code for severity in ("error", "warning") for d in found if d.severity == severity]
     return f"{text} (more: stepbot explain {codes[0]})" if codes else text
 
 
@@ -57,11 +65,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c in "\n " else repr(c)[1:-1] for c in text.replace("\t", " "))
 
 
-def _full(diagnostic: Diagnostic, source_line: str | None, color: bool) -> str:
+def _full(diagnostic: Diagnostic, source_line: str | None, color: bool, width: int) -> str:
     gutter = " " * len(str(diagnostic.span.line))
     parts = [_headline(diagnostic, color)]
     if source_line is not None:
-        parts += _frame(diagnostic.span, source_line, gutter, color, _COLORS[diagnostic.severity])
+        parts += _frame(diagnostic, source_line, gutter, color, width)
     for word, texts in (("note", diagnostic.notes), ("help", diagnostic.help)):
         for text in texts:
             first, *rest = printable(text).split("\n")
@@ -76,22 +84,45 @@ def _headline(diagnostic: Diagnostic, color: bool) -> str:
     return f"{place}: {kind}: {printable(diagnostic.message)}"
 
 
-def _frame(span: Span, source_line: str, gutter: str, color: bool, mark_color: str) -> list[str]:
-    """The source line, with the place marked below it."""
+def _frame(diagnostic: Diagnostic, source_line: str, gutter: str, color: bool, width: int) -> list[str]:
+    """The source line, with the place marked below it; nothing where the line is not text."""
+    span = diagnostic.span
     start = max(span.column - 1, 0)
     end = max(span.end_column - 1, start + 1)
-    cut = max(start - FRAME_WIDTH // 2, 0) if len(source_line) > FRAME_WIDTH else 0
-    shown = source_line[cut : cut + FRAME_WIDTH]
-    before = ("…" if cut else "") + _one_cell_controls(shown[: start - cut])
-    marked = _one_cell_controls(shown[start - cut : end - cut])
-    after = _one_cell_controls(shown[end - cut :]) + ("…" if len(source_line) > cut + FRAME_WIDTH else "")
+    room = max(width - len(gutter) - len(" | "), 1)
+    cut, stop = _window(source_line, start, room)
+    if _is_binary(source_line[cut:stop]):
+        return []
+    before = ("…" if cut else "") + _one_cell_controls(source_line[cut:start])
+    marked = _one_cell_controls(source_line[start : min(end, stop)])
+    after = _one_cell_controls(source_line[max(min(end, stop), start) : stop]) + (
+        "…" if stop < len(source_line) else ""
+    )
     bar = paint("|", _FRAME_COLOR, color)
-    mark = paint("^" * max(cells(marked), 1), mark_color, color)
+    mark = paint("^" * max(cells(marked), 1), _COLORS[diagnostic.severity], color)
     return [
         f"{gutter} {bar}",
         f"{paint(str(span.line), _FRAME_COLOR, color)} {bar} {before}{marked}{after}",
         f"{gutter} {bar} {' ' * cells(before)}{mark}",
     ]
+
+
+def _window(line: str, start: int, room: int) -> tuple[int, int]:
+    """Begin and end of the part of a line that is shown: around ``start``, with ellipses no wider than ``room``."""
+    if len(line) <= 2 * room and cells(line) <= room:
+        return 0, len(line)
+    cut = stop = min(start, len(line))
+    while cut > 0 and cells(line[cut - 1 : start]) <= room // 2:
+        cut -= 1
+    while stop < len(line) and cells(line[cut : stop + 1]) <= room - 2:
+        stop += 1
+    return cut, stop
+
+
+def _is_binary(text: str) -> bool:
+    """Whether a text is the content of a file that holds no text, or text in some other encoding."""
+    junk = sum(c == "\ufffd" or not (c.isprintable() or c.isspace()) for c in text)
+    return "\0" in text or junk > MOST_JUNK * len(text)
 
 
 def _source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str]:

@@ -3,17 +3,17 @@
 import sys
 import textwrap
 from collections.abc import Sequence
-from shutil import get_terminal_size
 from typing import TYPE_CHECKING
 
-from .columns import aligned
-from .render import paint, printable
-from .terminal import wants_color, write_result
+from .columns import wrapped_rows
+from .render import FRAME_WIDTH, paint, printable
+from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
     from stepbot.report import Check, Report, Row
 
-_HEADINGS = ("format", "file", "engine", "compared with", "result", "quantities", "worst deviation")
+_RESULT = "result"
+_HEADINGS = ("format", "file", "engine", "compared with", _RESULT, "quantities", "worst deviation")
 _MODEL = "model"
 _COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 
@@ -21,10 +21,10 @@ _COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 def show_table(report: "Report") -> None:
     """Print what was compared, the worst deviation and the outcome for each file and engine, then the reasons."""
     color = wants_color(sys.stdout)
-    width = get_terminal_size((120, 24)).columns
+    width = screen_width(sys.stdout)
     absent = dict.fromkeys(row.engine for row in report.rows() if _is_absent(row))
     shown = [row for row in report.rows() if not _is_absent(row)]
-    lines = [*_table(shown, color), *_remarks(report, shown, width)]
+    lines = [*_table(shown, width, color), *_remarks(report, shown, width or FRAME_WIDTH)]
     if absent:
         lines.insert(-1, f"not installed, so not run: {', '.join(absent)}")
     write_result("\n".join(lines))
@@ -37,14 +37,19 @@ def _is_absent(row: "Row") -> bool:
     return not row.compared and row.engine in optional_engines() and row.why.endswith("is not installed")
 
 
-def _table(rows: Sequence["Row"], color: bool) -> list[str]:
-    lines = aligned([_HEADINGS, *map(_cells, rows)])
+def _table(rows: Sequence["Row"], width: int | None, color: bool) -> list[str]:
+    texts = [_HEADINGS, *map(_cells, rows)]
     if all(row.against == _MODEL for row in rows):  # then it goes without saying
-        lines = aligned([_without_against(cells) for cells in [_HEADINGS, *map(_cells, rows)]])
-    head, *body = lines
-    if color:
-        body = [_with_color(line, row) for line, row in zip(body, rows, strict=True)]
-    return [paint(head, "1", color), *body]
+        texts = [_without_against(cells) for cells in texts]
+    result = texts[0].index(_RESULT)
+    head, *body = wrapped_rows(texts, width)
+    lines = [paint("  ".join(cells).rstrip(), "1", color) for cells in head]
+    for row, of_row in zip(rows, body, strict=True):
+        for cells in of_row:
+            word = cells[result].rstrip()
+            cells[result] = paint(word, _COLORS[row.status.value], color and bool(word)) + cells[result][len(word) :]
+            lines.append("  ".join(cells).rstrip())
+    return lines
 
 
 def _cells(row: "Row") -> tuple[str, ...]:
@@ -61,14 +66,6 @@ def _cells(row: "Row") -> tuple[str, ...]:
 
 def _without_against(cells: tuple[str, ...]) -> tuple[str, ...]:
     return (*cells[:3], *cells[4:])
-
-
-def _with_color(line: str, row: "Row") -> str:
-    """The line with its result painted: the last such word before the columns that follow it."""
-    word = row.status.value
-    end = line.rindex(_deviation(row.worst) if row.compared else printable(row.why))
-    start = line.rindex(word, 0, end)
-    return line[:start] + paint(word, _COLORS[word], True) + line[start + len(word) :]
 
 
 def _deviation(check: "Check | None") -> str:
@@ -100,4 +97,4 @@ def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
 
 
 def _wrapped(text: str, width: int) -> list[str]:
-    return textwrap.wrap(text, max(width, 60), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    return textwrap.wrap(text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)

@@ -13,10 +13,24 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 
 from . import render
 
+NARROWEST = 40
+"""Columns of the screen; nothing is fitted into fewer."""
+
 
 def wants_color(stream: TextIO) -> bool:
     """Whether ``stream`` should get colours."""
     return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+def screen_width(stream: TextIO) -> int | None:
+    """Columns of the terminal behind ``stream``, or of ``COLUMNS``; None in a pipe, where nobody says."""
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns):
+        return max(int(columns), NARROWEST)
+    try:
+        return max(os.get_terminal_size(stream.fileno()).columns, NARROWEST)
+    except (OSError, ValueError):  # a pipe, or no file at all
+        return None
 
 
 def write_result(text: str) -> None:
@@ -47,8 +61,11 @@ def show_diagnostics(found: Iterable[Diagnostic], *, concise: bool = False, as_r
         return
     stream = sys.stdout if as_result else sys.stderr
     color = wants_color(stream)
-    text = render.concise(diagnostics, color=color) if concise else render.full(diagnostics, color=color)
-    _write(stream, text if concise else f"{text}\n\n{render.summary(diagnostics)}")
+    if concise:
+        _write(stream, render.concise(diagnostics, color=color))
+        return
+    text = render.full(diagnostics, color=color, width=screen_width(stream) or render.FRAME_WIDTH)
+    _write(stream, f"{text}\n\n{render.summary(diagnostics)}")
 
 
 def _write(stream: TextIO, text: str) -> None:

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from .cache import Cache, Digest, Shelf, environment, file_digest, own_code
 from .conversion import Conversion, Options, write
-from .diagnostics import Diagnostic, Diagnostics
+from .diagnostics import Diagnostic, Diagnostics, StepbotError
+from .output import check_writable
 from .warmup import started_kernel, started_server
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
@@ -40,6 +41,10 @@ class _Findings:
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
     """Convert one sidecar, or find what came of it, and write the files."""
+    try:
+        check_writable(options.output)
+    except StepbotError as error:
+        return Conversion(error.diagnostics)
     conversion = produce(sidecar, options, progress)
     progress("save")
     return write(conversion, options.output)

@@ -38,6 +38,19 @@ def failed_output(folder: Path) -> Path:
     return folder.parent / f"{folder.resolve().name}.failed"
 
 
+def check_writable(folder: Path) -> None:
+    """Find out before the work begins that a folder could not be written, or not be made; changes nothing.
+
+    Raises:
+        StepbotError: A file is in the way, or the right to write is missing (SB004).
+    """
+    nearest = next((path for path in (folder, *folder.absolute().parents) if os.path.lexists(path)), folder)
+    if not nearest.is_dir():
+        _refuse(folder, f"cannot write {folder}: '{nearest}' is not a folder")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        _refuse(folder, f"cannot write {folder}: no right to write in '{nearest}'")
+
+
 def write_atomically(files: Mapping[str, bytes], folder: Path) -> None:
     """Write all files, or none.
 

@@ -194,6 +194,27 @@ def test_output_that_cannot_be_written(arm: Path, stepbot: Stepbot) -> None:
     assert (arm / "out").read_text(encoding="utf-8") == "a file"
 
 
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no permissions of POSIX on this system")
+@pytest.mark.parametrize("output", ["out", "out/deeper/arm"])
+@pytest.mark.parametrize("how", ["file", "right"])
+def test_unwritable_output_is_found_before_the_work(
+    arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch, how: str, output: str
+) -> None:
+    """A file in the way, or a missing right, is reported before anything is read: the sidecar need not even exist."""
+    if how == "file":
+        (arm / "out").write_text("a file", encoding="utf-8")
+    else:
+        (arm / "out").mkdir()
+        monkeypatch.setattr(os, "access", lambda path, mode: not (mode & os.W_OK and Path(path).name == "out"))
+    before = snapshot(arm)
+    for command in (("convert", "no.robot.yaml"), ("batch", ".")):
+        run = stepbot(*command, "-o", output)
+        assert (run.code, run.out) == (2, "")
+        assert run.err.count("error[SB004]") == run.err.count("error[") == 1
+        assert "'out'" in run.err.replace(str(arm) + os.sep, "")
+    assert snapshot(arm) == before
+
+
 @pytest.mark.slow
 def test_same_bytes_wherever_and_however(arm: Path, stepbot: Stepbot) -> None:
     """Another hash seed, locale, time zone and working directory give the same bytes, report included."""

@@ -7,6 +7,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot_cli import render
+from stepbot_cli.columns import cells
 
 SOURCE = "version: 1\nlinks:\n  base: {}\njoints:\n  elbow:\n    child: forarm\n"
 
@@ -76,6 +77,38 @@ def test_long_line_is_cut_around_the_place(tmp_path: Path) -> None:
     start = mark.index("^")
     assert line[start : start + 4] == "HERE"
     assert mark[start:] == "^^^^"
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+@pytest.mark.parametrize("line", ["x" * 40 + "HERE" + "y" * 200, "手" * 70 + "HERE" + "臂" * 70, "HERE" + "z" * 90])
+def test_frame_fits_the_screen(tmp_path: Path, line: str, width: int) -> None:
+    """No line of a frame is wider than the screen, and the mark is below its place, in wide characters too."""
+    file = tmp_path / "a.yaml"
+    file.write_text(line, encoding="utf-8")
+    column = line.index("HERE") + 1
+    frame = render.full([diagnostic(Span(str(file), 1, column, column + 4))], width=width).splitlines()[1:]
+    assert max(map(cells, frame)) <= width
+    shown, mark = frame[1:3]
+    assert cells(shown.partition("HERE")[0]) == cells(mark.partition("^")[0])
+    assert mark.strip(" |") == "^^^^"
+
+
+@pytest.mark.parametrize(
+    "content", [b"PK\x03\x04\x14\x00\x08\x08arm.step", bytes(range(128, 256)), "манипулятор".encode("cp1251")]
+)
+def test_binary_content_has_no_frame(tmp_path: Path, content: bytes) -> None:
+    """What is no text, or text in another encoding, is not shown: the headline says where it is."""
+    file = tmp_path / "a.yaml"
+    file.write_bytes(content)
+    assert len(render.full([diagnostic(Span(str(file), 1, 1))]).splitlines()) == 1
+
+
+def test_footer_explains_the_first_error() -> None:
+    """The code to look up is the first error's, else the first warning's, and never a note's."""
+    found = [Diagnostic(c, s, "m", Span("a")) for c, s in (("SB505", "note"), ("SB305", "warning"), ("SB130", "error"))]
+    assert render.summary(found) == "1 error, 1 warning, 1 note (more: stepbot explain SB130)"
+    assert render.summary(found[:2]) == "1 warning, 1 note (more: stepbot explain SB305)"
+    assert render.summary(found[:1]) == "1 note"
 
 
 def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:

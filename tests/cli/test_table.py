@@ -56,6 +56,21 @@ def test_what_files_are_compared_with(capsys: pytest.CaptureFixture[str]) -> Non
     assert "a.urdf (mujoco)" in line
 
 
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_columns_wrap_each_on_its_own(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, width: int
+) -> None:
+    """On a narrow screen a cell goes on below itself, in its own column; no word is lost."""
+    monkeypatch.setenv("COLUMNS", str(width))
+    where = "colour of visual 'forearm_visual_3' of link 'forearm' at configuration 31"
+    far = Check("机器人.urdf", "urdf", "mujoco", "mass", Status.PASSED, 2.5e-16, 1e-9, "kg", where)
+    lines = table(capsys, far)
+    assert max(map(cells, lines)) <= width
+    last = [line[lines[0].index("worst") - 3 :] for line in lines[1 : lines.index("")]]
+    words = re.sub(r"\s+", "", "".join(last))
+    assert where.replace(" ", "") in words
+
+
 def test_columns_are_straight_for_wide_names() -> None:
     """A Chinese name takes two columns a letter, a combining accent none."""
     assert cells("机器人") == 6

@@ -53,6 +53,17 @@ def test_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "verifying in the engines" in terminal.getvalue()
 
 
+def test_bar_without_color_is_not_blank(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With NO_COLOR the bar shows what is done and what is left by characters."""
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("NO_COLOR", "1")
+    with progress_bar() as progress:
+        progress("read")
+        progress("verify")
+    assert "############........" in terminal.getvalue()
+
+
 def test_no_progress_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
     """A pipe sees nothing of it."""
     pipe = io.StringIO()
