@@ -95,6 +95,16 @@ def test_other_locale_and_relative_paths(
     assert_same_bytes(first.folder, tmp_path / "out" / "here")
 
 
+@pytest.mark.parametrize("robot", ["stepbot_diff_drive", "stepbot_upper_body"])
+def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str) -> None:
+    """Four processes, without a cache: the same bytes, those of large hulls too."""
+    (sidecar,) = (robot_library / robot).glob("*.robot.yaml")
+    runs = [convert(sidecar, tmp_path / str(i), "--no-verify") for i in range(4)]
+    assert any(name.endswith("_hull.obj") for name in snapshot(runs[0].folder))
+    for run in runs[1:]:
+        assert_same_bytes(runs[0].folder, run.folder)
+
+
 def test_one_format_alone_has_the_same_bytes(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:

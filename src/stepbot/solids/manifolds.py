@@ -151,7 +151,10 @@ def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
 
 
 def convex_hull(points: Array) -> TriMesh | None:
-    """Convex hull of points (n, 3), faces outwards; None where they lie in a plane, or nearly."""
+    """Convex hull of points (n, 3), faces outwards; None where they lie in a plane, or nearly.
+
+    manifold3d finds the same faces in every run, in an order that depends on its threads: here they are sorted.
+    """
     import manifold3d
 
     if len(points) < 4:
@@ -161,7 +164,19 @@ def convex_hull(points: Array) -> TriMesh | None:
     if hull.volume() <= _FLAT * diagonal**3:
         return None
     mesh = hull.to_mesh64()
-    return TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))
+    return _sorted(TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)))
+
+
+def _sorted(mesh: TriMesh) -> TriMesh:
+    """The same mesh with its vertices in the order of x, y, z and its faces in that of their vertices.
+
+    The lowest vertex of each face comes first; all three still go round the same way.
+    """
+    order = np.lexsort(mesh.vertices.T[::-1])
+    faces = np.argsort(order)[mesh.faces]
+    turns = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    faces = np.take_along_axis(faces, turns, axis=1)
+    return TriMesh.of(mesh.vertices[order], faces[np.lexsort(faces.T[::-1])])
 
 
 def _sagittas(mesh: TriMesh) -> Array:

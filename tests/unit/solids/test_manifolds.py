@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stepbot.mesh import TriMesh
-from stepbot.solids.manifolds import Solid, union_volume
-from stepbot.spatial import IDENTITY, Pose
+from stepbot.solids.manifolds import Solid, convex_hull, union_volume
+from stepbot.spatial import IDENTITY, Array, Pose
 from tests.unit.build.workshop import BOX_FACES, CORNERS, rod_mesh
 
 
@@ -126,3 +126,57 @@ def test_a_mesh_that_does_not_close_is_not_sound() -> None:
     """Without one face a box bounds nothing; whole, it does."""
     assert _box(1, 1, 1).is_sound
     assert not Solid(TriMesh.of(CORNERS, BOX_FACES[1:])).is_sound
+
+
+def _points_on_a_sphere(radius: float, count: int) -> Array:
+    """Points (count, 3) on a sphere, on the grid of nanometres."""
+    points = np.random.default_rng(5).normal(size=(count, 3))
+    return np.round(radius * points / np.linalg.norm(points, axis=1)[:, None], 9)
+
+
+def test_hull_is_the_same_in_every_run() -> None:
+    """manifold3d orders the faces of large hulls by which of its threads comes first; ours have one order."""
+    points = _points_on_a_sphere(0.1, 5000)
+    hulls = [convex_hull(points) for _ in range(10)]
+    assert len({hull.vertices.tobytes() + hull.faces.tobytes() for hull in hulls if hull}) == 1
+
+
+def test_hull_has_one_order() -> None:
+    """Vertices are sorted by x, y and z; faces begin with their lowest vertex and are sorted by their vertices."""
+    hull = convex_hull(_points_on_a_sphere(0.1, 300))
+    assert hull is not None
+    assert hull.vertices.tolist() == sorted(hull.vertices.tolist())
+    assert hull.faces.tolist() == sorted(hull.faces.tolist())
+    assert all(face[0] == min(face) for face in hull.faces.tolist())
+
+
+@pytest.mark.parametrize("inside", [0, 2000])
+def test_hull_is_closed_and_convex_and_encloses_its_points(inside: int) -> None:
+    """Every edge joins two faces that run along it in opposite directions; no point is in front of a face."""
+    outer = _points_on_a_sphere(0.1, 3000)
+    points = np.vstack([_points_on_a_sphere(0.05, inside), outer]) if inside else outer
+    hull = convex_hull(points)
+    assert hull is not None
+    # All points of a sphere are corners of their hull: by Euler's formula it has 2 n - 4 faces.
+    assert sorted(hull.vertices.tolist()) == sorted(outer.tolist())
+    assert len(hull.faces) == 2 * len(outer) - 4
+    sides = [(a, b) for face in hull.faces.tolist() for a, b in zip(face, face[1:] + face[:1], strict=True)]
+    assert len(set(sides)) == len(sides)
+    assert {(b, a) for a, b in sides} == set(sides)
+    a, b, c = (hull.vertices[hull.faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    heights = points @ normals.T - np.einsum("ij,ij->i", a, normals)
+    assert heights.max() < 1e-9
+
+
+def test_hull_of_a_box_is_the_box() -> None:
+    """Points within, on edges and on faces of a box change nothing: all its corners, and its volume."""
+    steps = np.linspace(-0.5, 0.5, 9)
+    points = np.array(np.meshgrid(2 * steps, 3 * steps, 4 * steps)).reshape(3, -1).T
+    hull = convex_hull(np.random.default_rng(2).permutation(points))
+    assert hull is not None
+    corners = {(x, y, z) for x in (-1.0, 1.0) for y in (-1.5, 1.5) for z in (-2.0, 2.0)}
+    assert corners <= set(map(tuple, hull.vertices.tolist()))
+    a, b, c = (hull.vertices[hull.faces[:, i]] for i in range(3))
+    assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == pytest.approx(24.0, rel=1e-12)
