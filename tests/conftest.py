@@ -12,6 +12,8 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["STEPBOT_NO_CACHE"] = "1"
 """No test finds what another one left; those of the cache name one of their own."""
+os.environ.pop("COLUMNS", None)
+"""No test is as wide as the terminal that it was started from, which readline hands to processes of pytest-xdist."""
 CORPUS = Path(os.environ.get("STEPBOT_CORPUS", ROOT.parent / "shared" / "corpus"))
 CORPUS_ABSENT = f"real STEP assemblies are absent: no folder {CORPUS} (set STEPBOT_CORPUS)"
 

@@ -12,7 +12,8 @@ import click
 
 import stepbot
 
-from .failures import show_exception
+from .command import Group
+from .failures import show_exception, show_usage_error
 
 COMMANDS = (
     "convert",
@@ -33,7 +34,7 @@ INTERRUPTED = 130
 """Exit code of a process that Ctrl-C ended."""
 
 
-class Commands(click.Group):
+class Commands(Group):
     """Finds each command in the module of its name."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
@@ -70,11 +71,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not end in an error where the locale is ASCII
             stream.reconfigure(errors="backslashreplace")
+    arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        result = application.main(args=argv, prog_name="stepbot", standalone_mode=False)
+        result = application.main(args=arguments, prog_name="stepbot", standalone_mode=False)
     except click.ClickException as error:
-        error.show()
-        return 2
+        return show_usage_error(error, as_json="--json" in arguments)
     except click.Abort:
         click.echo("interrupted", err=True)
         return INTERRUPTED

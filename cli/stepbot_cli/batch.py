@@ -31,12 +31,19 @@ if TYPE_CHECKING:
 _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
 
 
+def _cores(text: str) -> int:
+    """How many cores to use."""
+    if not text.isdecimal() or int(text) < 1:
+        raise click.BadParameter(f"'{text}' is not a number of cores, 1 or more")
+    return int(text)
+
+
 @click.command(cls=Command, short_help="Convert and verify many robots.")
 @click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Gets a folder per robot."
 )
-@click.option("-j", "--jobs", type=click.IntRange(min=1), metavar="N", help="Cores to use.  [default: all]")
+@click.option("-j", "--jobs", type=_cores, metavar="N", help="Cores to use.  [default: all]")
 @click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster of tcp://HOST:PORT instead.")
 @again_format_option
 @no_verify_option

@@ -5,12 +5,12 @@ from pathlib import Path
 import click
 
 from .caching import folder_option, opened
-from .command import Command, json_option
+from .command import Command, Group, json_option
 from .sizes import in_words
 from .terminal import write_json, write_result
 
 
-@click.group(short_help="Show or clear the results that are kept.")
+@click.group(cls=Group, short_help="Show or clear the results that are kept.")
 def command() -> None:
     """Results are kept by the content of everything that they depend on, so a stale one is never used.
 

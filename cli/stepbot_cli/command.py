@@ -1,10 +1,32 @@
 """What every command has in common: an unforeseen exception becomes a diagnostic, in JSON where JSON was asked for."""
 
+from collections.abc import Callable
 from typing import Any
 
 import click
 
+from stepbot.diagnostics import did_you_mean
+
 from .failures import show_exception
+
+
+class Group(click.Group):
+    """Commands, of which a misspelt one is answered with its neighbours."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that the first argument names.
+
+        Raises:
+            click.UsageError: There is no such command.
+        """
+        name = args[0]
+        if not name.startswith("-") and self.get_command(ctx, name) is None and not ctx.resilient_parsing:
+            commands = self.list_commands(ctx)
+            near = "".join(did_you_mean(name, commands)) or f"there are {', '.join(commands)}"
+            raise click.UsageError(f"no command '{name}'; {near}", ctx)
+        return super().resolve_command(ctx, args)
 
 
 class Command(click.Command):
@@ -18,6 +40,15 @@ class Command(click.Command):
             raise
         except Exception as error:  # noqa: BLE001 - reported with its traceback
             return show_exception(error, as_json=bool(ctx.params.get("as_json")))
+
+
+def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
+    """An option that may be repeated and takes several names at once, with commas between."""
+    return click.option(*declarations, multiple=True, callback=_split, **attributes)
+
+
+def _split(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG001
+    return tuple(name.strip() for several in given for name in several.split(","))
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document instead of text.")

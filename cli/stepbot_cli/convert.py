@@ -10,7 +10,7 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .caching import say_trouble
-from .command import Command, concise_option, json_option
+from .command import Command, concise_option, json_option, names_option
 from .engines import require_option
 from .junit import junit_option, write_junit
 from .progress import progress_bar
@@ -22,17 +22,14 @@ if TYPE_CHECKING:
     from stepbot.conversion import Conversion, Options
     from stepbot.junit import Suite
 
-format_option = click.option(
+format_option = names_option(
     "-f",
     "--format",
     "formats",
-    multiple=True,
-    metavar="FORMAT",
-    help="Write this format; may be repeated.  [default: all]",
+    metavar="FORMAT,...",
+    help="Write these formats, such as urdf,sdf; may be repeated.  [default: all]",
 )
-again_format_option = click.option(
-    "-f", "--format", "formats", multiple=True, metavar="FORMAT", help="As for `convert`."
-)
+again_format_option = names_option("-f", "--format", "formats", metavar="FORMAT,...", help="As for `convert`.")
 strict_option = click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
 no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
 

@@ -1,6 +1,7 @@
 """Options of the commands that start the kernel or an engine."""
 
 from collections.abc import Callable
+from math import isfinite, nan
 from typing import Any
 
 import click
@@ -8,16 +9,28 @@ import click
 from stepbot.isolation import DEFAULT_TIMEOUT
 from stepbot.memory import worker_limit
 
+from .command import names_option
 from .sizes import size
 
-require_option = click.option(
-    "--require", multiple=True, metavar="ENGINE", help="Make it an error if this engine is absent; may be repeated."
+require_option = names_option(
+    "--require", metavar="ENGINE,...", help="Make it an error if one of these engines is absent; may be repeated."
 )
 
 
 def _limit(text: str) -> int | None:
     """A size, or none at all."""
     return None if text.strip().lower() == "none" else size(text)
+
+
+def _seconds(text: str) -> float:
+    """A time limit [s]."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = nan
+    if not (isfinite(seconds) and seconds > 0.0):
+        raise click.BadParameter(f"'{text}' is not a number of seconds above 0, such as 600 or 0.5")
+    return seconds
 
 
 def _default_limit() -> str:
@@ -29,7 +42,7 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add what the worker processes may take."""
     timeout = click.option(
         "--timeout",
-        type=click.FloatRange(min=0, min_open=True),
+        type=_seconds,
         default=DEFAULT_TIMEOUT,
         show_default=True,
         metavar="SECONDS",

@@ -2,11 +2,15 @@
 
 import traceback
 
+import click
+
 from stepbot.diagnostics import Diagnostics, ExitCode, Span, StepbotError
 
 from .terminal import show_diagnostics, write_error, write_json
 
 _OURS = ("stepbot", "stepbot_cli")
+_EXTRAS = {"dask": "dask", "distributed": "dask"}
+"""Packages that come with an extra of stepbot, and its name."""
 
 
 def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
@@ -14,9 +18,9 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
     found = error.diagnostics if isinstance(error, StepbotError) else Diagnostics()
     if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] not in _OURS:
         package = error.name.partition(".")[0]
-        found.add(
-            "SB003", f"package missing: no module named '{package}'", Span("stepbot"), help=[f"pip install {package}"]
-        )
+        extra = _EXTRAS.get(package)
+        help = [f"pip install 'stepbot[{extra}]'" if extra else f"pip install {package}"]
+        found.add("SB003", f"package missing: no module named '{package}'", Span("stepbot"), help=help)
     elif not isinstance(error, StepbotError):
         write_error("".join(traceback.format_exception(error)))
         _add_internal_error(error, found)
@@ -24,6 +28,19 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
         write_json({"diagnostics": found, "exit_code": found.exit_code})
     else:
         show_diagnostics(found)
+    return found.exit_code
+
+
+def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
+    """Report arguments that cannot be understood; returns the exit code."""
+    if not as_json:
+        error.show()
+        return 2
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    command = context.command_path if context is not None else "stepbot"
+    found = Diagnostics()
+    found.add("SB010", error.format_message(), Span(command), help=[f"`{command} --help`"])
+    write_json({"diagnostics": found, "exit_code": found.exit_code})
     return found.exit_code
 
 

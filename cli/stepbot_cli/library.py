@@ -10,7 +10,7 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .columns import aligned
-from .command import Command, concise_option, json_option
+from .command import Command, Group, concise_option, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import working_options
 from .terminal import write_json, write_result
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 WIDTH = 100
 
 
-@click.group(short_help="List, show or export the robots that come with stepbot.")
+@click.group(cls=Group, short_help="List, show or export the robots that come with stepbot.")
 def command() -> None:
     """Robots that come with stepbot, each a STEP file, a sidecar and a page that tells where every number is from.
 

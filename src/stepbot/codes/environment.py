@@ -83,4 +83,13 @@ CODES = (
         "Start it with `dask scheduler`, workers with `dask worker tcp://host:8786`, with the same stepbot everywhere.",
         could_not_run=True,
     ),
+    Code(
+        "SB010",
+        "error",
+        "wrong usage",
+        "The command line has an unknown command or option, a missing argument, or a value that an option does not take.",
+        "Nothing was done. With `--json` the fault is reported in JSON, like every other.",
+        "`stepbot COMMAND --help` lists the arguments and options, with an example.",
+        could_not_run=True,
+    ),
 )

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from ..diagnostics import Diagnostics, Span, did_you_mean
+from .starter import starter_name, starter_sidecar
 
 LARGEST_FILE = 1 << 20
 """Bytes of the largest file that is read."""
@@ -31,7 +32,11 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         found.add("SB001", f"sidecar: {_reason(path, failure)}", whole, help=_meant(path))
         return None
     if content.lstrip()[:12] == b"ISO-10303-21":
-        help = ["name the sidecar; its key `step` names the STEP file"]
+        help = [
+            f"write a sidecar beside it, `{starter_name(path)}`, say, and name that; the smallest one:\n"
+            + starter_sidecar(path),
+            f"`stepbot inspect {path.as_posix()}` shows the parts to make links of; docs/sidecar.md has all keys",
+        ]
         found.add("SB109", "sidecar: this is a STEP file", whole, help=help)
         return None
     if len(content) > LARGEST_FILE:

@@ -1,0 +1,38 @@
+"""The smallest sidecar of a STEP file, for who has none yet."""
+
+import json
+import re
+from pathlib import Path
+
+_PLAIN = re.compile(r"[^\W\d_][\w./+-]*( [\w./+-]+)*")
+"""Texts that mean themselves in YAML without quotes; a few that do not match would, too."""
+_NOT_TEXTS = frozenset(("true", "false", "null", "inf", "nan"))
+
+
+def starter_name(step: Path) -> str:
+    """What to call the sidecar of a STEP file: ``arm.step`` has ``arm.robot.yaml``."""
+    return f"{step.stem}.robot.yaml"
+
+
+def starter_sidecar(step: Path) -> str:
+    """A sidecar that makes one rigid link of all parts of a STEP file, to be divided by joints."""
+    return "\n".join(
+        (
+            "version: 1",
+            f"robot: {_scalar(_robot(step.stem))}",
+            f"step: {_scalar(step.name)}",
+            "defaults: {density: 1000 kg/m^3}  # of parts without a material",
+            "links:",
+            "  base: {rest: true}  # everything; name the parts of other links below",
+        )
+    )
+
+
+def _robot(stem: str) -> str:
+    """The name with what no robot's name may hold replaced."""
+    return re.sub(r"[\s/<>&\"'\\:*?|.\x00-\x1f\x7f]+", "_", stem).strip("_")[:100] or "robot"
+
+
+def _scalar(text: str) -> str:
+    plain = _PLAIN.fullmatch(text) and text.casefold() not in _NOT_TEXTS
+    return text if plain else json.dumps(text, ensure_ascii=False)

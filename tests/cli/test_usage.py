@@ -1,0 +1,134 @@
+"""Arguments that cannot be understood: what is said, in text and in JSON, and what to do instead."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.load import parse_sidecar
+from stepbot.sidecar.starter import starter_name, starter_sidecar
+
+from .conftest import Stepbot
+
+
+@pytest.mark.parametrize(
+    ("arguments", "command", "words"),
+    [
+        (["convert", "a.yaml", "--nope"], "stepbot convert", "No such option"),
+        (["convert"], "stepbot convert", "Missing argument"),
+        (["converrt"], "stepbot", "did you mean 'convert'?"),
+        (["library", "exprot", "ur5e"], "stepbot library", "did you mean 'export'?"),
+        (["explain", "SB000"], "stepbot explain", "no code 'SB000'"),
+        (["convert", "a.yaml", "--no-verify", "--require", "mujoco"], "stepbot convert", "--require"),
+    ],
+)
+def test_usage_errors_are_json_where_json_was_asked_for(
+    stepbot: Stepbot, arguments: list[str], command: str, words: str
+) -> None:
+    """Bad option, missing argument, unknown command: one document with SB010 and the command, or text; exit code 2."""
+    run = stepbot(*arguments)
+    assert (run.code, run.out) == (2, "")
+    assert run.err.startswith(f"Usage: {command} ")
+    if command != "stepbot explain":
+        assert words in run.err
+    run = stepbot(*arguments, "--json")
+    document = json.loads(run.out)
+    assert document["exit_code"] == run.code == 2
+    assert run.err == ""
+    (found,) = document["diagnostics"]
+    assert (found["code"], found["file"], found["help"]) == ("SB010", command, [f"`{command} --help`"])
+    if command != "stepbot explain":  # has no --json of its own, which is the fault then
+        assert words in found["message"]
+
+
+def test_unknown_command_without_neighbours_lists_all(stepbot: Stepbot) -> None:
+    """A word that is like no command gets the list of them."""
+    assert "there are convert, batch, inspect" in stepbot("xyzzy").err
+
+
+@pytest.mark.parametrize("value", ["abc", "0", "-1", "nan", "inf", "5 min"])
+def test_timeout_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
+    """A time limit is a number of seconds."""
+    run = stepbot("convert", "a.yaml", "--timeout", value)
+    assert run.code == 2
+    assert f"'{value}' is not a number of seconds above 0, such as 600" in run.err
+
+
+@pytest.mark.parametrize("value", ["abc", "0", "1.5"])
+def test_jobs_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
+    """Cores are counted."""
+    run = stepbot("batch", ".", "-o", "out", "-j", value)
+    assert run.code == 2
+    assert f"'{value}' is not a number of cores, 1 or more" in run.err
+
+
+@pytest.mark.parametrize("given", [("-f", "urdf,sdf"), ("-f", "urdf, sdformat", "-f", "sdf")])
+def test_formats_in_a_list(arm: Path, stepbot: Stepbot, given: tuple[str, ...]) -> None:
+    """`-f urdf,sdf` is `-f urdf -f sdf`."""
+    run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "-o", "out", "--json", *given)
+    assert run.code == 0
+    files = {Path(name).suffix for name in json.loads(run.out)["files"] if "/" not in name}
+    assert files == {".urdf", ".sdf", ".json"}
+
+
+def test_unknown_format_in_a_list(stepbot: Stepbot) -> None:
+    """The one that is not there is named, not the list."""
+    run = stepbot("convert", "arm2.robot.yaml", "-f", "urdf,udrf")
+    assert run.code == 2
+    assert "no format 'udrf'; did you mean 'urdf'?" in run.err
+
+
+@pytest.mark.parametrize("command", ["convert", "check", "uptodate"])
+def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -> None:
+    """A STEP gets the smallest sidecar that names it, ready to paste, and a pointer to inspect; pasted, it works."""
+    run = stepbot(command, "arm2.step", "--json")
+    assert run.code == 1
+    (found,) = json.loads(run.out)["diagnostics"]
+    assert found["code"] == "SB109"
+    paste, inspect = found["help"]
+    assert "`stepbot inspect arm2.step`" in inspect
+    first, _, text = paste.partition("\n")
+    assert "`arm2.robot.yaml`" in first
+    assert "step: arm2.step\n" in text
+    (arm / "pasted.robot.yaml").write_text(text, encoding="utf-8")
+    pasted = stepbot("check", "--step", "--json", "pasted.robot.yaml")
+    assert pasted.code == 0
+    assert {one["severity"] for one in json.loads(pasted.out)["diagnostics"]} <= {"note"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "XL,XC 330 v1.step",
+        "机器人.stp",
+        "a: b #1.step",
+        "true.step",
+        "true",
+        "007.step",
+        "-x.step",
+        "it's.step",
+        'a "b".step',
+        "a\\b*?.step",
+        "....step",
+        "a\nb.step",
+        "x" * 200 + ".step",
+    ],
+)
+def test_smallest_sidecar_of_any_file_name(name: str) -> None:
+    """Whatever the STEP is called, the sidecar is valid and names it."""
+    found = Diagnostics()
+    sidecar = parse_sidecar(starter_sidecar(Path("folder") / name), Path(starter_name(Path(name))), found)
+    assert list(found) == []
+    assert sidecar is not None
+    assert sidecar.document.step == name
+
+
+def test_missing_dask_names_the_extra(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """--scheduler without Dask says what to install, with the bounds that stepbot has for it."""
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    run = stepbot("batch", str(arm), "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
+    assert run.code == 2
+    assert "error[SB003]: package missing: no module named 'distributed'" in run.err
+    assert "pip install 'stepbot[dask]'" in run.err
