@@ -282,6 +282,7 @@ _SPELLED_OUT = {
     "kgfcm": "kgf*cm",
     "ozin": "ozf*in",
     "cc": "cm^3",
+    "\N{MASCULINE ORDINAL INDICATOR}": "\N{DEGREE SIGN}",
 }
 
 

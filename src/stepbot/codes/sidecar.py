@@ -43,9 +43,10 @@ CODES = (
     Code(
         "SB105",
         "error",
-        "tab in the indentation",
-        "A line is indented with a tab character.",
-        "YAML takes indentation for structure, and how wide a tab is depends on who looks.",
+        "tab in the place of blanks",
+        "A line is indented with a tab character, or has one behind a colon, a comma or a dash.",
+        "YAML takes indentation for structure, and how wide a tab is depends on who looks; readers disagree about tabs "
+        "elsewhere in a line.",
         "Use two spaces for each level; most editors convert tabs to spaces for .yaml files.",
     ),
     Code(

@@ -224,12 +224,20 @@ class _Composer:
         comment = self._lines[start.line - 1][start.end_column - 1 :].lstrip(": ") if start.end_column else ""
         if re.match(r"#[^\s#]", comment):
             help = [f'a # starts a comment; text that has one goes in quotes: "{comment}"']
+        elif key_span and (number := self._decimal_comma_before(key_span)):
+            help = [f"the decimal separator is a point: `{number}`"]
         elif key_span and re.search(r"\w:\S", str(self._keys[-1])):
             help = ["a colon needs a space after it: `key: value`"]
         else:
             help = ["give it a value, write {} for an empty mapping, or remove it"]
         self._fault("SB112", "has no value", start, help)
         return Scalar(value.span, None, value.text, faulty=True)
+
+    def _decimal_comma_before(self, key: Span) -> str:
+        """The number, with its unit, that a decimal comma in braces has cut: ``1,5 N*m`` is a value 1 and a key."""
+        line = self._lines[key.line - 1]
+        whole, rest = re.search(r"[-+]?\d+,$", line[: key.column - 1]), str(self._keys[-1])
+        return f"{whole[0][:-1]}.{rest}" if whole and rest[:1].isdigit() else ""
 
     def _too_much(self, event: Any, message: str) -> Never:
         self._add("SB108", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), [])

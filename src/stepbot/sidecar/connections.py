@@ -1,6 +1,7 @@
 """Joints must make one tree of the links."""
 
 from collections.abc import Mapping
+from itertools import count
 
 from ..diagnostics import Diagnostics
 from .located import Sidecar
@@ -79,8 +80,20 @@ def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], f
     for link in roots:
         if link != root:
             message = f"link '{link}': no joint connects it to the root '{root}'"
-            help = [f"add a joint with `child: {link}`, or give its parts to another link"]
-            found.add("SB453", message, sidecar.key_span("links", link), help=help)
+            found.add("SB453", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root))
+
+
+def _ways_to_connect(sidecar: Sidecar, link: str, root: str) -> list[str]:
+    """Lines to paste into ``joints``."""
+    document = sidecar.document
+    taken = {*document.links, *document.joints, *document.closures, *document.frames}
+    joint = next(name for n in count(1) if (name := f"{link}_joint{n if n > 1 else ''}") not in taken)
+    ends = f"parent: {root}, child: {link}"
+    return [
+        f"if it moves with '{root}', add to `joints`: `{joint}: {{type: fixed, {ends}}}`",
+        f"if it turns: `{joint}: {{type: revolute, {ends}, limits: {{lower: -90 deg, upper: 90 deg}}}}`",
+        "or give its parts to another link",
+    ]
 
 
 def _tops(sidecar: Sidecar, above: dict[str, str], link: str) -> list[str]:

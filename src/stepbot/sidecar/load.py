@@ -15,7 +15,7 @@ from .salvage import check_what_is_left
 from .schema_faults import report_schema_faults
 from .syntax_faults import compose_around_faults
 from .text import file_name, is_text, read_text
-from .tree import Keys, Mapping, plain_data
+from .tree import Keys, Mapping, Scalar, plain_data
 
 
 def load_sidecar(path: Path, found: Diagnostics) -> Sidecar | None:
@@ -82,7 +82,11 @@ def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) 
             help = [f"this stepbot reads `version: {VERSION}`"]
             found.add("SB127", f"sidecar: version {version} is not known", entry.value.span, help=help)
         return bool(version == VERSION)
-    message = f"sidecar: version must be the number {VERSION}, not {described(version)}"
-    found.add("SB127", message, entry.value.span, help=[f"write `version: {VERSION}`, without quotes"])
+    written_as = (
+        f"'{entry.value.text}'" if isinstance(entry.value, Scalar) and entry.value.plain else described(version)
+    )
+    message = f"sidecar: version must be the number {VERSION}, not {written_as}"
+    help = [f"write `version: {VERSION}`, without quotes and without decimals"]
+    found.add("SB127", message, entry.value.span, help=help)
     data["version"] = VERSION
     return True

@@ -53,7 +53,8 @@ class Sidecar:
             return (f'a # after a blank starts a comment; in quotes it does not: "{value.text}{comment[0].rstrip()}"',)
         above = way(self.root, keys)[-2] if keys else None
         if isinstance(above, Listing) and above.flow and (before.endswith(",") or re.match(r",\S", after)):
-            return ("a comma in a list without quotes separates two values; a name with a comma goes in quotes",)
+            whole = _cut_at_commas(line, value)
+            return (f'a comma in a list without quotes separates two values; if it is one name, write ["{whole}"]',)
         return ()
 
     def plain_number(self, *keys: str | int) -> float | None:
@@ -67,3 +68,12 @@ class Sidecar:
         values = way(self.root, keys)
         value = values[-1]
         return value if isinstance(value, Scalar) and len(values) == len(keys) + 1 else None
+
+
+def _cut_at_commas(line: str, value: Scalar) -> str:
+    """The text around a value of a list, up to the blanks and brackets on both sides: ``XL,XC-330`` around ``XL``."""
+    return next(
+        run[0].strip()
+        for run in re.finditer(r"(?:[^\[\],]|,(?=\S))+", line)
+        if run.start() < value.span.column <= run.end()
+    )

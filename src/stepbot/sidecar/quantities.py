@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from .. import units
 from ..codepages import UnknownCodePage, code_page
+from ..diagnostics import did_you_mean
 from ..model import Rgba
 from ..spatial import Vector3, unit
 from ..units import Dimension, UnitError, read_quantity
@@ -163,7 +164,8 @@ def _axis(value: Any) -> Vector3:
     """A unit vector from one of six letters or three numbers."""
     if isinstance(value, str):
         if value not in _AXES:
-            raise fault("SB123", f"'{value}' is not an axis", "an axis is x, y, z, -x, -y, -z or [x, y, z]")
+            near = did_you_mean(value, _AXES) if len(value) <= 2 else ()
+            raise fault("SB123", f"'{value}' is not an axis", *near, "an axis is x, y, z, -x, -y, -z or [x, y, z]")
         return _AXES[value]
     numbers = [_finite(units.RATIO)(v) for v in _three(value)]
     try:

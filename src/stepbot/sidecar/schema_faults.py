@@ -1,6 +1,6 @@
 """What pydantic refuses, in a roboticist's words, with subject, place and remedy."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,38 +11,20 @@ from ..diagnostics import Diagnostics, did_you_mean
 from .fields import descriptions, is_origin, keys_below, keys_of, sections_at, top_level_keys_with
 from .origins import FORMS
 from .quantities import described
+from .remedies import remedy, written
 from .section import NOT_IN_FILE_NAMES, NOT_IN_NAMES
 from .subjects import subject
-from .tree import Keys, Mapping, Scalar, Tree, child, key_span, span, way
+from .tree import Keys, Listing, Mapping, Scalar, Tree, child, key_span, span, way
+from .vocabulary import ALSO_CALLED, NOT_SAID_SO, likely_meant, meant_by
 
-_ALSO_CALLED = {
-    "hinge": "revolute",
-    "rotary": "revolute",
-    "rotational": "revolute",
-    "slide": "prismatic",
-    "slider": "prismatic",
-    "linear": "prismatic",
-    "spherical": "ball",
-    "weld": "fixed",
-    "rigid": "fixed",
-    "free": "floating",
-    "wheel": "continuous",
-    "convex": "hull",
-    "convex_hull": "hull",
-    "torque": "motor",
-    "effort": "motor",
-    "ft": "force_torque",
-    "motors": "actuators",
-    "transmissions": "actuators",
-    "loops": "closures",
-    "constraints": "closures",
-    "sites": "frames",
-    "bodies": "links",
-    "components": "parts",
-    "pose": "origin",
-    "range": "limits",
+_FIRST_LINES = {
+    "version": "add the line `version: 1` at the top",
+    "robot": "add a line such as `robot: arm` at the top: the name of the robot, and of the files that are written",
+    "step": "add a line such as `step: arm.step` at the top: the path of the STEP file, relative to the sidecar",
 }
-"""What other programs call the words of the sidecar."""
+"""For keys that every sidecar needs: what to write."""
+_LONGEST_SNIPPET = 60
+"""Characters of a value that a snippet repeats."""
 
 
 @dataclass(frozen=True)
@@ -98,11 +80,12 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
     kind, context = str(error["type"]), error.get("ctx", {})
     value = way(root, keys)[-1]
     if kind.startswith("SB"):
-        return _Fault(kind, context["text"], tuple(context["help"]))
+        snippet = remedy(keys, value) if kind in ("SB122", "SB123") else ""
+        return _Fault(kind, context["text"], (*filter(None, [snippet]), *context["help"]))
     if kind == "extra_forbidden":
-        return _unknown_key(error["loc"], str(keys[-1]))
+        return _unknown_key(error["loc"], keys, root)
     if kind == "missing":
-        return _missing_key(error["loc"], keys)
+        return _missing_key(error["loc"], keys, root)
     if kind.startswith("string_") and kind != "string_type":
         return _bad_name(kind, context, error, keys)
     if kind in ("enum", "literal_error"):
@@ -114,29 +97,57 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
     return _wrong_type(kind, keys, value, error)
 
 
-def _unknown_key(loc: tuple[str | int, ...], key: str) -> _Fault:
+def _unknown_key(loc: tuple[str | int, ...], place: Keys, root: Tree) -> _Fault:
+    key, value = str(place[-1]), way(root, place)[-1]
     sections = sections_at(loc[:-1])
     keys = keys_of(sections)
     if is_origin(sections) and key in keys and key not in sections[0].model_fields:
         form = next((name for name in FORMS if name in sections[0].model_fields), "xyz")
         help = ["keep one of " + ", ".join(("xyz", *FORMS)) + "; radius and near go with axis_of, mate and auto"]
         return _Fault("SB128", f"'{key}' does not go together with '{form}'", tuple(help), of_key=True, above=True)
-    help = [*did_you_mean(key, keys)]
-    if key in _ALSO_CALLED and _ALSO_CALLED[key] in keys:
-        help = [f"did you mean '{_ALSO_CALLED[key]}'?"]
-    if not help:
-        help = [f"it belongs in '{below}': `{below}: {{{key}: ...}}`" for below in keys_below(sections, key)]
-    if not help and (elsewhere := [f"`{name}`" for name in top_level_keys_with(key)]):
-        help = ["it is a key of " + ", ".join(elsewhere)]
+    help = _where_a_key_belongs(place, value, root, keys, keys_below(sections, key))
     return _Fault("SB120", f"unknown key '{key}'", tuple(help or ["keys here: " + ", ".join(keys)]), True, True)
 
 
-def _missing_key(loc: tuple[str | int, ...], keys: Keys) -> _Fault | None:
+def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[str], below: Sequence[str]) -> list[str]:
+    """The key that is meant, or the section that has it: what is certain first, what is only spelt alike last."""
+    key = str(place[-1])
+    if meant := meant_by(key, keys):
+        snippet = remedy((*place[:-1], meant), value) if isinstance(value, Listing) else ""
+        return [f"did you mean '{meant}'?", *([snippet] if snippet else [])]
+    if key in NOT_SAID_SO:
+        return [NOT_SAID_SO[key]]
+    if below:
+        return [f"it belongs in '{section}': `{section}: {{{key}: {_shortly(value)}}}`" for section in below]
+    elsewhere = top_level_keys_with(key)
+    if "parts" in elsewhere and place[0] == "links" and isinstance(value, Scalar):
+        parts = child(way(root, place[:-1])[-1], "parts")
+        first = written(parts.values[0]) if isinstance(parts, Listing) and parts.values else '"..."'
+        rule = f"`parts: {{{first}: {{{key}: {_shortly(value)}}}}}`"
+        return [f"it is a key of component rules, at the left margin: {rule}"]
+    if elsewhere:
+        return ["it is a key of " + ", ".join(f"`{name}`" for name in elsewhere)]
+    return list(did_you_mean(key, keys))
+
+
+def _shortly(value: Tree) -> str:
+    text = written(value)
+    return text if len(text) <= _LONGEST_SNIPPET else "..."
+
+
+def _missing_key(loc: tuple[str | int, ...], keys: Keys, root: Tree) -> _Fault | None:
     key = keys[-1]
     if isinstance(key, int):  # the list is too short: reported for the list as a whole
         return None
-    meaning = descriptions(sections_at(loc[:-1])[0]).get(key, "")
-    return _Fault("SB121", f"key '{key}' is missing", (f"{key}: {meaning}",), of_key=True, above=True)
+    sections = sections_at(loc[:-1])
+    above = way(root, keys[:-1])[-1]
+    if isinstance(above, Mapping):
+        known = keys_of(sections)
+        if any(likely_meant(name, known) == key for name in above.entries if name not in known):
+            return None  # it is there, under another name: reported as an unknown key
+    meaning = descriptions(sections[0]).get(key, "")
+    help = _FIRST_LINES.get(key, "") if len(keys) == 1 else ""
+    return _Fault("SB121", f"key '{key}' is missing", (help or f"{key}: {meaning}",), of_key=True, above=True)
 
 
 def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Keys) -> _Fault:
@@ -161,13 +172,13 @@ def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Key
 def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
     if keys[-1] in ("origin", "frame"):
         form = "'auto' or a mapping, such as {axis_of: \"...\"}"
-        return _Fault("SB123", f"an origin is {form}, not {_shown(value)}", _auto_hint(value))
+        return _Fault("SB123", f"an origin is {form}, not {_shown(value)}", _auto_hint(keys, value))
     if not isinstance(value, Scalar):
         return _Fault("SB122", f"must be one of {_words(error)}, not {_shown(value)}")
     if keys[-1] == "auto":
         return _Fault("SB123", "must be true: leave it out, or choose another form of origin")
     words = [word.strip("'") for word in _words(error).split(", ")]
-    also = _ALSO_CALLED.get(value.text.lower())
+    also = ALSO_CALLED.get(value.text.lower())
     near = (f"did you mean '{also}'?",) if also in words else did_you_mean(value.text, words)
     return _Fault("SB123", f"'{value.text}' is not possible here", (*near, f"possible: {', '.join(words)}"))
 
@@ -176,8 +187,10 @@ def _words(error: ErrorDetails) -> str:
     return str(error.get("ctx", {}).get("expected", "")).replace(" or ", ", ")
 
 
-def _auto_hint(value: Tree) -> tuple[str, ...]:
-    return did_you_mean(value.text, ["auto"]) if isinstance(value, Scalar) else ()
+def _auto_hint(keys: Keys, value: Tree) -> tuple[str, ...]:
+    if isinstance(value, Scalar):
+        return did_you_mean(value.text, ["auto"])
+    return tuple(filter(None, [remedy(keys, value)]))
 
 
 def _shape_without_type(value: Tree) -> _Fault:
@@ -215,6 +228,8 @@ def _wrong_type(kind: str, keys: Keys, value: Tree, error: ErrorDetails) -> _Fau
 
 
 def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
+    if snippet := remedy(keys, value):
+        return (snippet,)
     if isinstance(value, Scalar):
         if kind == "string_type":
             return (f'write it in quotes: "{value.text}"',)

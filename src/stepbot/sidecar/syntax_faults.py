@@ -5,7 +5,7 @@ numbers stay, and the rest is read again.
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ruamel.yaml.error import MarkedYAMLError, StringMark
@@ -52,7 +52,7 @@ def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
             return Composed(None, False)
         except MarkedYAMLError as failure:
             whole = False
-            if "'\\t'" in str(failure.problem) and (tabbed := _untabbed(lines, file, found)):
+            if "'\\t'" in str(failure.problem) and (tabbed := _untabbed(lines, failure.problem_mark, file, found)):
                 spoiled |= tabbed
                 continue
             fault = _Fault(failure, lines, file)
@@ -86,19 +86,47 @@ def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None
             lines[number] = line[:column] + STAR + line[column + 1 :]
 
 
-def _untabbed(lines: list[str], file: str, found: Diagnostics) -> set[int]:
-    """Report tabs that indent, put a space in the place of each, and tell which lines they were in."""
+_TAB_BETWEEN = re.compile(r"[^'\"#\t{\[]*[^'\"#\s{\[] *(\t+)")
+"""A line up to a tab that is not in its indentation, in a text, in a comment, or in brackets, where it is a blank."""
+
+
+def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagnostics) -> set[int]:
+    """Report the tabs that stand for blanks, put blanks in their places, and tell which lines they were in.
+
+    Args:
+        lines: The text; changed in place.
+        mark: The tab that the parser refused.
+        file: The name of the file.
+        found: Receives SB105 for each line.
+    """
     tabbed = set()
     for number, line in enumerate(lines):
-        indent = line[: len(line) - len(line.lstrip())]
-        if "\t" in indent and line.strip() and not line.lstrip().startswith("#"):
-            column = indent.index("\t") + 1
-            help = ["indent with spaces, two for each level"]
-            span = Span(file, number + 1, column, len(indent) + 1)
-            found.add("SB105", "sidecar: the line is indented with a tab", span, help=help)
+        body = line.lstrip()
+        indent = line[: len(line) - len(body)]
+        if not body or body.startswith("#"):
+            continue
+        if "\t" in indent:
+            column, end, what = indent.index("\t"), len(indent), "the line is indented with a tab"
+            help = f"indent with blanks, two for each level: `{indent.replace(chr(9), '  ')}{body}`"
+            # One blank for a tab: lines that are indented with tabs alone keep their order, and columns stay.
             lines[number] = line.replace("\t", " ", indent.count("\t"))
-            tabbed.add(number)
+        elif refused := _refused_tab(line, mark if mark is not None and mark.line == number else None):
+            (column, end), what = refused, "a tab in the place of a blank"
+            help = f"write `{re.sub(r' *' + chr(9) + r'+ *', ' ', body)}`"
+            lines[number] = line.replace("\t", " ")
+        else:
+            continue
+        found.add("SB105", f"sidecar: {what}", Span(file, number + 1, column + 1, end + 1), help=[help])
+        tabbed.add(number)
     return tabbed
+
+
+def _refused_tab(line: str, mark: StringMark | None) -> tuple[int, int] | None:
+    """First column of the tab that a parser refuses in a line, and the one after it."""
+    if mark is not None and line[mark.column : mark.column + 1] == "\t":
+        return mark.column, mark.column + 1
+    between = _TAB_BETWEEN.match(line)
+    return between.span(1) if between else None
 
 
 def _blank(lines: list[str], section: Iterable[int]) -> bool:
@@ -154,6 +182,8 @@ class _Fault:
         if match := re.search(r"character '(.+)' that cannot start", problem):
             return f"a value cannot start with {match[1]}", ["put the text in quotes"]
         if "mapping values are not allowed" in problem:
+            if glued := re.match(r"\s*(?P<key>[^\s:'\"{\[]+):(?P<value>[{\[].*)", line):
+                return "a colon without a blank after it", [f"write `{glued['key']}: {glued['value']}`"]
             return "a colon where no key can be", [
                 "text that has ': ' in it goes in quotes",
                 "or the line above lacks its colon, or this line is indented too far",
@@ -162,7 +192,7 @@ class _Fault:
             return "a list item where none can be", ["start the list on a line of its own, or write it as [a, b]"]
         if "unknown escape character" in problem:
             return f"{problem.removeprefix('found ')}: in double quotes a backslash starts an escape", [
-                "use single quotes, 'a\\#b', or write the backslash twice"
+                _backslash_remedy(line, self._mark[1])
             ]
         if "quoted scalar" in self._context:
             return "a quote that is not closed", ["close it on the same line"]
@@ -170,7 +200,9 @@ class _Fault:
             kind = "mapping" if "mapping" in self._context else "sequence"
             opened, closing = _OPENERS[kind]
             return f"'{opened}' is not closed, or a comma is missing in it", [
-                f"add '{closing}', or ',' between two values"
+                *self._cut_off_by_comment(),
+                *self._missing_comma(),
+                f"add '{closing}', or ',' between two values",
             ]
         if "<block end>" in problem and not line[: self._mark[1]].strip():
             return "the line is indented unlike its neighbours", ["align keys of one mapping, and items of one list"]
@@ -182,8 +214,29 @@ class _Fault:
             ]
         return f"not YAML: {problem or self._context}", ["put text with special characters in quotes"]
 
+    def _cut_off_by_comment(self) -> Iterator[str]:
+        """The text with a # in it, if the line ends in a comment that takes the closing bracket with it."""
+        line = self._lines[self._start[0]]
+        if comment := re.search(r"(?P<before>[\[{,:]| \S*)\s+(?P<text>#[^\s,\]}#]+)[^#]*[\]}]", line[self._start[1] :]):
+            yield f'a # after a blank starts a comment; in quotes it does not: "{comment["text"]}"'
+
+    def _missing_comma(self) -> Iterator[str]:
+        """The pair of values with the comma that the parser missed between them."""
+        line, column = self._lines[self._mark[0]], self._mark[1]
+        before = re.search(r"(?P<value>[^\s,:{}\[\]]+)\s+(?P<key>[\w-]+)$", line[:column])
+        if before and line[column : column + 1] == ":" and self._mark[0] == self._start[0]:
+            yield f"perhaps `{before['value']}, {before['key']}:`"
+
     def _span(self, line: int, column: int, width: int = 1) -> Span:
         return Span(self._file, line + 1, column + 1, column + 1 + width)
+
+
+def _backslash_remedy(line: str, column: int) -> str:
+    """The text in double quotes around a column, in single quotes."""
+    for text in re.finditer(r'"(?P<text>[^"]*)"', line):
+        if text.start() <= column < text.end() and "'" not in text["text"]:
+            return f"write the backslash twice, or use single quotes: '{text['text']}'"
+    return "write the backslash twice, or use single quotes"
 
 
 def _clipped(mark: StringMark, lines: Sequence[str]) -> tuple[int, int]:

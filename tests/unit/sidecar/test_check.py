@@ -176,7 +176,7 @@ def test_fault_of_a_default_is_told_where_it_stands() -> None:
     ("damage", "expected"),
     [
         # A joint that is cut away leaves its child alone, which is no fault of the file.
-        (("type: revolute", "tpye: revolute"), ["SB121", "SB120"]),
+        (("type: revolute", "tpye: revolute"), ["SB120"]),
         # The misspelt section may hold the joints.
         (("joints:", "jonits:"), ["SB120"]),
         # A fault elsewhere does not hide one of the tree.

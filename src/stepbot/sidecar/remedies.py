@@ -1,0 +1,90 @@
+"""Snippets to paste in the place of a value that has the wrong form, made of what the file says there."""
+
+import json
+import re
+from collections.abc import Sequence
+
+from .tree import Keys, Listing, Mapping, Scalar, Tree
+
+_NUMBERS = re.compile(r"[\s,;]+")
+_POINT = ("xyz", "rpy", "axis", "axis2", "com", "near", "size", "center")
+_SHORTEST_NAMES = 3
+"""How many list items a snippet shows before it breaks off."""
+
+
+def written(value: Tree) -> str:
+    """A value in one line of YAML."""
+    if isinstance(value, Scalar):
+        return value.text if value.plain else quoted(value.text)
+    if isinstance(value, Listing):
+        return "[" + ", ".join(map(written, value.values)) + "]"
+    return "{" + ", ".join(f"{key}: {written(entry.value)}" for key, entry in value.entries.items()) + "}"
+
+
+def quoted(text: str) -> str:
+    """A text in double quotes, or in single quotes where a backslash is in it."""
+    return f"'{text}'" if "\\" in text and "'" not in text else json.dumps(text, ensure_ascii=False)
+
+
+def remedy(keys: Keys, value: Tree) -> str:
+    """What to write at ``keys`` in the place of a value of the wrong type; empty where nobody knows."""
+    name = str(keys[-1])
+    if triple := _triple(value, name):
+        return f"write `{name}: {triple}`"
+    if isinstance(value, Listing):
+        return _for_list(keys, name, value)
+    if isinstance(value, Mapping):
+        only = [entry.value for entry in value.entries.values()]
+        return f"write `{name}: {written(only[0])}`" if len(only) == 1 and isinstance(only[0], Scalar) else ""
+    return _for_text(keys, name, value)
+
+
+def _triple(value: Tree, name: str) -> str:
+    """``[0, 0, 0.1]`` for ``0 0 0.1``, as URDF and SDFormat have it; empty where that is not what is written."""
+    only = value.values[0] if isinstance(value, Listing) and len(value.values) == 1 else value
+    if not isinstance(only, Scalar) or name not in _POINT:
+        return ""
+    numbers = _NUMBERS.split(only.text.strip("[]() "))
+    return f"[{', '.join(numbers)}]" if len(numbers) == 3 and all(map(_is_number, numbers)) else ""
+
+
+def _for_list(keys: Keys, name: str, value: Listing) -> str:
+    if name == "limits" and len(value.values) == 2:
+        lower, upper = map(written, value.values)
+        return f"write `limits: {{lower: {lower}, upper: {upper}}}`"
+    if name in ("origin", "frame") and len(value.values) == 3:
+        return f"write `{name}: {{xyz: {written(value)}}}`"
+    if len(keys) == 2 and keys[0] == "links":
+        return f"write `{name}: {{parts: {written(value)}}}`"
+    if len(keys) == 1 and (snippets := _named_items(value.values)):
+        return f"write a name and a colon for each, without `-`: {', '.join(snippets)}"
+    return ""
+
+
+def _named_items(values: Sequence[Tree]) -> list[str]:
+    """``base: {...}`` for each item that has a key ``name``; empty unless all have."""
+    snippets = []
+    for value in values:
+        entry = value.entries.get("name") if isinstance(value, Mapping) else None
+        if entry is None or not isinstance(entry.value, Scalar):
+            return []
+        snippets.append(f"`{entry.value.text}: {{...}}`")
+    return [*snippets[:_SHORTEST_NAMES], *(["..."] if len(snippets) > _SHORTEST_NAMES else [])]
+
+
+def _for_text(keys: Keys, name: str, value: Scalar) -> str:
+    if missing := re.fullmatch(r"([^:\s]+):([\[{].*)", name):  # a colon without a blank made it one key
+        return f"a colon needs a blank after it: `{missing[1]}: {missing[2]}: {value.text}`"
+    if len(keys) == 2 and keys[0] == "links":
+        return f"write `{name}: {{parts: [{quoted(value.text)}]}}`"
+    if len(keys) == 2 and keys[0] == "joints":
+        return f"write `{name}: {{type: {value.text}, parent: ..., child: ...}}`"
+    return ""
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,137 @@
+"""Remedies are to paste: what the help of a diagnostic writes out, put where the fault is, mends the sidecar."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Diagnostics
+from stepbot.sidecar.check import check_sidecar
+from stepbot.sidecar.load import parse_sidecar
+
+ARM = """\
+version: 1
+robot: arm
+step: arm.step
+links:
+  base: {rest: true}
+  forearm: {parts: [forearm]}
+joints:
+  elbow: {type: revolute, parent: base, child: forearm, limits: {lower: -1, upper: 1}}
+"""
+SNIPPET = re.compile(r"`([^`]+)`")
+
+
+def findings(text: str) -> list[Diagnostic]:
+    """What loading and checking find in a text."""
+    found = Diagnostics()
+    sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
+    if sidecar is not None:
+        check_sidecar(sidecar, found)
+    return list(found)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "pasted"),
+    [
+        ("  forearm: {parts: [forearm]}", "  forearm: [forearm]", "forearm: {parts: [forearm]}"),
+        ("  forearm: {parts: [forearm]}", "  forearm: C:\\forearm", "forearm: {parts: ['C:\\forearm']}"),
+        ("limits: {lower: -1, upper: 1}", "limits: [-1, 1]", "limits: {lower: -1, upper: 1}"),
+        ("limits: {lower: -1, upper: 1}", "range: [-1, 1 rad]", "limits: {lower: -1, upper: 1 rad}"),
+        ("type: revolute", "origin: [0, 0, 1 mm], type: revolute", "origin: {xyz: [0, 0, 1 mm]}"),
+        ("type: revolute", "axis: 0 0 1, type: revolute", "axis: [0, 0, 1]"),
+        ("type: revolute", 'axis: "(0, 0, -1)", type: revolute', "axis: [0, 0, -1]"),
+        ("type: revolute", "origin: {xyz: 0 0 0.1}, type: revolute", "xyz: [0, 0, 0.1]"),
+        ("parent: base", "parent: {link: base}", "parent: base"),
+        ("  elbow: {", "  elbow:{", "elbow: {type: revolute"),
+        ("limits: {lower: -1, upper: 1}", "lower: -1, limits: {upper: 1}", "limits: {lower: -1}"),
+        ("  base: {rest: true}", "  base: {rest: true, mass: 5}", "inertial: {mass: 5}"),
+        ("  base: {rest: true}", '  base: {parts: ["a*"], density: 2700}', 'parts: {"a*": {density: 2700}}'),
+    ],
+)  # fmt: skip
+def test_snippet_is_what_to_write(right: str, wrong: str, pasted: str) -> None:
+    """The help holds the value in the form that the key takes."""
+    assert right in ARM
+    found = findings(ARM.replace(right, wrong))
+    snippets = [snippet for d in found for line in d.help for snippet in SNIPPET.findall(line)]
+    assert any(snippet.startswith(pasted) for snippet in snippets), [d.help for d in found]
+
+
+def test_missing_version_is_one_line() -> None:
+    """The line that the help quotes, put at the top, is all that lacks."""
+    (fault,) = findings(ARM.removeprefix("version: 1\n"))
+    assert fault.code == "SB121"
+    (line,) = SNIPPET.findall(fault.help[0])
+    assert findings(line + "\n" + ARM.removeprefix("version: 1\n")) == []
+
+
+@pytest.mark.parametrize("way", [0, 1])
+def test_second_root_is_connected_by_a_pasted_line(way: int) -> None:
+    """Of two links without a joint above them, each line that the help offers for the second mends the tree."""
+    text = ARM.replace(
+        "  base: {rest: true}", "  stand: {parts: [stand]}\n  stand_joint: {parts: [a]}\n  base: {rest: true}"
+    )
+    text += "  slide: {type: fixed, parent: base, child: stand_joint}\n"
+    (fault,) = findings(text)
+    assert (fault.code, fault.span.line) == ("SB453", 5)
+    assert "no joint connects it to the root 'base'" in fault.message
+    snippet = SNIPPET.findall(fault.help[way])[-1]
+    assert findings(f"{text}  {snippet}\n") == []
+
+
+def test_two_trees_are_connected_by_a_pasted_line() -> None:
+    """A tree of several links beside another is connected at its top."""
+    text = ARM + "  wrist: {type: fixed, parent: a, child: b}\n"
+    text = text.replace("joints:", "  a: {parts: [a]}\n  b: {parts: [b]}\njoints:")
+    (fault,) = findings(text)
+    assert "link 'a'" in fault.message
+    assert findings(f"{text}  {SNIPPET.findall(fault.help[0])[-1]}\n") == []
+
+
+BLOCK = ARM.replace("{type: revolute, parent: base, child: forearm, limits:", "\n    type: revolute\n    limits:")
+BLOCK = BLOCK.replace("upper: 1}}", "upper: 1}\n    parent: base\n    child: forearm")
+
+
+@pytest.mark.parametrize("wrong", ["type:\trevolute", "type: \t revolute", "'type':\t'revolute'", "\ttype: revolute"])
+def test_tab_is_replaced_by_a_pasted_line(wrong: str) -> None:
+    """A tab that the parser refuses is reported with the line as it should be."""
+    text = BLOCK.replace("    type: revolute", "    " + wrong)
+    fault = findings(text)[0]
+    assert (fault.code, fault.span.line) == ("SB105", 9)
+    assert text.split("\n")[8][fault.span.column - 1] == "\t"
+    (line,) = SNIPPET.findall(fault.help[0])
+    assert "\t" not in line
+    assert findings(BLOCK.replace("    type: revolute", "    " + line.lstrip())) == []
+
+
+def test_tabs_elsewhere_stay() -> None:
+    """In quotes, in a comment and in brackets tabs are no fault."""
+    text = BLOCK.replace("type: revolute", "type:\trevolute").replace("parent: base", "parent:\tbase") + "# a:\tb\n"
+    text = text.replace("lower: -1, ", "lower:\t-1,\t")
+    assert [(d.code, d.span.line) for d in findings(text)] == [("SB105", 9), ("SB105", 11)]
+    assert findings(ARM.replace("[forearm]", '["a\tb"]')) == []
+
+
+def test_decimal_comma_in_braces() -> None:
+    """Braces cut ``1,5 N*m`` into a value and a key: the help puts them together."""
+    text = ARM.replace("upper: 1}", "upper: 1,5 rad, effort: 2}")
+    (fault,) = findings(text)
+    assert (fault.code, SNIPPET.findall(fault.help[0])) == ("SB112", ["1.5 rad"])
+
+
+def test_comma_that_is_missing_is_shown() -> None:
+    """Two pairs without a comma between them are shown with one."""
+    (fault,) = (d for d in findings(ARM.replace("revolute, parent", "revolute parent")) if d.code == "SB104")
+    assert SNIPPET.findall(fault.help[0]) == ["revolute, parent:"]
+
+
+def test_colour_without_quotes_in_braces() -> None:
+    """A # that takes the closing brace with it is what the help is about."""
+    text = ARM.replace("{rest: true}", "{rest: true}\nparts:\n  a: {color: #ff0000}")
+    (fault,) = (d for d in findings(text) if d.code == "SB104")
+    assert '"#ff0000"' in fault.help[0]
+
+
+def test_key_under_another_name_is_not_missing_too() -> None:
+    """One slip is one finding: ``parent_link`` is a wrong name, and `parent` is not reported as missing."""
+    assert [d.code for d in findings(ARM.replace("parent:", "parent_link:"))] == ["SB120"]
