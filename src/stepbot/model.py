@@ -27,6 +27,7 @@ from .spatial import (
     turn_inertia,
     vector3,
 )
+from .sums import exact_sum
 
 
 class JointKind(StrEnum):
@@ -85,7 +86,7 @@ def combined(bodies: Iterable[MassProperties]) -> MassProperties:
     parts = [body for body in bodies if body.mass != 0.0]
     if len(parts) == 1:
         return parts[0]
-    mass = sum(body.mass for body in parts)
+    mass = exact_sum(body.mass for body in parts)
     if mass == 0.0:
         return MassProperties()
     com = sum((body.mass * np.array(body.com) for body in parts), np.zeros(3)) / mass

@@ -35,6 +35,7 @@ from .model import (
 )
 from .sensors import Sensor, SensorKind
 from .spatial import Array, Pose, Vector3, bounds, join_bounds, vector3
+from .sums import exact_sum
 
 LARGEST = 20.0
 """Size [m] above which a unit is in doubt."""
@@ -274,7 +275,7 @@ def _check_contacts(robot: Robot, report: Report) -> None:
 def _check_scale(robot: Robot, report: Report, unit: str) -> None:
     """A robot of thousandths of a gram or of dozens of metres is drawn in another unit than its file says."""
     question = f"is {unit or 'its length unit'} what {robot.source or 'its source'} was drawn in?"
-    total = sum(link.mass_properties.mass for link in robot.links)
+    total = exact_sum(link.mass_properties.mass for link in robot.links)
     if 0.0 < total < LIGHTEST:
         report("SB510", f"robot '{robot.name}': it weighs {total * 1e3:.3g} g; {question}")
     size = _size(robot)

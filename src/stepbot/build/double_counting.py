@@ -7,6 +7,7 @@ from ..cad.paths import quoted
 from ..isolation import DEFAULT_TIMEOUT, Worker, WorkerDied
 from ..meshwork import report_death
 from ..solids.overlapping import Overlaps, Pair
+from ..sums import exact_sum
 from .binder import Binder, listed
 from .claims import Claims
 from .masses import PartMass
@@ -57,7 +58,7 @@ class DoubleCounting:
             return
         slight: dict[str, Overlaps] = {}
         for link, overlaps in found.items():
-            total = sum(self._masses[index].mass for index in self._parts[link] if index in self._masses)
+            total = exact_sum(self._masses[index].mass for index in self._parts[link] if index in self._masses)
             if overlaps.mass >= MASS_TOLERANCE * total > 0.0:
                 _warn(self._binder, link, overlaps, total)
             elif overlaps.pairs:

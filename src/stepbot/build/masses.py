@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..cad.paths import subtree_ends
+from ..sums import exact_sum
 from .binder import Binder
 from .matter import GivenMass, Matters
 from .weigh import Weighing
@@ -67,7 +68,7 @@ class _Sharing:
         inner = self._topmost(index + 1, end, beside=given.pattern)
         inside = {i for at in inner for i in range(at, self._ends[at])}
         members = [i for i in range(index, end) if i in self._computed and i not in inside]
-        rest = given.mass - sum(self._given[i].mass for i in inner)
+        rest = given.mass - exact_sum(self._given[i].mass for i in inner)
         fits = rest > _EQUAL * given.mass if members else abs(rest) <= _EQUAL * given.mass
         if inner and not fits:
             self._report_contradiction(index, given, inner)
@@ -81,7 +82,7 @@ class _Sharing:
         parts = [self._computed[i] for i in members]
         by_mass = all(part.density > 0.0 for part in parts)
         weights = [part.mass if by_mass else part.volume for part in parts]
-        whole = sum(weights)
+        whole = exact_sum(weights)
         for i, weight in zip(members, weights, strict=True):
             volume = self._computed[i].volume
             self._result[i] = PartMass(total * weight / whole, 0.0, volume, f"parts rule '{given.pattern}'")
@@ -115,7 +116,7 @@ class _Sharing:
         return False
 
     def _report_contradiction(self, index: int, given: GivenMass, inner: list[int]) -> None:
-        within = sum(self._given[i].mass for i in inner)
+        within = exact_sum(self._given[i].mass for i in inner)
         self._binder.report(
             "SB504",
             ("parts", given.pattern, "mass"),

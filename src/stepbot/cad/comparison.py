@@ -11,6 +11,7 @@ import numpy as np
 
 from ..diagnostics import Diagnostics, Span
 from ..spatial import Array
+from ..sums import exact_sum
 from .assembly import Body, BodyKind, Component, Quantity, Validation
 from .source import NONE, Definition
 from .subjects import Subject
@@ -115,12 +116,12 @@ def _of_body(body: Body | None) -> _Sums:
 
 
 def _total(parts: Sequence[_Sums]) -> _Sums:
-    volume = sum(part.volume for part in parts)
+    volume = exact_sum(part.volume for part in parts)
     moment = sum((part.volume * part.centroid for part in parts), np.zeros(3))
     centroid = moment / volume if volume > 0.0 else np.zeros(3)
     squares = (part.volume * float((part.centroid - centroid) @ (part.centroid - centroid)) for part in parts)
-    spread = sum(part.spread for part in parts) + sum(squares)
-    return _Sums(volume, sum(p.area for p in parts), centroid, spread, all(part.is_exact for part in parts))
+    spread = exact_sum(part.spread for part in parts) + exact_sum(squares)
+    return _Sums(volume, exact_sum(p.area for p in parts), centroid, spread, all(part.is_exact for part in parts))
 
 
 def _validation(component: int, statement: Stated, read: _Sums) -> Validation:

@@ -4,6 +4,7 @@ from math import inf
 
 from ..diagnostics import Diagnostics
 from ..model import JointKind
+from ..sums import exact_sum
 from ..units import Dimension
 from .document import JointSection
 from .joint_settings import ONE_FREEDOM, Setting, joint_settings, position_dimension, settings_of
@@ -165,7 +166,7 @@ def _check_drawn_position(
 
 def _check_second_axis(sidecar: Sidecar, name: str, joint: JointSection, found: Diagnostics) -> None:
     assert joint.axis2 is not None
-    dot = sum(a * b for a, b in zip(joint.axis, joint.axis2, strict=True))
+    dot = exact_sum(a * b for a, b in zip(joint.axis, joint.axis2, strict=True))
     if abs(dot) > 1.0 - 1e-6:
         message = f"joint '{name}': axis and axis2 are parallel"
         found.add(

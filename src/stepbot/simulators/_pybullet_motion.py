@@ -10,6 +10,7 @@ import numpy as np
 from ..dynamics import GRAVITY
 from ..model import JointKind, LoopClosure
 from ..spatial import Array
+from ..sums import exact_sum
 from .observation import ObservedClosure, Request
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def simulate(body: "Body", request: Request) -> bool:
 def strength(body: "Body") -> float:
     """Force [N], [N m] that motors and constraints may use on a body."""
     masses = [float(body.engine.getDynamicsInfo(body.id, index)[0]) for index in range(-1, len(body.joints))]
-    return STRENGTH * max(1e-3, sum(masses)) * float(np.linalg.norm(GRAVITY))
+    return STRENGTH * max(1e-3, exact_sum(masses)) * float(np.linalg.norm(GRAVITY))
 
 
 def release(body: "Body") -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from ..mesh import TriMesh
 from ..spatial import IDENTITY, Pose
+from ..sums import exact_sum
 from .manifolds import TOUCHING, Intersection, Solid, union_volume
 
 SMALLEST = 1e-3
@@ -105,7 +106,7 @@ def _intersect(search: Search) -> list[_Found]:
     solids = {body: Solid(mesh) for body, mesh in search.meshes.items()}
     found = [_Found(group) for group in search.groups]
     spent = 0
-    for one in sorted(found, key=lambda one: -sum(pair.most for pair in one.group.candidates)):
+    for one in sorted(found, key=lambda one: -exact_sum(pair.most for pair in one.group.candidates)):
         group = one.group
         a, b = (solids[body] for body in group.bodies)
         if not a.may_meet(b, group.X_AB):
@@ -160,8 +161,8 @@ class _Share:
 
 def _shared_once(shares: Sequence[_Share]) -> float:
     """Mass [kg] that a solid has in common with those before it; where these overlap each other too, only once."""
-    mass = sum(share.mass for share in shares)
+    mass = exact_sum(share.mass for share in shares)
     if len(shares) == 1:
         return mass
     union = union_volume([(share.common, share.X_WA) for share in shares])
-    return mass * union / sum(share.common.volume for share in shares)
+    return mass * union / exact_sum(share.common.volume for share in shares)

@@ -5,6 +5,7 @@ import numpy as np
 from ..dynamics import GRAVITY
 from ..simulators.observation import Observation, ObservedClosure
 from ..spatial import Array
+from ..sums import exact_sum
 from .gauge import Gauge
 from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
 
@@ -80,7 +81,7 @@ def _order(gauge: Gauge, reference: Observation, observed: Observation) -> list[
 
 def _weight_times_reach(observation: Observation) -> float:
     """Weight [N] times the largest distance [m] of any link from the root: what gravity could do at most, about."""
-    weight = sum(link.mass or 0.0 for link in observation.links) * float(np.linalg.norm(GRAVITY))
+    weight = exact_sum(link.mass or 0.0 for link in observation.links) * float(np.linalg.norm(GRAVITY))
     positions: Array = np.array([X.p for poses in observation.poses for X in poses.values()]).reshape(-1, 3)
     return weight * float(np.linalg.norm(positions, axis=1).max(initial=0.0))
 
