@@ -10,7 +10,7 @@ JOBS := auto --dist loadgroup
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
-.PHONY: help install demo test test-long format lint types contracts generate fresh check fuzz mutation library \
+.PHONY: help install demo test test-long format lint types contracts generate fresh check hostile mutation library \
 	benchmarks build all lock clean
 .DEFAULT_GOAL := help
 
@@ -65,8 +65,8 @@ fresh: install  ## check that what is generated is up to date
 
 check: lint types contracts fresh  ## all that needs no test run
 
-fuzz: install  ## read 2,000 damaged STEP files, about an hour
-	$(BIN)/python -m tests.fuzz.mutants --count 2000 --seed 1
+hostile: install  ## harm stepbot in every way that tests/hostile knows, and write docs/reliability.md; hours
+	$(BIN)/python -m tests.hostile --page
 
 mutation: install  ## remove everything from every file, one at a time, and write docs/mutation.md; hours
 	$(BIN)/python -m pip install --quiet -e '.[verify]'
@@ -82,7 +82,7 @@ benchmarks: install  ## run every benchmark once on something small; docs/perfor
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check test test-long library benchmarks build  ## everything, but for the hours of fuzz and mutation
+all: check test test-long library benchmarks build  ## everything, but for the hours of hostile and mutation
 
 lock: install  ## pin again what is installed on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt

@@ -46,7 +46,7 @@ def plain(diagnostic: Diagnostic) -> dict[str, Any]:
         "line": diagnostic.span.line,
         "column": diagnostic.span.column,
         "end_column": diagnostic.span.end_column,
-        "help": list(diagnostic.help),
+        "help": list(diagnostic.remedies),
         "notes": list(diagnostic.notes),
     }
 
@@ -70,7 +70,7 @@ def _full(diagnostic: Diagnostic, source_line: str | None, color: bool, width: i
     parts = [_headline(diagnostic, color)]
     if source_line is not None:
         parts += _frame(diagnostic, source_line, gutter, color, width)
-    for word, texts in (("note", diagnostic.notes), ("help", diagnostic.help)):
+    for word, texts in (("note", diagnostic.notes), ("help", diagnostic.remedies)):
         for text in texts:
             first, *rest = printable(text).split("\n")
             parts.append(f"{gutter} {paint('=', _FRAME_COLOR, color)} {paint(word, '1', color)}: {first}")

@@ -44,6 +44,11 @@ class Diagnostic:
     notes: tuple[str, ...] = ()
     """Facts that explain the message: candidates, measured values."""
 
+    @property
+    def remedies(self) -> tuple[str, ...]:
+        """What to do about it: :attr:`help`; for an error without help, the advice of its code."""
+        return self.help or ((CODES[self.code].fix,) if self.severity == "error" else ())
+
     def __str__(self) -> str:
         return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
 

@@ -1,10 +1,12 @@
 """How a diagnostic looks."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from stepbot.codes import CODES
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot_cli import render
 from stepbot_cli.columns import cells
@@ -26,6 +28,11 @@ def diagnostic(span: Span, **texts: tuple[str, ...]) -> Diagnostic:
     return Diagnostic("SB301", "error", "joint 'elbow': no component 'forarm' in arm.step", span, **texts)
 
 
+def warning(span: Span) -> Diagnostic:
+    """A warning without help, so that nothing stands below its code frame."""
+    return replace(diagnostic(span), severity="warning")
+
+
 @pytest.mark.usefixtures("sidecar")
 def test_full_shows_the_line_and_the_remedy() -> None:
     """The code frame marks the place; notes and help stand below."""
@@ -41,29 +48,37 @@ def test_full_shows_the_line_and_the_remedy() -> None:
     ]
 
 
+def test_error_without_help_shows_the_advice_of_its_code() -> None:
+    """No error is without a remedy, in text and in JSON; warnings and notes may be."""
+    bare, fix = diagnostic(Span("arm.robot.yaml")), CODES["SB301"].fix
+    assert render.full([bare]).splitlines()[1:] == [f"  = help: {fix}"]
+    assert render.plain(bare)["help"] == [fix]
+    assert render.full([warning(Span("arm.robot.yaml"))]).count("\n") == 0
+
+
 @pytest.mark.usefixtures("sidecar")
 def test_mark_without_extent_is_one_character() -> None:
     """Where the end is unknown, one mark shows the beginning."""
-    assert render.full([diagnostic(Span("arm.robot.yaml", 6, 12))]).splitlines()[-1] == "  |            ^"
+    assert render.full([warning(Span("arm.robot.yaml", 6, 12))]).splitlines()[-1] == "  |            ^"
 
 
 @pytest.mark.usefixtures("sidecar")
 def test_place_beyond_the_file_has_no_frame() -> None:
     """A line that is not there gives no frame, and a column behind the end stays on the line."""
-    assert len(render.full([diagnostic(Span("arm.robot.yaml", 99, 1))]).splitlines()) == 1
-    assert render.full([diagnostic(Span("arm.robot.yaml", 6, 18))]).splitlines()[-1] == "  |" + " " * 18 + "^"
+    assert len(render.full([warning(Span("arm.robot.yaml", 99, 1))]).splitlines()) == 1
+    assert render.full([warning(Span("arm.robot.yaml", 6, 18))]).splitlines()[-1] == "  |" + " " * 18 + "^"
 
 
 def test_file_that_is_gone_has_no_frame() -> None:
     """The headline stands alone where the file cannot be read."""
-    assert render.full([diagnostic(Span("gone.yaml", 6, 12))]) == render.concise([diagnostic(Span("gone.yaml", 6, 12))])
+    assert render.full([warning(Span("gone.yaml", 6, 12))]) == render.concise([warning(Span("gone.yaml", 6, 12))])
 
 
 def test_wide_characters_keep_the_mark_in_place(tmp_path: Path) -> None:
     """A mark below Chinese names is as wide as they are."""
     file = tmp_path / "a.yaml"
     file.write_text("\ufeff机器人: 手臂 x\n", encoding="utf-8")
-    line, mark = render.full([diagnostic(Span(str(file), 1, 6, 8))]).splitlines()[-2:]
+    line, mark = render.full([warning(Span(str(file), 1, 6, 8))]).splitlines()[-2:]
     assert line == "1 | 机器人: 手臂 x"
     assert mark == "  |" + " " * (1 + 8) + "^^^^"
 
@@ -72,7 +87,7 @@ def test_long_line_is_cut_around_the_place(tmp_path: Path) -> None:
     """Of a line of a megabyte only the part around the place is shown."""
     file = tmp_path / "a.yaml"
     file.write_text("x" * 500_000 + "HERE" + "y" * 500_000, encoding="utf-8")
-    line, mark = render.full([diagnostic(Span(str(file), 1, 500_001, 500_005))]).splitlines()[-2:]
+    line, mark = render.full([warning(Span(str(file), 1, 500_001, 500_005))]).splitlines()[-2:]
     assert len(line) < 140
     start = mark.index("^")
     assert line[start : start + 4] == "HERE"

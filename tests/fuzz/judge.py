@@ -6,7 +6,7 @@ An assembly without errors goes on to a robot of one link and to the files of al
 import math
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -76,7 +76,7 @@ def judge(step: Path, read: Read) -> Verdict:
             _convert(step, read, trial)
     except Exception:  # noqa: BLE001 - to find those is what this is for
         trial.faults.append(traceback.format_exc())
-    trial.faults += _unsound_diagnostics(trial.found)
+    trial.faults += [*unsound_diagnostics(trial.found), *_without_remedy(trial.found)]
     errors = [diagnostic for diagnostic in trial.found if diagnostic.severity == "error"]
     message, notes = (str(errors[0]), errors[0].notes) if errors else ("", ())
     outcome = FAILED if trial.faults else trial.outcome
@@ -93,20 +93,37 @@ def _convert(step: Path, read: Read, trial: _Trial) -> None:
         trial.outcome = "body failed" if _has(trial, _BODY_FAILED) else "refused"
         return
     measures = tuple(measured(body.mesh) for body in assembly.bodies)
-    built = build_robot(assembly, _sidecar(), lambda: measures, trial.found)
-    trial.outcome = "no robot"
+    trial.outcome = "robot" if make_robot(assembly, measures, _sidecar(), trial.found, trial.faults) else "no robot"
+
+
+def make_robot(
+    assembly: Assembly,
+    measures: Sequence[VolumeProperties | None],
+    sidecar: Sidecar,
+    found: Diagnostics,
+    faults: list[str],
+) -> bool:
+    """Build a robot and render it in all formats, as a conversion does; whether that ended without an error.
+
+    Args:
+        assembly: A sound assembly.
+        measures: What trimesh measures on its bodies.
+        sidecar: A sidecar without errors of its own.
+        found: Receives the diagnostics.
+        faults: Receives what must not be.
+    """
+    built = build_robot(assembly, sidecar, lambda: measures, found)
     if built is None:
-        trial.faults += [] if _has_errors(trial) else ["no robot, and no error that says why"]
-        return
-    robot = run_passes(built.robot, trial.found)
-    check_robot(robot, trial.found)
+        faults += [] if found.has_errors else ["no robot, and no error that says why"]
+        return False
+    robot = run_passes(built.robot, found)
+    check_robot(robot, found)
+    if found.has_errors:
+        return False
     built.double_counting.report()
-    if _has_errors(trial):
-        return
     for name in FORMATS:
-        files = render(robot, name, trial.found)
-        trial.faults += _unsound_files(name, files, trial.found)
-    trial.outcome = "no robot" if _has_errors(trial) else "robot"
+        faults += _unsound_files(name, render(robot, name, found), found)
+    return not found.has_errors
 
 
 def _refusal(trial: _Trial) -> str:
@@ -133,7 +150,8 @@ def _sidecar() -> Sidecar:
     return sidecar
 
 
-def _unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
+def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
+    """Whatever a diagnostic must not be: an internal error, without a place, more than one printable line."""
     for diagnostic in found:
         if diagnostic.code == _INTERNAL:
             yield f"internal error: {diagnostic}"
@@ -141,12 +159,16 @@ def _unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
             yield f"{diagnostic.code}: not one printable line: {diagnostic.message!r}"
         if not diagnostic.span.file:
             yield f"{diagnostic.code}: no place"
-        if diagnostic.severity == "error" and not any(diagnostic.help):
-            yield f"{diagnostic.code}: no remedy: {diagnostic.message}"
         if diagnostic.code not in CODES:
             yield f"no such code: {diagnostic}"
         if any("Traceback" in text for text in (diagnostic.message, *diagnostic.notes)):
             yield f"{diagnostic.code}: a traceback: {diagnostic.message} {diagnostic.notes}"
+
+
+def _without_remedy(found: Iterable[Diagnostic]) -> Iterator[str]:
+    for diagnostic in found:
+        if diagnostic.severity == "error" and not any(diagnostic.help):
+            yield f"{diagnostic.code}: no remedy: {diagnostic.message}"
 
 
 def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> Iterator[str]:

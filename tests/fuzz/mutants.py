@@ -20,6 +20,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, Protocol, TypeVar
 
 from tests.conftest import ROOT
 
@@ -32,11 +33,23 @@ PATIENCE = 4 * TIMEOUT + 60.0
 """Seconds after which stepbot's own process hangs: the limit of the kernel, for two readings, and as much again."""
 
 
+class Named(Protocol):
+    """A mutant as its runner knows it."""
+
+    @property
+    def name(self) -> str:
+        """From which alone the runner makes it."""
+        ...
+
+
+M = TypeVar("M", bound=Named)
+
+
 @dataclass(frozen=True)
-class Trial:
+class Trial(Generic[M]):
     """A mutant and how it ended."""
 
-    mutant: Mutant
+    mutant: M
     verdict: Verdict
     seconds: float
 
@@ -48,7 +61,7 @@ class _Runner:
         self._bases, self._runner = bases, runner
         self._process: subprocess.Popen[str] | None = None
 
-    def try_out(self, mutant: Mutant) -> Verdict:
+    def try_out(self, mutant: Named) -> Verdict:
         process = self._process or self._start()
         assert process.stdin is not None
         assert process.stdout is not None
@@ -95,10 +108,10 @@ class _Runner:
         return self._process
 
 
-def try_all(mutants: Sequence[Mutant], bases: Path, *, jobs: int, runner: str = "tests.fuzz.runner") -> Iterator[Trial]:
+def try_all(mutants: Sequence[M], bases: Path, *, jobs: int, runner: str = "tests.fuzz.runner") -> Iterator[Trial[M]]:
     """Try mutants, several at once; their trials as they end."""
-    waiting: queue.SimpleQueue[Mutant | None] = queue.SimpleQueue()
-    done: queue.SimpleQueue[Trial | BaseException | None] = queue.SimpleQueue()
+    waiting: queue.SimpleQueue[M | None] = queue.SimpleQueue()
+    done: queue.SimpleQueue[Trial[M] | BaseException | None] = queue.SimpleQueue()
     for mutant in (*mutants, *[None] * jobs):
         waiting.put(mutant)
 
@@ -129,7 +142,7 @@ def try_all(mutants: Sequence[Mutant], bases: Path, *, jobs: int, runner: str = 
             yield ended
 
 
-def table(trials: Sequence[Trial]) -> str:
+def table(trials: Sequence[Trial[Mutant]]) -> str:
     """Outcome by kind of damage, and how often each error was given."""
     counts = Counter((trial.mutant.kind, trial.verdict.outcome) for trial in trials)
     rows = [["", *OUTCOMES, "all"]]
@@ -143,7 +156,7 @@ def table(trials: Sequence[Trial]) -> str:
     return "\n".join([*lines, "", "errors: " + ", ".join(f"{code} {count}" for code, count in sorted(codes.items()))])
 
 
-def described(trial: Trial) -> str:
+def described(trial: Trial[Mutant]) -> str:
     """A mutant that found a fault: what is wrong, and how to see it again."""
     faults = "\n".join(trial.verdict.faults)
     return f"{trial.mutant.name}\n{faults}\n  python -m tests.fuzz.mutants --only '{trial.mutant.name}' --keep DIR\n"
@@ -155,7 +168,7 @@ def _parsed(line: str) -> Verdict:
     return Verdict(fields["outcome"], codes, fields["message"], notes, faults)
 
 
-def _keep(trial: Trial, bases: Path, folder: Path) -> None:
+def _keep(trial: Trial[Mutant], bases: Path, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / trial.mutant.file_name
     path.write_bytes(trial.mutant.content(bases))

@@ -137,7 +137,7 @@ CODES = (
         "not one of the words that are possible",
         "The key takes one of a few words, and this is none of them.",
         "stepbot does not guess which one was meant.",
-        "Take one of the words in the help.",
+        "Take one of the words that the message or its help lists.",
     ),
     Code(
         "SB124",

@@ -1,0 +1,84 @@
+"""Harms stepbot in many ways, and reports what must not come of it.
+
+python -m tests.hostile                         all experiments in their long form, hours
+python -m tests.hostile --short                 a few trials of each, a minute
+python -m tests.hostile --only NAME [--count N] [--seed N]
+python -m tests.hostile --page                  and writes what came of them to docs/reliability.md
+"""
+
+import argparse
+import importlib
+import math
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import page
+from .experiment import Experiment, Setting, Trial
+
+NAMES = ("sidecars", "steps")
+"""Modules, each with an ``EXPERIMENT``."""
+_REPORT_EVERY = 500
+
+
+def experiment(name: str) -> Experiment:
+    """The experiment of a name."""
+    found = importlib.import_module(f"{__package__}.{name}").EXPERIMENT
+    assert isinstance(found, Experiment)
+    return found
+
+
+def trials_of(chosen: Experiment, count: int, seed: int, jobs: int, minutes: float) -> list[Trial]:
+    """Run an experiment until it is through or the time is up; its faults are printed as they are found."""
+    trials: list[Trial] = []
+    end = time.monotonic() + 60.0 * minutes
+    with tempfile.TemporaryDirectory(prefix=f"hostile-{chosen.name}-") as folder:
+        for trial in chosen.run(Setting(Path(folder).resolve(), seed, count, jobs)):
+            trials.append(trial)
+            if time.monotonic() > end:
+                _say(f"{chosen.name}: stopped after {minutes:g} minutes")
+                break
+            if trial.faults:
+                _say(f"FAULT {chosen.name} {trial.name}\n" + "\n".join(trial.faults))
+            if len(trials) % _REPORT_EVERY == 0:
+                _say(f"{chosen.name}: {len(trials)} of {count}")
+    return trials
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__.splitlines()[0])
+    parser.add_argument("--short", action="store_true", help="a few trials of each")
+    parser.add_argument("--only", action="append", choices=NAMES, help="this experiment; may be repeated")
+    parser.add_argument("--count", type=int, help="how many trials of each")
+    parser.add_argument("--seed", type=int, default=1, help="of the random choices (1)")
+    parser.add_argument("--jobs", type=int, default=2, help="how many processes at once (2)")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="stop each experiment after so many")
+    parser.add_argument("--page", action="store_true", help="write the results to docs/reliability.md")
+    return parser.parse_args(argv)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run experiments; 1 where any finds a fault."""
+    arguments = _arguments(argv)
+    faults = 0
+    for name in arguments.only or NAMES:
+        chosen = experiment(name)
+        count = arguments.count or (chosen.short if arguments.short else chosen.long)
+        trials = trials_of(chosen, count, arguments.seed, arguments.jobs, arguments.minutes)
+        found = sum(bool(trial.faults) for trial in trials)
+        faults += found
+        _say(f"{name}: {len(trials):,} trials: {page.summary(trials)}; {found} found a fault")
+        if arguments.page:
+            page.write_row(chosen, trials, [experiment(one) for one in NAMES])
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,90 @@
+"""A mutant of a sidecar, and the sound ones that mutants are made of: those of the robots that come with stepbot."""
+
+import pickle
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import cycle, product
+from pathlib import Path
+from random import Random
+
+from stepbot.build.reading import read_options
+from stepbot.cad.assembly import Assembly, VolumeProperties
+from stepbot.cad.reader import start_reading
+from stepbot.diagnostics import Diagnostics
+from stepbot.measure import measured
+from stepbot.sidecar.load import load_sidecar
+from tests.conftest import ROOT
+
+from .sidecar_damage import KINDS, damaged
+from .sidecar_tree import Table, read_tree
+
+LIBRARY = ROOT / "robot_library"
+SMALL = ("stepbot_arm2", "stepbot_four_bar")
+"""Robots of the short form: quickly read, and with most of the keys between them."""
+Measured = tuple[Assembly, tuple[VolumeProperties | None, ...]]
+_SIDECAR = "base.robot.yaml"
+_ASSEMBLY = "assembly.pickle"
+
+
+@dataclass(frozen=True)
+class SidecarMutant:
+    """What a damaged sidecar is made from."""
+
+    base: str
+    """Folder of the sound one in the library."""
+    kind: str
+    """One of :data:`.sidecar_damage.KINDS`."""
+    seed: int
+    number: int
+
+    @property
+    def name(self) -> str:
+        """``base:kind:seed:number``."""
+        return f"{self.base}:{self.kind}:{self.seed}:{self.number}"
+
+    @staticmethod
+    def named(name: str) -> "SidecarMutant":
+        """The mutant of a name."""
+        base, kind, seed, number = name.split(":")
+        return SidecarMutant(base, kind, int(seed), int(number))
+
+    def content(self, bases: Path) -> bytes:
+        """The damaged file; the same bytes wherever and whenever it is made."""
+        return damaged(_tree(bases / self.base), self.kind, Random(self.name))
+
+
+def plan(bases: Sequence[str], count: int, seed: int) -> list[SidecarMutant]:
+    """``count`` mutants in which every pair of base and kind comes equally often, in an order that the seed gives."""
+    pairs = list(product(bases, KINDS))
+    Random(seed).shuffle(pairs)
+    return [SidecarMutant(*pair, seed, number) for number, pair in zip(range(count), cycle(pairs), strict=False)]
+
+
+def collect(names: Sequence[str], folder: Path) -> None:
+    """Put sound sidecars into folders of their own, each with its assembly as the kernel reads it."""
+    for name in names:
+        place = folder / name
+        place.mkdir(parents=True)
+        (source,) = (LIBRARY / name).glob("*.robot.yaml")
+        shutil.copyfile(source, place / _SIDECAR)
+        found = Diagnostics()
+        sidecar = load_sidecar(source, found)
+        assert sidecar is not None, list(map(str, found))
+        assembly = start_reading(sidecar.step_path, read_options(sidecar.document)).finish(found)
+        assert assembly is not None, list(map(str, found))
+        measures = tuple(measured(body.mesh) for body in assembly.bodies)
+        (place / _ASSEMBLY).write_bytes(pickle.dumps((assembly, measures)))
+
+
+@cache
+def assembly_of(base: Path) -> Measured:
+    """The assembly of a sound sidecar, and what trimesh measures on its bodies."""
+    loaded: Measured = pickle.loads((base / _ASSEMBLY).read_bytes())
+    return loaded
+
+
+@cache
+def _tree(base: Path) -> Table:
+    return read_tree(base / _SIDECAR)

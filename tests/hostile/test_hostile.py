@@ -1,0 +1,71 @@
+"""A few trials of each experiment: whatever is done to stepbot ends as it should. ``make hostile`` runs thousands."""
+
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from . import page
+from .__main__ import NAMES, experiment
+from .experiment import Experiment, Setting, Trial
+from .sidecar_damage import KINDS, damaged
+from .sidecar_mutant import LIBRARY, SidecarMutant, plan
+from .sidecar_tree import read_tree, written
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
+    """No traceback, no hang, nothing left over, nothing half written."""
+    chosen = experiment(name)
+    trials = list(chosen.run(Setting(tmp_path, seed=1, count=chosen.short)))
+    assert len(trials) == chosen.short
+    failed = [f"{trial.name}\n" + "\n".join(trial.faults) for trial in trials if trial.faults]
+    assert not failed, "\n".join(failed)
+
+
+def test_tree_of_a_sidecar_is_written_as_it_was_read(tmp_path: Path) -> None:
+    """Every sidecar of the library keeps its meaning when its tree is written without damage."""
+    sources = sorted(LIBRARY.glob("*/*.robot.yaml"))
+    assert sources
+    for source in sources:
+        copy = tmp_path / source.name
+        copy.write_text(written(read_tree(source)), encoding="utf-8")
+        assert read_tree(copy) == read_tree(source), source
+
+
+def test_damage_depends_on_the_name_alone_and_changes_the_sidecar() -> None:
+    """The same seed gives the same bytes, and each kind of damage changes most sidecars."""
+    base = read_tree(LIBRARY / "stepbot_arm2" / "arm2.robot.yaml")
+    sound = written(base)
+    for kind in KINDS:
+        contents = [damaged(base, kind, Random(f"{kind}{seed}")) for seed in range(30)]
+        assert contents == [damaged(base, kind, Random(f"{kind}{seed}")) for seed in range(30)]
+        assert len(set(contents) - {sound.encode()}) > 15, kind
+    assert written(base) == sound
+
+
+def test_plan_names_each_mutant() -> None:
+    """Each pair of sidecar and kind comes before any twice, and a name gives its mutant back."""
+    mutants = plan(["a", "b"], 2 * len(KINDS), 3)
+    assert len({(mutant.base, mutant.kind) for mutant in mutants}) == 2 * len(KINDS)
+    assert [SidecarMutant.named(mutant.name) for mutant in mutants] == mutants
+
+
+def test_page_keeps_rows_of_experiments_that_did_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row is replaced by the run of its experiment alone; faults are counted."""
+    monkeypatch.setattr(page, "PAGE", tmp_path / "reliability.md")
+    first, second = (
+        Experiment(name, "done", "expected", lambda setting: iter(()), short=1, long=2, repaired=(f"{name} broke",))
+        for name in ("first", "second")
+    )
+    known = [first, second]
+    page.write_row(second, [Trial("a", "refused"), Trial("b", "robot", ("hangs",))], known)
+    page.write_row(first, [Trial("a", "robot")], known)
+    page.write_row(first, [Trial("a", "refused")], known)
+    rows = [line for line in page.PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    assert rows == [
+        "| `first` | done | expected | 1 | 1 refused | 0 |",
+        "| `second` | done | expected | 2 | 1 refused, 1 robot | 1 |",
+    ]
+    assert "- `first`: first broke" in page.PAGE.read_text(encoding="utf-8")
