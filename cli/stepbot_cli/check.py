@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.joint_table import JointRow
 
 from .caching import say_trouble
 from .command import Command, concise_option, json_option
+from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import show_diagnostics, write_json
+from .render import printable
+from .terminal import show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
@@ -63,19 +66,30 @@ def command(
     from stepbot.sidecars import find_sidecars
 
     options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)))
-    found = Diagnostics()
+    found, tables = Diagnostics(), dict[Path, tuple[JointRow, ...]]()
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            check(sidecar, options, found, open_step=step is not None)
+            tables[sidecar] = check(sidecar, options, found, open_step=step is not None)
     if strict:
         found.make_strict()
     say_trouble(options.cache, found)
     if as_json:
+        from stepbot.report import joint_table_document
+
         write_json(
-            {"files": [path.as_posix() for path in sidecars], "diagnostics": found, "exit_code": found.exit_code}
+            {
+                "files": [path.as_posix() for path in sidecars],
+                "joint_tables": {path.as_posix(): joint_table_document(table) for path, table in tables.items()},
+                "diagnostics": found,
+                "exit_code": found.exit_code,
+            }
         )
     else:
         show_diagnostics(found, concise=concise, as_result=True)
+        for sidecar, table in tables.items():
+            if table and len(tables) > 1:
+                write_result(f"\n{printable(sidecar.as_posix())}")
+            show_joint_table(table)
     return found.exit_code

@@ -12,6 +12,7 @@ from stepbot.diagnostics import did_you_mean
 from .caching import say_trouble
 from .command import Command, concise_option, json_option, names_option
 from .engines import require_option
+from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
 from .progress import progress_bar
 from .reading import reading_options
@@ -103,6 +104,8 @@ def run_conversion(
         show_diagnostics(conversion.diagnostics, concise=concise)
         if conversion.report is not None and conversion.report.checks:
             show_table(conversion.report)
+        if conversion.report is not None:
+            show_joint_table(conversion.report.joint_table)
         if conversion.files:
             write_result(f"{len(conversion.files)} files in {written_to(conversion, options.output)}")
     return conversion.diagnostics.exit_code

@@ -8,6 +8,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .command import Command, concise_option, json_option
 from .engines import limit_options, require_option
+from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
 from .progress import progress_bar
 from .table import show_table
@@ -56,4 +57,5 @@ def command(
         show_diagnostics(found, concise=concise)
         if report.checks:
             show_table(report)
+        show_joint_table(report.joint_table)
     return found.exit_code

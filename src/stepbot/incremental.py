@@ -13,6 +13,7 @@ from pathlib import Path
 from .cache import Cache, Digest, Shelf, environment, file_digest, own_code
 from .conversion import Conversion, Options, write
 from .diagnostics import Diagnostic, Diagnostics, StepbotError
+from .joint_table import JointRow
 from .output import check_writable
 from .warmup import started_kernel, started_server
 
@@ -37,6 +38,8 @@ class _Findings:
     """What a check said."""
 
     diagnostics: tuple[Diagnostic, ...]
+    joint_table: tuple[JointRow, ...] = ()
+    """Where each joint is, of a check that read the STEP."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -96,28 +99,33 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
     return digest.add(*_asked(options)).key
 
 
-def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> None:
-    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> tuple[JointRow, ...]:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
+
+    Returns:
+        The joint table; empty where no STEP was read, or errors left no robot.
+    """
     cache = options.cache
     key = _check_key(sidecar, options, open_step)
     kept = Shelf(cache, _Findings).get(key) if key else None
     if kept is not None:
         found.extend(kept.diagnostics)
-        return
+        return kept.joint_table
     from . import pipeline
 
     before, local = _content(sidecar, cache), Diagnostics()
-    named = pipeline.check(sidecar, options, local, open_step=open_step)
+    checked = pipeline.check(sidecar, options, local, open_step=open_step)
     found.extend(local)
     if not before or before != _content(sidecar, cache):
-        return
-    if named:
-        Shelf(cache, str).put(_name_key(before), named)
+        return checked.joint_table
+    if checked.named:
+        Shelf(cache, str).put(_name_key(before), checked.named)
     # Of a sidecar on its own all that is said comes from its text; the kernel may fail for reasons that pass.
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            Shelf(cache, _Findings).put(after, _Findings(tuple(local)))
+            Shelf(cache, _Findings).put(after, _Findings(tuple(local), checked.joint_table))
+    return checked.joint_table
 
 
 def _conversion_of(record: Record) -> Conversion:

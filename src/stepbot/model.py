@@ -279,8 +279,6 @@ class Joint:
     """Advance of a screw joint [m/rad]."""
     drawn_position: float = 0.0
     """q [rad] or [m] in which the CAD drew the joint, its ``zero``; the initial pose."""
-    source: str = ""
-    """What gave its frame, for people: numbers, or the faces whose axis it is."""
 
 
 @dataclass(frozen=True)
@@ -295,8 +293,6 @@ class LoopClosure:
     X_BF: Pose
     axis: Vector3 = (0.0, 0.0, 1.0)
     """Unit axis of a revolute or prismatic closure, in F."""
-    source: str = ""
-    """What gave its frame, for people."""
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from .diagnostics import Diagnostics, StepbotError, did_you_mean
 from .forkserver import ForkServer
 from .geometry import Loading
 from .isolation import Worker
+from .joint_table import JointRow
 from .loops import degrees_of_freedom, driven_joints
 from .lowering import lower
 from .model import Robot
@@ -53,6 +54,16 @@ class Inspection:
     """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
     links: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     """For each link of the sidecar the indices of its components; empty where a STEP was inspected on its own."""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a check found besides its diagnostics."""
+
+    named: str
+    """What the sidecar calls its STEP; empty where it has errors."""
+    joint_table: tuple[JointRow, ...] = ()
+    """Where each joint is; empty where no STEP was read, or errors left no robot."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -128,7 +139,7 @@ def _produce(
         progress("verify")
         report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
     bodies = measured_bodies(assembly, measures(), sidecar.document.mass)
-    report = replace(report, names=emitted_names(robot), bodies=bodies)
+    report = replace(report, names=emitted_names(robot), bodies=bodies, joint_table=built.joint_table)
     if options.strict:
         found.make_strict()
     files = {**joined(by_format), REPORT: report_bytes(report, found)}
@@ -149,13 +160,9 @@ def _unproven(robot: Robot) -> Report:
     return Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
 
 
-def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> str:
-    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
-
-    Returns:
-        What the sidecar calls its STEP; empty where it has errors.
-    """
-    named = ""
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
+    named, table = "", tuple[JointRow, ...]()
     try:
         loaded = _load(sidecar, found)
         named = loaded.document.step
@@ -165,11 +172,12 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
                 assembly, measures = loading.assembly(found), partial(loading.measures, found)
                 built = build_robot(assembly, loaded, measures, found, options.cache, loading.meshwork)
                 if built is not None:
+                    table = built.joint_table
                     check_robot(run_passes(built.robot, found), found, loaded.span(), assembly.unit)
                     built.double_counting.report(options.timeout)
     except StepbotError as error:
         found.extend(error.diagnostics)
-    return named
+    return Checked(named, table)
 
 
 def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:

@@ -16,6 +16,7 @@ import stepbot
 
 from .closure_snippet import pybullet_snippet
 from .diagnostics import Diagnostic
+from .joint_table import JointRow
 from .kinematics import initial_configuration, link_poses
 from .model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, MassProperties, Robot, combined
 from .sensors import SEEING, Sensor
@@ -122,6 +123,8 @@ class Report:
     names: Mapping[str, str] = field(default_factory=dict)
     """Names in the files, and the names in the STEP that they stand for."""
     bodies: tuple[MeasuredBody, ...] = ()
+    joint_table: tuple[JointRow, ...] = ()
+    """Where each joint is, for a person to check; of files that were compared, as the first one says."""
 
     @property
     def failed(self) -> bool:
@@ -189,7 +192,44 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "notes": {key: list(notes) for key, notes in report.notes.items()},
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],
+        "joint_table": joint_table_document(report.joint_table),
         "diagnostics": [_diagnostic(diagnostic) for diagnostic in diagnostics],
+    }
+
+
+def joint_table_document(rows: Iterable[JointRow]) -> list[Json]:
+    """The joint table as what JSON can hold."""
+    return [_joint_row(row) for row in rows]
+
+
+def _joint_row(row: JointRow) -> Json:
+    found = row.evidence
+    return {
+        "name": row.name,
+        "kind": row.kind,
+        "is_closure": row.is_closure,
+        "parent": row.parent,
+        "child": row.child,
+        "origin": None if row.origin is None else list(row.origin),
+        "axis": None if row.axis is None else list(row.axis),
+        "axis2": None if row.axis2 is None else list(row.axis2),
+        "basis": found.basis.value,
+        "source": found.text,
+        "faces": [{"component": one.component, "radius": one.radius, "bore": one.bore} for one in found.sides],
+        "overlap": found.overlap,
+        "clearance": found.clearance,
+        "selected": found.selected,
+        "rivals": [
+            {
+                "basis": rival.basis.value,
+                "point": list(rival.point),
+                "direction": list(rival.direction),
+                "radii": list(rival.radii),
+                "share": rival.share,
+            }
+            for rival in found.rivals
+        ],
+        "doubt": found.doubt,
     }
 
 
@@ -285,7 +325,6 @@ def _joint(joint: Joint) -> Json:
         if joint.mimic is None
         else {"joint": joint.mimic.joint, "multiplier": joint.mimic.multiplier, "offset": joint.mimic.offset},
         "drawn_position": joint.drawn_position,
-        "source": joint.source,
     }
 
 
@@ -329,7 +368,6 @@ def _closure(closure: LoopClosure) -> Json:
         "link_b": closure.link_b,
         "pose_b": _pose(closure.X_BF),
         "axis": list(closure.axis),
-        "source": closure.source,
     }
 
 

@@ -9,6 +9,7 @@ import jsonschema
 import pytest
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.joint_table import Basis, Evidence, JointRow, Rival, Side
 from stepbot.model import Limit, MassProperties, MassSource
 from stepbot.report import Check, MeasuredBody, Report, Status, report_bytes, report_document
 from tests.conftest import ReadDiagnostics
@@ -104,6 +105,18 @@ def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validat
     assert faults(validator, document) == []
     assert document["diagnostics"][0]["line"] == 3
     assert [one["density"] for one in document["robot"]["links"][0]["sources"]] == [2700.0, None]
+
+
+def test_joint_table_keeps_the_schema(validator: jsonschema.Draft202012Validator) -> None:
+    """Rows with all that they can hold, and with nothing but names."""
+    sides = (Side("a/pin", 0.004, bore=False), Side("b/hub", 0.0041, bore=True))
+    rival = Rival(Basis.TOUCH, (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.002,), 0.5)
+    fit = Evidence(Basis.FIT, "axis", sides, 0.01, rivals=(rival,), doubt="a wider axis")
+    full = JointRow("j", "universal", "a", "b", (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), evidence=fit)
+    document = report_document(Report(joint_table=(full, JointRow("k", "fixed", "a", "b", None, None))), Diagnostics())
+    assert faults(validator, document) == []
+    assert document["joint_table"][0]["clearance"] == pytest.approx(1e-4)
+    assert [row["basis"] for row in document["joint_table"]] == ["fit", "file"]
 
 
 def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012Validator) -> None:

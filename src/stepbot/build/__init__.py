@@ -1,7 +1,8 @@
 """Assembly and sidecar become a robot, free of any format.
 
 matter    what each component is made of        frames    where each origin is, as drawn
-claims    which link each component is in       joints    joints, closures
+claims    which link each component is in       evidence  what speaks for a line that was found
+                                                joints    joints, closures, the table of both
 weigh     whose volume, com and inertia counts  devices   named frames, drives, sensors
 masses    what each component weighs            links     mass properties, visuals, collisions
                                                 overlaps  what is weighed twice
@@ -14,6 +15,7 @@ from ..cache import Cache
 from ..cad.assembly import Assembly, VolumeProperties
 from ..diagnostics import Diagnostics
 from ..isolation import Worker
+from ..joint_table import JointRow
 from ..model import Robot
 from ..sidecar.located import Sidecar
 from .binder import Binder
@@ -21,7 +23,7 @@ from .claims import Claims, claim
 from .devices import build_actuators, build_frames, build_sensors
 from .double_counting import DoubleCounting
 from .frames import Frames
-from .joints import build_closures, build_joints, tree_order
+from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
 from .masses import masses
 from .matter import matters
@@ -36,6 +38,8 @@ class Built:
     robot: Robot
     double_counting: DoubleCounting
     """Has to report before anything is written."""
+    joint_table: tuple[JointRow, ...] = ()
+    """Where every joint and closure is, and what its place was found by."""
 
 
 def build_robot(
@@ -95,7 +99,7 @@ def build_robot(
         assembly.source,
         sensors,
     )
-    return Built(robot, double_counting)
+    return Built(robot, double_counting, joint_table(frames, joints, closures))
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:

@@ -46,7 +46,7 @@ def _frame(document: Document, frames: Frames, name: str) -> Frame | None:
     X_WF, X_WL = frames.resolve(section.origin, Wanted(("frames", name, "origin"))), frames.link(section.link)
     if X_WF is None or X_WL is None:
         return None
-    return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF), frames.source("frames", name, "origin"))
+    return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF), frames.evidence("frames", name, "origin").text)
 
 
 def _limit(section: LimitsSection) -> Limit:
@@ -72,7 +72,7 @@ def _sensor(document: Document, frames: Frames, name: str) -> Sensor | None:
     if X_LS is None:
         return None
     view = _view(section) if section.type in SEEING else View()
-    source = frames.source("sensors", name, "origin")
+    source = frames.evidence("sensors", name, "origin").text
     return Sensor(name, section.type, link, X_LS, joint, section.rate, view, source)
 
 

@@ -6,7 +6,7 @@ frame J, which stays with the parent. The frame of the child coincides with it a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,9 +21,11 @@ from ..cad.axes import (
     mates,
     millimetres,
     near_misses,
+    selector,
     selectors,
 )
 from ..cad.paths import quoted
+from ..joint_table import Basis, Evidence
 from ..model import JointKind
 from ..sidecar.document import (
     AutoOrigin,
@@ -38,6 +40,7 @@ from ..sidecar.tree import Keys
 from ..spatial import IDENTITY, Pose, Vector3, rotation_about
 from .binder import Binder, listed
 from .claims import Claims
+from .evidence import described, evidence_of, radii_of
 
 ASSEMBLY = "assembly"
 """What ``relative_to`` calls the frame of the STEP."""
@@ -74,7 +77,7 @@ class Frames:
         self._links: dict[str, Pose | None] = {}
         self._joints: dict[str, Pose | None] = {}
         self._waiting: list[str] = []
-        self._sources: dict[Keys, str] = {}
+        self._evidence: dict[Keys, Evidence] = {}
         self._faces: dict[str, AxisFaces] = {}
 
     def link(self, name: str) -> Pose | None:
@@ -95,9 +98,9 @@ class Frames:
         self.link(self._binder.document.joints[name].child)
         return self._joints.get(name)
 
-    def source(self, *keys: str) -> str:
-        """What gave the origin at a place of the sidecar, for people: its form, and the parts it found."""
-        return self._sources.get(keys, "")
+    def evidence(self, *keys: str) -> Evidence:
+        """What gave the origin at a place of the sidecar."""
+        return self._evidence.get(keys, Evidence(Basis.GIVEN))
 
     def _child_frame(self, name: str) -> Pose | None:
         joint = self._binder.document.joints[name]
@@ -112,20 +115,21 @@ class Frames:
         offset = None if isinstance(origin, str) else origin.offset
         if pose is None or offset is None:
             return pose
-        self._sources[wanted.keys] += "; moved by its offset"
+        found = self._evidence[wanted.keys]
+        self._evidence[wanted.keys] = replace(found, text=f"{found.text}; moved by its offset")
         return pose @ Pose.from_xyz_rpy(offset.xyz, offset.rpy)
 
     def _base(self, origin: Origin, wanted: Wanted) -> Pose | None:
         """The frame before the offset."""
         if isinstance(origin, ExplicitOrigin):
-            self._sources[wanted.keys] = f"numbers, relative to {quoted(origin.relative_to)}"
+            self._give(wanted, f"numbers, relative to {quoted(origin.relative_to)}")
             X_WR = self._reference(origin.relative_to, (*wanted.keys, "relative_to"))
             return None if X_WR is None else X_WR @ Pose.from_xyz_rpy(origin.xyz, origin.rpy)
         if isinstance(origin, ComponentOrigin):
-            self._sources[wanted.keys] = f"the frame of component {quoted(origin.component)}"
+            self._give(wanted, f"the frame of component {quoted(origin.component)}")
             return self._component(origin.component, (*wanted.keys, "component"))
         if isinstance(origin, CenterOrigin):
-            self._sources[wanted.keys] = f"the centre of the box around {quoted(origin.center)}"
+            self._give(wanted, f"the centre of the box around {quoted(origin.center)}")
             return self._center(origin.center, (*wanted.keys, "center"))
         if isinstance(origin, AxisOrigin):
             return self._axis(origin, wanted)
@@ -162,9 +166,10 @@ class Frames:
         if index is None:
             return None
         found = lines(self._component_faces(index), origin.radius)
-        choice = choose(found, origin.near, direction_only=wanted.direction_only)
+        selected = origin.radius is not None
+        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
         if choice.line is not None:
-            return self._on(choice.line, "axis", wanted)
+            return self._on(choice.line, found, "axis", origin, wanted)
         start = f"{{axis_of: {quoted(origin.axis_of)}"
         if choice.rivals:
             self._report_rivals(wanted, f"'{origin.axis_of}' has", choice, found, start)
@@ -204,20 +209,37 @@ class Frames:
     ) -> Pose | None:
         """The frame on the line that two sides share."""
         found = mates(a, b, origin.radius)
-        choice = choose(found, origin.near, direction_only=wanted.direction_only)
+        selected = origin.radius is not None
+        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
         if choice.line is not None:
-            return self._on(choice.line, f"axis that {words[0]} and {words[1]} share", wanted)
-        if choice.rivals:
+            pose = self._on(choice.line, found, f"axis that {words[0]} and {words[1]} share", origin, wanted)
+            self._report_doubt(wanted, choice.line, found, start)
+            return pose
+        if choice.rivals and all(line.basis is Basis.APART for line in choice.rivals):
+            self._report_apart(wanted, words, choice, found, start)
+        elif choice.rivals:
             self._report_rivals(wanted, f"{words[0]} and {words[1]} share", choice, found, start)
         else:
             with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
             self._report_misses(wanted, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
         return None
 
-    def _on(self, line: AxisLine, words: str, wanted: Wanted) -> Pose:
+    def _give(self, wanted: Wanted, text: str) -> None:
+        self._evidence[wanted.keys] = Evidence(Basis.GIVEN, text)
+
+    def _on(
+        self,
+        line: AxisLine,
+        found: Sequence[AxisLine],
+        words: str,
+        origin: AxisOrigin | MateOrigin | AutoOrigin,
+        wanted: Wanted,
+    ) -> Pose:
         """The frame on a line that was found, and a note of which it was."""
-        parts = ", ".join(quoted(self._binder.path(index)) for index in line.components)
-        self._sources[wanted.keys] = f"{words}, of faces of {parts}: {_described(line)}"
+        selected = origin.radius is not None or origin.near is not None
+        self._evidence[wanted.keys] = evidence_of(
+            line, found, words, self._binder.path, selected=selected, direction_only=wanted.direction_only
+        )
         return line_frame(line)
 
     def _component_faces(self, index: int) -> AxisFaces:
@@ -236,7 +258,36 @@ class Frames:
             wanted.keys,
             f"{words} {len(choice.rivals)} {several}, and none is twice as wide as the next",
             help=listed(tuple(f"origin: {start}{offered[line]}}}" for line in choice.rivals)),
-            notes=listed(tuple(map(_described, choice.rivals))),
+            notes=listed(tuple(described(line, self._binder.path) for line in choice.rivals)),
+        )
+
+    def _report_apart(
+        self, wanted: Wanted, words: tuple[str, str], choice: Choice, found: Sequence[AxisLine], start: str
+    ) -> None:
+        """Report lines that carry faces of both sides, none of which touch."""
+        lines = choice.rivals
+        several = f"{len(lines)} lines" if len(lines) > 1 else "one line"
+        self._binder.report(
+            "SB406",
+            wanted.keys,
+            f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no faces that touch",
+            help=listed(tuple(f"origin: {start}{selector(line, found)}}}" for line in lines)),
+            notes=listed(tuple(described(line, self._binder.path) for line in lines)),
+        )
+
+    def _report_doubt(self, wanted: Wanted, line: AxisLine, found: Sequence[AxisLine], start: str) -> None:
+        """Warn of an axis that was taken on weak evidence, with the origins that mean it or another line."""
+        evidence = self._evidence[wanted.keys]
+        if not evidence.doubt:
+            return
+        others = [other for other in found if other is not line and other.basis is not Basis.APART]
+        shown = [line, *others[:_SHOWN_MISSES]]
+        self._binder.report(
+            "SB407",
+            wanted.keys,
+            f"weak evidence for its axis: {evidence.doubt}",
+            help=tuple(f"origin: {start}{selector(one, found)}}}" for one in shown),
+            notes=tuple(described(one, self._binder.path) for one in shown),
         )
 
     def _report_misses(self, wanted: Wanted, message: str, a: AxisFaces, b: AxisFaces) -> None:
@@ -245,7 +296,7 @@ class Frames:
         for miss in misses:
             tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
             sides = [
-                f"{quoted(self._binder.path(line.components[0]))} ({_radii(line)})"
+                f"{quoted(self._binder.path(line.components[0]))} ({radii_of(line)})"
                 for line in (miss.line_a, miss.line_b)
             ]
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
@@ -278,14 +329,3 @@ def _motion(kind: JointKind, axis: Vector3, q: float) -> Pose:
     if kind in (JointKind.REVOLUTE, JointKind.CONTINUOUS):
         return Pose.of(rotation_about(axis, q))
     return Pose.of(position=np.array(axis) * q) if kind is JointKind.PRISMATIC else IDENTITY
-
-
-def _described(line: AxisLine) -> str:
-    at: Vector3 = line.point
-    direction = ", ".join(f"{round(c, 6) + 0.0:.4g}" for c in line.direction)
-    return f"{_radii(line)}, direction [{direction}], at [{', '.join(map(millimetres, at))}]"
-
-
-def _radii(line: AxisLine) -> str:
-    radii = ", ".join(millimetres(radius).removesuffix(" mm") for radius in line.radii[:4])
-    return f"radius {radii}{', ...' if len(line.radii) > 4 else ''} mm"

@@ -5,12 +5,16 @@ the child's frame, and what hangs on it, is turned or slid by that much. A closu
 known to close.
 """
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
-from ..model import Joint, LoopClosure, Mimic
+from ..joint_table import Evidence, JointRow
+from ..model import Joint, JointKind, LoopClosure, Mimic
 from ..sidecar.document import Document
 from ..sidecar.joint_settings import joint_dynamics, joint_limits
-from ..spatial import Array, Pose
+from ..spatial import Array, Pose, Vector3, vector3
 from .binder import Binder
 from .frames import Frames, Wanted
 
@@ -54,6 +58,34 @@ def build_closures(binder: Binder, frames: Frames) -> tuple[LoopClosure, ...] | 
     return closures if len(closures) == len(built) else None
 
 
+def joint_table(frames: Frames, joints: Iterable[Joint], closures: Iterable[LoopClosure]) -> tuple[JointRow, ...]:
+    """Where every joint, then every closure, is as drawn, and what its place was found by."""
+    rows = []
+    for joint in joints:
+        X_WJ, evidence = frames.joint(joint.name), frames.evidence("joints", joint.name, "origin")
+        assert X_WJ is not None  # there is no joint without its frame
+        row = _row(joint.name, joint.kind, (joint.parent, joint.child), X_WJ, joint.axis, evidence)
+        is_universal = joint.kind is JointKind.UNIVERSAL
+        rows.append(replace(row, axis2=_direction(X_WJ, joint.axis2)) if is_universal else row)
+    for closure in closures:
+        X_WA, evidence = frames.link(closure.link_a), frames.evidence("closures", closure.name, "origin")
+        assert X_WA is not None  # there is no closure without its frame
+        ends = closure.link_a, closure.link_b
+        row = _row(closure.name, closure.kind, ends, X_WA @ closure.X_AF, closure.axis, evidence)
+        rows.append(replace(row, is_closure=True))
+    return tuple(rows)
+
+
+def _row(name: str, kind: JointKind, ends: tuple[str, str], X_WF: Pose, axis: Vector3, evidence: Evidence) -> JointRow:
+    has_axis = kind not in (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+    direction = _direction(X_WF, axis) if has_axis else None
+    return JointRow(name, kind.value, *ends, tidy(X_WF).position, direction, evidence=evidence)
+
+
+def _direction(X_WF: Pose, axis: Vector3) -> Vector3:
+    return vector3(np.round(X_WF.turn(axis), _DECIMALS) + 0.0)
+
+
 def tidy(pose: Pose) -> Pose:
     """The pose without the noise of the last bits, which differs between machines: to 1e-12 m, and 0 and 1 exactly.
 
@@ -85,7 +117,6 @@ def _joint(document: Document, frames: Frames, name: str) -> Joint | None:
         mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier, mimic.offset.value),
         pitch=section.pitch or 0.0,
         drawn_position=section.zero.value,
-        source=frames.source("joints", name, "origin"),
     )
 
 
@@ -96,5 +127,4 @@ def _closure(document: Document, frames: Frames, name: str) -> LoopClosure | Non
     if X_WF is None or X_WA is None or X_WB is None:
         return None
     X_AF, X_BF = tidy(X_WA.inverse() @ X_WF), tidy(X_WB.inverse() @ X_WF)
-    source = frames.source("closures", name, "origin")
-    return LoopClosure(name, section.type, section.link_a, X_AF, section.link_b, X_BF, section.axis, source)
+    return LoopClosure(name, section.type, section.link_a, X_AF, section.link_b, X_BF, section.axis)

@@ -17,9 +17,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..joint_table import Basis
 from ..spatial import Array, Pose, Vector3, perpendicular_frame, vector3
 from .assembly import Assembly
 from .coaxial import Indices, Rays, close_pairs, coaxial, gaps, signed
+from .meetings import Spans, meeting
 
 DISTANCE_TOLERANCE = 1e-5
 """Distance [m] within which faces share a line, and radii are equal."""
@@ -31,6 +33,8 @@ NEAR_MISS_ANGLE = 0.02
 """Angle [rad] up to which two lines that do not mate are told."""
 OUTWEIGHS = 2.0
 """How many times wider than the next a line must be to be meant without a word."""
+_TIERS = {Basis.TOUCH: 1, Basis.APART: 2}
+"""Bases that are weaker than the others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +70,18 @@ class AxisFaces:
 
 
 @dataclass(frozen=True)
+class LineFace:
+    """A face on a line."""
+
+    component: int
+    """Index of its component."""
+    radius: float
+    """[m]."""
+    bore: bool
+    """Whether material lies outside."""
+
+
+@dataclass(frozen=True)
 class AxisLine:
     """A line that carries faces."""
 
@@ -83,6 +99,17 @@ class AxisLine:
     """What decides between lines [m]: the widest radius; of a mate, the smaller of both sides' widest."""
     components: tuple[int, ...]
     """Indices of the components whose faces it carries."""
+    faces: tuple[LineFace, ...] = ()
+    """The faces that tell most: the widest; of a mate, one of each side."""
+    basis: Basis = Basis.AXIS
+    """How the two sides of a mate meet: fit, flange, touch or apart."""
+    overlap: float | None = None
+    """Of a mate, length [m] along the line that both of ``faces`` cover; negative for the gap between them."""
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """Sorts lines: those on which a joint can turn first, among them the heaviest."""
+        return _TIERS.get(self.basis, 0), -self.weight
 
     def distance_to(self, point: Vector3) -> float:
         """Distance [m] of a point from the line, both ways endless."""
@@ -147,7 +174,7 @@ def lines(faces: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]
 
 
 def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
-    """The lines that carry cylinders of both, bore or shaft, any radius, the heaviest first.
+    """The lines that carry cylinders of both, those where the two sides fit first, among equals the heaviest.
 
     With ``radius`` [m], only lines that carry a cylinder of that radius.
     """
@@ -160,7 +187,7 @@ def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[Axis
             line = _mate(faces, rows_a, rows_b)
             if radius is None or np.abs(np.array(line.radii) - radius).min() <= DISTANCE_TOLERANCE:
                 found.append(line)
-    return tuple(sorted(found, key=lambda line: -line.weight))
+    return tuple(sorted(found, key=lambda line: line.order))
 
 
 def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
@@ -184,25 +211,42 @@ def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
     return tuple(sorted(misses, key=lambda miss: (-miss.weight, miss.distance)))
 
 
-def choose(found: Sequence[AxisLine], near: Vector3 | None = None, *, direction_only: bool = False) -> Choice:
+def choose(
+    found: Sequence[AxisLine], near: Vector3 | None = None, *, direction_only: bool = False, selected: bool = False
+) -> Choice:
     """The line that is meant: the nearest to ``near`` [m], where given; the only one, or twice as heavy as the next.
 
-    With ``direction_only`` parallel lines agree, and the heaviest of them is taken.
+    Lines where shaft and bore fit, or bores meet, count before those whose faces merely touch; where nothing decides
+    between the former, one of the latter may be twice as heavy as all. Faces apart from each other are never meant,
+    unless they are selected.
+
+    Args:
+        found: The lines.
+        near: A point [m] of the assembly.
+        direction_only: Whether parallel lines agree; the strongest of them is taken.
+        selected: Whether the caller has picked ``found`` by a radius.
     """
-    candidates = sorted(found, key=lambda line: -line.weight)
+    candidates = sorted(found, key=lambda line: line.order)
     if near is not None and candidates:
         distances = [line.distance_to(near) for line in candidates]
         limit = min(distances) + DISTANCE_TOLERANCE
         candidates = [line for line, distance in zip(candidates, distances, strict=True) if distance <= limit]
-    rivals = candidates[:1]
-    for line in candidates[1:]:
-        if not direction_only or not any(_parallel(line, rival) for rival in rivals):
+    rivals: list[AxisLine] = []
+    for tier in range(3 if selected or near is not None else 2):
+        rivals = _rivals([line for line in candidates if line.order[0] <= tier], direction_only)
+        by_weight = sorted(rivals, key=lambda line: -line.weight)
+        if len(rivals) == 1 or (rivals and by_weight[0].weight >= OUTWEIGHS * by_weight[1].weight * (1 - 1e-9)):
+            return Choice(by_weight[0])
+    return Choice(None, tuple(rivals or _rivals(candidates, direction_only)))
+
+
+def _rivals(candidates: Sequence[AxisLine], direction_only: bool) -> list[AxisLine]:
+    """The lines between which to decide; of parallel ones the first, where only directions count."""
+    rivals: list[AxisLine] = []
+    for line in candidates:
+        if not direction_only or not any(is_parallel(line, rival) for rival in rivals):
             rivals.append(line)
-    if not rivals:
-        return Choice(None)
-    if len(rivals) == 1 or rivals[0].weight >= OUTWEIGHS * rivals[1].weight * (1 - 1e-9):
-        return Choice(rivals[0])
-    return Choice(None, tuple(rivals))
+    return rivals
 
 
 def line_frame(line: AxisLine) -> Pose:
@@ -213,18 +257,14 @@ def line_frame(line: AxisLine) -> Pose:
 def selectors(found: Sequence[AxisLine]) -> tuple[Selector, ...]:
     """For each line what makes :func:`choose` take it among all: nothing, a radius that it alone has, or a point."""
     chosen = choose(found).line
-    radii = np.array([radius for line in found for radius in line.radii])
-    rays = _rays(found)
-    result = []
-    for line in found:
-        alone = [r for r in line.radii if np.count_nonzero(np.abs(radii - _rounded(r)) <= 2 * DISTANCE_TOLERANCE) == 1]
-        if line is chosen:
-            result.append(Selector())
-        elif alone:
-            result.append(Selector(radius=_rounded(alone[0])))
-        else:
-            result.append(Selector(near=_telling_point(line, rays)))
-    return tuple(result)
+    return tuple(Selector() if line is chosen else selector(line, found) for line in found)
+
+
+def selector(line: AxisLine, found: Sequence[AxisLine]) -> Selector:
+    """What selects a line among all explicitly: a radius that it alone has, or a point."""
+    radii = np.array([radius for other in found for radius in other.radii])
+    alone = [r for r in line.radii if np.count_nonzero(np.abs(radii - _rounded(r)) <= 2 * DISTANCE_TOLERANCE) == 1]
+    return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_telling_point(line, _rays(found)))
 
 
 def millimetres(length: float) -> str:
@@ -255,7 +295,8 @@ def _rays(found: Sequence[AxisLine]) -> Rays:
     return Rays(np.array(points).reshape(-1, 3), np.array(directions).reshape(-1, 3))
 
 
-def _parallel(a: AxisLine, b: AxisLine) -> bool:
+def is_parallel(a: AxisLine, b: AxisLine) -> bool:
+    """Whether two lines have the same direction, or opposite ones."""
     return float(np.linalg.norm(np.cross(a.direction, b.direction))) <= ANGLE_TOLERANCE
 
 
@@ -295,7 +336,8 @@ def _joined(parts: Sequence[AxisFaces]) -> AxisFaces:
 def _line(faces: AxisFaces, rows: Indices) -> AxisLine:
     center, direction = _carrier(faces, rows)
     low, high = _extent(faces, rows, center, direction)
-    return _axis_line(faces, rows, center, direction, 0.5 * (low + high), float(faces.radii[rows].max()))
+    line = _axis_line(faces, rows, center, direction, 0.5 * (low + high), float(faces.radii[rows].max()))
+    return replace(line, faces=(_line_face(faces, _widest(faces, rows)),))
 
 
 def _mate(faces: AxisFaces, rows_a: Indices, rows_b: Indices) -> AxisLine:
@@ -304,7 +346,20 @@ def _mate(faces: AxisFaces, rows_a: Indices, rows_b: Indices) -> AxisLine:
     (low_a, high_a), (low_b, high_b) = (_extent(faces, side, center, direction) for side in (rows_a, rows_b))
     middle = 0.5 * (max(low_a, low_b) + min(high_a, high_b))
     weight = min(float(faces.radii[rows_a].max()), float(faces.radii[rows_b].max()))
-    return _axis_line(faces, rows, center, direction, middle, weight)
+    line = _axis_line(faces, rows, center, direction, middle, weight)
+    met = meeting(*(_spans(faces, side, center, direction) for side in (rows_a, rows_b)))
+    sides = _line_face(faces, rows_a[met.rows[0]]), _line_face(faces, rows_b[met.rows[1]])
+    return replace(line, faces=sides, basis=met.basis, overlap=met.overlap)
+
+
+def _line_face(faces: AxisFaces, row: int) -> LineFace:
+    return LineFace(int(faces.components[row]), float(faces.radii[row]), bool(faces.bores[row]))
+
+
+def _spans(faces: AxisFaces, rows: Indices, point: Array, direction: Array) -> Spans:
+    along = (faces.centers[rows] - point) @ direction
+    half = 0.5 * faces.lengths[rows]
+    return Spans(along - half, along + half, faces.radii[rows], faces.bores[rows])
 
 
 def _axis_line(faces: AxisFaces, rows: Indices, center: Array, direction: Array, t: float, weight: float) -> AxisLine:
@@ -320,12 +375,16 @@ def _axis_line(faces: AxisFaces, rows: Indices, center: Array, direction: Array,
 
 
 def _carrier(faces: AxisFaces, rows: Indices) -> tuple[Array, Array]:
-    """Centre and signed direction of the face that stands for a line: the widest, then the longest, then the first."""
-    row = min(rows.tolist(), key=lambda r: (-faces.radii[r], -faces.lengths[r], r))
+    """Centre and signed direction of the face that stands for a line."""
+    row = _widest(faces, rows)
     return faces.centers[row], signed(faces.directions[row : row + 1])[0]
 
 
+def _widest(faces: AxisFaces, rows: Indices) -> int:
+    """The face that stands for a line: the widest, then the longest, then the first."""
+    return int(min(rows.tolist(), key=lambda r: (-faces.radii[r], -faces.lengths[r], r)))
+
+
 def _extent(faces: AxisFaces, rows: Indices, point: Array, direction: Array) -> tuple[float, float]:
-    along = (faces.centers[rows] - point) @ direction
-    half = 0.5 * faces.lengths[rows]
-    return float((along - half).min()), float((along + half).max())
+    spans = _spans(faces, rows, point, direction)
+    return float(spans.low.min()), float(spans.high.max())

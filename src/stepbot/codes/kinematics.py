@@ -46,6 +46,26 @@ CODES = (
         "Write the origin in another form.",
     ),
     Code(
+        "SB406",
+        "error",
+        "coaxial faces without contact",
+        "The two sides have cylinders on common lines, but on none of them is a shaft in a bore that fits, and no faces "
+        "overlap or touch along the line.",
+        "Parts of an arm that is drawn straight have many lines in common. A joint on such a line may lie in mid-air, and "
+        "no engine notices, since every file says the same.",
+        "Check which parts carry the axis: often the pin or the bearing belongs to another link. If one of the listed "
+        "lines is meant, paste its origin; a line that the sidecar selects is taken whatever gap there is.",
+    ),
+    Code(
+        "SB407",
+        "warning",
+        "axis on weak evidence",
+        "The faces on the axis that was taken overlap or touch but do not fit, or a wider line carries faces that touch.",
+        "The axis may be right, as where the CAD leaves out a bearing; it may also be a coincidence.",
+        "Look at the axis in the joint table. If it is right, paste its origin, which selects it explicitly; else paste "
+        "the origin of the line that is meant.",
+    ),
+    Code(
         "SB410",
         "error",
         "drawn pose outside the limits",

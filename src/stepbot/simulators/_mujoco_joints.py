@@ -105,6 +105,7 @@ def _single_joint(compiled: "Compiled", joint: int, parent: str, child: str, mjc
             "ball",
             parent,
             child,
+            anchor=vector3(compiled.model.jnt_pos[joint]),
             limit=Limit(upper=widest, velocity=velocities.get(name, inf)),  # a cone, in MuJoCo alone
             limit_fields=("upper", "velocity") if mjcf else (),
             dynamics=_passive(compiled, joint, 0.0),
@@ -141,6 +142,7 @@ def _moving_joint(compiled: "Compiled", joint: int, parent: str, child: str, mjc
         parent,
         child,
         axis=vector3(model.jnt_axis[joint]),
+        anchor=vector3(model.jnt_pos[joint]),
         limit=limit,
         limit_fields=("lower", "upper", *(("velocity",) if mjcf else ()), "effort"),
         dynamics=_passive(compiled, joint, float(model.qpos_spring[position])),

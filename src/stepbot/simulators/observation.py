@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..dynamics import Rates
 from ..model import JointDynamics, Limit, LoopClosure, Mimic
-from ..spatial import Matrix3, Pose, Vector3
+from ..spatial import ZERO3, Matrix3, Pose, Vector3
 
 
 class Quantity(StrEnum):
@@ -101,6 +101,8 @@ class ObservedJoint:
     """Unit axis in the child's frame; None for joints without one."""
     axis2: Vector3 | None = None
     """Second axis of a universal joint, in the child's frame."""
+    anchor: Vector3 = ZERO3
+    """Where the joint is [m] in the child's frame: at its origin, but for MJCF, which may put it elsewhere."""
     pitch: float | None = None
     """Advance [m/rad] of a screw joint."""
     limit: Limit | None = None

@@ -15,6 +15,7 @@ from ..diagnostics import Diagnostics, Span
 from ..engine_server import started_engine_server
 from ..expect import CONFIGURATIONS, SECONDS, SEED
 from ..isolation import DEFAULT_TIMEOUT
+from ..joint_table import JointRow
 from ..kinematics import configurations, rates
 from ..model import Link, Robot
 from ..report import Check, Report
@@ -24,6 +25,7 @@ from .alike import alike
 from .checks import Subject, check_of, checks_without_observation, report_failure
 from .compare import Compared, compare
 from .correspondence import Correspondence
+from .joint_rows import joint_rows
 from .naming import Naming, moved
 from .scouting import Scout
 from .telling import told_alike
@@ -74,7 +76,7 @@ def verify_files(
     checks += _checks_across(references, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
     notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
-    return Report(tuple(checks), dict(sorted(versions.items())), notes=notes)
+    return Report(tuple(checks), dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table)
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:
@@ -114,6 +116,8 @@ class _Asked:
     """How each further file corresponds to the first."""
     configurations: Sequence[Mapping[str, float]]
     """Where the joints of the first file are."""
+    joint_table: tuple[JointRow, ...]
+    """The joints of the first file that an engine can load."""
 
 
 def _asked(formats: Mapping[Path, str], scout: Scout) -> _Asked:
@@ -139,7 +143,8 @@ def _asked(formats: Mapping[Path, str], scout: Scout) -> _Asked:
             balls=names.balls,
             universals=names.universals,
         )
-    return _Asked(requests, {_key(path): one for path, one in by.items()}, drawn)
+    table = next((joint_rows(one.seen) for one in scouted.values()), ())
+    return _Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
 
 
 def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:

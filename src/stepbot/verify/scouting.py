@@ -22,6 +22,7 @@ class Scouted:
     """What the first engine sees of a file that can load it; what the others say of it is asked later."""
 
     seen: Observation
+    """With the poses of the links where all joints are at 0."""
     asked: Request
     naming: Naming
     engine: str
@@ -41,7 +42,7 @@ class Scout:
 
     def look(self, path: Path, written_in: str) -> Scouted | None:
         """What there is in a file; None where no engine can tell."""
-        asked = Request(str(path.resolve()), written_in, simulate=0.0)
+        asked = Request(str(path.resolve()), written_in, configurations=({},), simulate=0.0)
         for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
             if engine.available() is None:
                 seen = self._observe(engine.__name__, asked)

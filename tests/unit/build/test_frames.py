@@ -5,11 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stepbot.build import build_robot
 from stepbot.cad.assembly import AxisFace
+from stepbot.diagnostics import Diagnostics
 from stepbot.model import Robot
 from stepbot.spatial import Pose
 from tests.conftest import ReadDiagnostics
-from tests.unit.build.workshop import Workshop, at, axis, build, built
+from tests.unit.build.workshop import Workshop, at, axis, build, built, sidecar
 
 HEAD = "    defaults: {density: 1000}\n    links: {base: {rest: true}, arm: {parts: [arm]}}\n"
 
@@ -107,7 +109,7 @@ def test_mate_and_auto(tmp_path: Path) -> None:
     """``auto``, said or left out, is the mate between the parts of both links, with its origin in what both share."""
     shop = _two(
         [axis((20, 0, 0), radius=8, length=10), axis((0, 20, 0), radius=2)],
-        [axis((0, 0, 0), radius=7.9, length=40), axis((-20, 20, 0), radius=2)],
+        [axis((0, 0, 0), radius=7.9, length=40, bore=False), axis((-20, 20, 0), radius=2)],
         at(20, 0, 15),
     )
     # Bore from -5 to 5, shaft from -5 to 35: what they share is the bore.
@@ -173,6 +175,76 @@ def test_no_axis_tells_near_misses(tmp_path: Path, found: ReadDiagnostics) -> No
     assert fault.notes == ('1.57 mm apart: "base" (radius 5 mm) and "arm" (radius 4 mm)',)
     assert fault.help == ('origin: {axis_of: "base"}', 'origin: {axis_of: "arm"}')
     _expect(built(shop, tmp_path, _joint('{axis_of: "arm"}')), (11.57, 0, 0))
+
+
+def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Faces on one line with a gap of 228 mm make no joint by themselves; the error lists what would select them."""
+    horn = [axis((0, 0, 0), radius=10, length=4, bore=False)]
+    bracket = [axis((0, 0, 234), radius=10.2, length=8)]
+    shop = _two(horn, bracket)
+    for origin in ("auto", '{mate: ["base", "arm"]}'):
+        assert build(shop, tmp_path, _joint(origin), found) is None
+    first, second = found
+    assert (first.code, second.code) == ("SB406", "SB406")
+    words = "have faces on one line, but no shaft in a bore and no faces that touch"
+    assert first.message == f"joint 'j': link 'base' and link 'arm' {words}"
+    assert first.notes == (
+        'shaft of radius 10 mm of "base" and bore of radius 10.2 mm of "arm" are 228 mm apart; '
+        "direction [0, 0, 1], at [0 mm, 0 mm, 116 mm]",
+    )
+    assert first.help == ("origin: {auto: true, radius: 10.2 mm}",)
+    assert second.help == ('origin: {mate: ["base", "arm"], radius: 10.2 mm}',)
+    for chosen in (first.help[0], second.help[0], "origin: {near: [0, 0, 0]}"):  # a choice is no guess
+        _expect(built(shop, tmp_path, _joint(chosen.removeprefix("origin: "))), (0, 0, 116))
+
+
+def test_a_fit_beats_a_wider_line_without_contact(tmp_path: Path) -> None:
+    """The pin in its bore is the axis, although a line with wider faces apart from each other is there, too."""
+    base = [axis((0, 0, 0), radius=10, length=4, bore=False), axis((40, 0, 0), radius=2, length=10, bore=False)]
+    arm = [axis((0, 0, 234), radius=10.2, length=8), axis((40, 0, 0), radius=2.1, length=10)]
+    _expect(built(_two(base, arm), tmp_path, _joint("auto")), (40, 0, 0))
+
+
+def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Such a line is taken with a warning, and without one where the sidecar selects it."""
+    shop = _two(
+        [axis((0, 0, 0), radius=5, length=4)], [axis((0, 0, 1), radius=10, length=4, bore=False), axis((20, 0, 0))]
+    )
+    robot = build(shop, tmp_path, _joint("auto"), found)
+    assert robot is not None
+    _expect(robot, (0, 0, 0.5))
+    (doubt,) = found
+    assert (doubt.code, doubt.severity) == ("SB407", "warning")
+    words = "bore of radius 5 mm and shaft of radius 10 mm overlap by 3 mm, but do not fit"
+    assert doubt.message == f"joint 'j': weak evidence for its axis: {words}"
+    assert doubt.help == ("origin: {auto: true, radius: 10 mm}",)
+    _expect(built(shop, tmp_path, _joint(doubt.help[0].removeprefix("origin: "))), (0, 0, 0.5))
+    made = build_robot(shop.assembly, sidecar(tmp_path, _joint("auto")), lambda: shop.measures, Diagnostics())
+    assert made is not None
+    assert made.joint_table[0].evidence.doubt == words
+
+
+def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A screw in its hole is taken before a wide line that touches, but not without a word."""
+    base = [axis((0, 0, 0), radius=20), axis((40, 0, 0), radius=2, bore=False)]
+    arm = [axis((0, 0, 0), radius=10, bore=False), axis((40, 0, 0), radius=2.1)]
+    robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
+    assert robot is not None
+    _expect(robot, (40, 0, 0))
+    (doubt,) = found
+    assert doubt.code == "SB407"
+    assert doubt.help == ("origin: {auto: true, radius: 2.1 mm}", "origin: {auto: true, radius: 20 mm}")
+
+
+def test_a_wide_line_that_touches_beats_a_bolt_circle(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Where bolt holes meet on several lines and nothing decides between them, a line twice as wide is the axis."""
+    bolts = [axis((x, y, 0), radius=1.2) for x, y in ((12, 0), (-12, 0), (0, 12), (0, -12))]
+    base = [axis((0, 0, 0), radius=5, bore=False), *bolts]
+    arm = [axis((0, 0, 0), radius=7), *bolts]
+    robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
+    assert robot is not None
+    _expect(robot, (0, 0, 0))
+    assert found.codes() == ["SB407"]
 
 
 def test_a_slide_takes_any_of_parallel_lines(tmp_path: Path) -> None:
@@ -267,10 +339,12 @@ def test_named_frames(tmp_path: Path) -> None:
     ],
 )
 def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -> None:
-    """Joints, closures and frames carry where their frames come from."""
+    """The joint table tells where frames come from."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
-    joint = built(shop, tmp_path, _joint(origin)).joints[0]
-    assert joint.source == source
+    made = build_robot(shop.assembly, sidecar(tmp_path, _joint(origin)), lambda: shop.measures, Diagnostics())
+    assert made is not None
+    (row,) = made.joint_table
+    assert row.evidence.text == source
 
 
 @pytest.mark.parametrize("kind", ["fixed", "revolute"])

@@ -45,10 +45,12 @@ def cylinder_inertia(radius: float, length: float) -> Array:
     return np.diag([across, across, 0.5 * volume * radius**2])
 
 
-def axis(point: Vector3, direction: Vector3 = (0, 0, 1), radius: float = 4.0, length: float = 10.0) -> AxisFace:
+def axis(
+    point: Vector3, direction: Vector3 = (0, 0, 1), radius: float = 4.0, length: float = 10.0, *, bore: bool = True
+) -> AxisFace:
     """A cylindrical face around a point [mm]."""
     x, y, z = (MM * c for c in point)
-    return AxisFace((x, y, z), direction, radius * MM, -0.5 * length * MM, 0.5 * length * MM, bore=True)
+    return AxisFace((x, y, z), direction, radius * MM, -0.5 * length * MM, 0.5 * length * MM, bore=bore)
 
 
 def rod_mesh(radius: float, length: float, sides: int) -> TriMesh:
@@ -138,7 +140,7 @@ class Workshop:
             (None,),
             watertight=True,
             exact=exact,
-            axis_faces=(axis((0, 0, 0), radius=radius, length=length),),
+            axis_faces=(axis((0, 0, 0), radius=radius, length=length, bore=False),),
         )
         return self._add_body(name, parent, X_PC, occurrence, body, prism, density, None)
 
