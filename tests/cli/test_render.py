@@ -101,7 +101,7 @@ def test_frame_fits_the_screen(tmp_path: Path, line: str, width: int) -> None:
     file = tmp_path / "a.yaml"
     file.write_text(line, encoding="utf-8")
     column = line.index("HERE") + 1
-    frame = render.full([diagnostic(Span(str(file), 1, column, column + 4))], width=width).splitlines()[1:]
+    frame = render.full([warning(Span(str(file), 1, column, column + 4))], width=width).splitlines()[1:]
     assert max(map(cells, frame)) <= width
     shown, mark = frame[1:3]
     assert cells(shown.partition("HERE")[0]) == cells(mark.partition("^")[0])
@@ -115,7 +115,7 @@ def test_binary_content_has_no_frame(tmp_path: Path, content: bytes) -> None:
     """What is no text, or text in another encoding, is not shown: the headline says where it is."""
     file = tmp_path / "a.yaml"
     file.write_bytes(content)
-    assert len(render.full([diagnostic(Span(str(file), 1, 1))]).splitlines()) == 1
+    assert len(render.full([warning(Span(str(file), 1, 1))]).splitlines()) == 1
 
 
 def test_footer_explains_the_first_error() -> None:
