@@ -8,8 +8,6 @@ frame J, which stays with the parent. The frame of the child coincides with it a
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ..cad.axes import (
     AxisFaces,
     AxisLine,
@@ -26,7 +24,8 @@ from ..cad.axes import (
 )
 from ..cad.paths import quoted
 from ..joint_table import Basis, Evidence
-from ..model import JointKind
+from ..kinematics import displacement
+from ..model import Joint, JointKind
 from ..sidecar.document import (
     AutoOrigin,
     AxisOrigin,
@@ -37,7 +36,7 @@ from ..sidecar.document import (
     Origin,
 )
 from ..sidecar.tree import Keys
-from ..spatial import IDENTITY, Pose, Vector3, rotation_about
+from ..spatial import IDENTITY, Pose
 from .binder import Binder, listed
 from .claims import Claims
 from .evidence import described, evidence_of, radii_of
@@ -107,7 +106,10 @@ class Frames:
         slides = joint.type is JointKind.PRISMATIC
         X_WJ = self.resolve(joint.origin, Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides))
         self._joints[name] = X_WJ
-        return None if X_WJ is None else X_WJ @ _motion(joint.type, joint.axis, joint.zero.value)
+        if X_WJ is None:
+            return None
+        moved = Joint(name, joint.type, joint.parent, joint.child, axis=joint.axis, pitch=joint.pitch or 0.0)
+        return X_WJ @ displacement(moved, joint.zero.value)  # the sidecar's own check refuses `zero` for other kinds
 
     def resolve(self, origin: Origin, wanted: Wanted) -> Pose | None:
         """X_WF of the frame that an origin gives; None after a diagnostic."""
@@ -322,10 +324,3 @@ class Frames:
         keys: Keys = ("joints", joint, "origin") if joint is not None else ("root", "frame")
         waits = " waits for ".join(f"link '{link}'" for link in circle)
         self._binder.report("SB403", keys, f"its origin depends on itself: {waits}")
-
-
-def _motion(kind: JointKind, axis: Vector3, q: float) -> Pose:
-    """How the child's frame moves, in its own axes, when the joint moves by ``q`` [rad] or [m]."""
-    if kind in (JointKind.REVOLUTE, JointKind.CONTINUOUS):
-        return Pose.of(rotation_about(axis, q))
-    return Pose.of(position=np.array(axis) * q) if kind is JointKind.PRISMATIC else IDENTITY
