@@ -14,6 +14,8 @@ os.environ["STEPBOT_NO_CACHE"] = "1"
 """No test finds what another one left; those of the cache name one of their own."""
 os.environ.pop("COLUMNS", None)
 """No test is as wide as the terminal that it was started from, which readline hands to processes of pytest-xdist."""
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+"""Workers import functions of the tests, and nothing from the current folder unless it is named here."""
 CORPUS = Path(os.environ.get("STEPBOT_CORPUS", ROOT.parent / "shared" / "corpus"))
 CORPUS_ABSENT = f"real STEP assemblies are absent: no folder {CORPUS} (set STEPBOT_CORPUS)"
 

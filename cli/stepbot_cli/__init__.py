@@ -1,5 +1,9 @@
 """The ``stepbot`` command."""
 
-from .application import main
+from stepbot.import_path import restrict_import_path
+
+restrict_import_path()  # before anything else is imported
+
+from .application import main  # noqa: E402
 
 __all__ = ["main"]

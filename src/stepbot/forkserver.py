@@ -3,7 +3,7 @@
 A worker of :mod:`stepbot.isolation` spends most of a second on imports, and a conversion needs ten of them: here
 that is done once, and shared. The server runs one thread and calls nothing but imports; each worker is a process of its
 own as before, with its own memory limit and its own death. Where a system cannot fork safely there is no server, and
-workers are started one by one.
+workers are started one by one; so they are by a server in which an import has started threads.
 """
 
 import contextlib
@@ -21,7 +21,8 @@ import sys
 from collections.abc import Sequence
 from typing import BinaryIO, NoReturn
 
-from .isolation import Process, answer, can_fork, end_with_parent, spawned, worker_environment
+from .isolation import Process, answer, spawned, worker_command
+from .processes import can_fork, end_with_parent, interpreter, start_process, thread_count, worker_environment
 
 _MOST_BYTES = 1 << 16
 """Of a message to the server."""
@@ -48,15 +49,18 @@ class ForkServer:
                 fails is left to the workers.
         """
         self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        command = [sys.executable, "-c", "from stepbot.forkserver import _serve; _serve()", str(theirs.fileno())]
+        code = "from stepbot.forkserver import _serve; _serve()"
+        command = interpreter(code, str(os.getpid()), str(theirs.fileno()), *modules)
         with theirs:
-            self._server = subprocess.Popen(
-                [*command, *modules],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno()],
-                env=worker_environment(),
+            self._server = start_process(
+                lambda: subprocess.Popen(
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                    pass_fds=[theirs.fileno()],
+                    env=worker_environment(),
+                )
             )
 
     def fork(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
@@ -179,15 +183,15 @@ def _tell(telling: int, value: int) -> None:
 
 def _serve() -> NoReturn:
     """What the server runs."""
-    end_with_parent()
+    end_with_parent(int(sys.argv[1]))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends when its socket does
-    orders = socket.socket(fileno=int(sys.argv[1]))
+    orders = socket.socket(fileno=int(sys.argv[2]))
     woken, waking = os.pipe()
     os.set_blocking(waking, False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.set_wakeup_fd(waking)
     gc.disable()
-    for module in sys.argv[2:]:
+    for module in sys.argv[3:]:
         _prepare(module)
     gc.freeze()  # what is there already is shared as long as nobody touches it
     children = _Children()
@@ -205,14 +209,17 @@ def _serve() -> NoReturn:
                 children.kill(number)
                 continue
             *streams, telling = descriptors
-            server = os.getpid()
-            pid = os.fork()
-            if pid == 0:
-                end_with_parent(server)
-                for descriptor in (orders.detach(), woken, waking, telling):
-                    os.close(descriptor)
-                children.forget()
-                _work(streams, *rest)
+            if thread_count() > 1:  # something that was imported started threads: a fork could inherit their locks
+                pid = _spawn(streams, *rest)
+            else:
+                server = os.getpid()
+                pid = os.fork()
+                if pid == 0:
+                    end_with_parent(server)
+                    for descriptor in (orders.detach(), woken, waking, telling):
+                        os.close(descriptor)
+                    children.forget()
+                    _work(streams, *rest)
             children.add(pid, number, telling)
             for descriptor in streams:
                 os.close(descriptor)
@@ -224,6 +231,14 @@ def _prepare(module: str) -> None:
         loaded = importlib.import_module(name)
         if function:
             getattr(loaded, function)()
+
+
+def _spawn(streams: Sequence[int], function: str, memory_limit: int | None) -> int:
+    """Start a worker as a new interpreter; returns its process id."""
+    copies = [(os.POSIX_SPAWN_DUP2, stream, descriptor) for descriptor, stream in enumerate(streams)]
+    defaults = [signal.SIGCHLD, signal.SIGINT]
+    command = worker_command(function, memory_limit)
+    return os.posix_spawn(command[0], command, os.environ, file_actions=copies, setsigdef=defaults)
 
 
 def _work(streams: Sequence[int], function: str, memory_limit: int | None) -> NoReturn:

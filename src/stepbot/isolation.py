@@ -7,7 +7,6 @@ and arrays only.
 """
 
 import contextlib
-import ctypes
 import gc
 import importlib
 import os
@@ -24,13 +23,14 @@ from functools import cache
 from types import TracebackType
 from typing import IO, Any, BinaryIO, NoReturn, Protocol
 
+from .processes import end_with_parent, interpreter, start_process, worker_environment
+
 DEFAULT_TIMEOUT = 600.0
 """Seconds that a worker may take for one call."""
 
 _LAST_LINES = 12
 _LENGTH = struct.Struct("<q")
 """Of an outcome, before it."""
-_PR_SET_PDEATHSIG = 1
 
 
 class WorkerDied(Exception):
@@ -214,36 +214,18 @@ def call_isolated(
 
 def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
     """Start a worker's process as a new interpreter; see :data:`Start`."""
-    command = [sys.executable, "-c", "from stepbot.isolation import _serve; _serve()", function]
-    if memory_limit is not None:
-        command.append(str(memory_limit))
-    return subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=worker_environment()
+    command = worker_command(function, memory_limit)
+    return start_process(
+        lambda: subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=worker_environment()
+        )
     )
 
 
-def can_fork() -> bool:
-    """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it."""
-    return hasattr(os, "fork") and sys.platform != "darwin"
-
-
-def end_with_parent(parent: int | None = None) -> None:
-    """Have the system end this process when its parent is ended, in whatever way: Linux only.
-
-    Args:
-        parent: Who that is. If it has ended already, which the system then tells nobody, so does this process.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        if parent is not None and os.getppid() != parent:
-            os._exit(1)
-
-
-def worker_environment() -> dict[str, str]:
-    """The caller's environment, one thread per library, and the caller's import path."""
-    paths = [path for path in sys.path if path]
-    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    return {**one_thread, **os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8"}
+def worker_command(function: str, memory_limit: int | None) -> list[str]:
+    """Command line of a worker that is an interpreter of its own and a child of this process."""
+    command = interpreter("from stepbot.isolation import _serve; _serve()", str(os.getpid()), function)
+    return command if memory_limit is None else [*command, str(memory_limit)]
 
 
 def _death(status: int, last_lines: tuple[str, ...]) -> str:
@@ -259,7 +241,8 @@ def _death(status: int, last_lines: tuple[str, ...]) -> str:
 
 def _serve() -> NoReturn:
     """What a worker of its own interpreter runs."""
-    answer(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else None)
+    end_with_parent(int(sys.argv[1]))
+    answer(sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else None)
 
 
 def answer(function: str, memory_limit: int | None) -> NoReturn:
@@ -269,7 +252,6 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
         function: ``package.module:function``.
         memory_limit: Address space [bytes]; None for no limit.
     """
-    end_with_parent()
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # native code that prints to standard output must not write between our bytes
     sys.stdout = sys.stderr

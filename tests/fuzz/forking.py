@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from stepbot import isolation
-from stepbot.isolation import RemoteError, WorkerDied, can_fork
+from stepbot.isolation import RemoteError, WorkerDied
+from stepbot.processes import can_fork
 
 __all__ = ["ForkServer", "ForkedCall", "can_fork"]
 

@@ -1,9 +1,13 @@
 """Functions for the tests of isolation to call in workers."""
 
 import ctypes
+import importlib
 import os
 import sys
+import threading
 import time
+
+from stepbot.processes import thread_count
 
 _PREPARED: list[int] = []
 
@@ -28,6 +32,31 @@ def double_or_leave(number: int | None) -> int:
     if number is None:
         os._exit(3)
     return 2 * number
+
+
+def start_thread() -> None:
+    """Leave a thread running, as some libraries do when they are imported."""
+    threading.Thread(target=time.sleep, args=(600.0,), daemon=True).start()
+
+
+def thread_limits() -> set[str | None]:
+    """What the environment tells native libraries about threads."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    return {os.environ.get(name) for name in names}
+
+
+def multiply_matrices() -> int:
+    """Threads of this process after numpy's linear algebra has run."""
+    import numpy as np
+
+    square = np.ones((600, 600))
+    assert (square @ square)[0, 0] == 600.0
+    return thread_count()
+
+
+def imported_file(module: str) -> str:
+    """Where a module comes from."""
+    return str(importlib.import_module(module).__file__)
 
 
 def fail(text: str) -> None:

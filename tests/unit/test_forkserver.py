@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 
 from stepbot.forkserver import ForkServer, can_serve
 from stepbot.isolation import RemoteError, Worker, WorkerDied
-from tests.conftest import ROOT
+from tests.processes import ended
 
 pytestmark = pytest.mark.skipif(not can_serve(), reason="no fork server on this system")
 
@@ -132,7 +133,7 @@ def test_nothing_outlives_a_caller_that_is_killed() -> None:
         f"server = ForkServer(()); worker = Worker('{HERE}:sleep', start=server.fork).submit(60.0)\n"
         "print(server._server.pid, worker.pid, flush=True); time.sleep(60)"
     )
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=ROOT) as caller:
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as caller:
         assert caller.stdout is not None
         pids = [int(word) for word in caller.stdout.readline().split()]
         caller.kill()
@@ -140,15 +141,39 @@ def test_nothing_outlives_a_caller_that_is_killed() -> None:
     assert all(map(ended, pids))
 
 
-def ended(pid: int) -> bool:
-    """Whether a process ends within some seconds."""
-    deadline = time.monotonic() + 20.0
-    while time.monotonic() < deadline:
-        try:
-            state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
-        except OSError:
-            return True
-        if state == "Z":
-            return True
-        time.sleep(0.01)
-    return False
+def test_threads_of_an_import(server: ForkServer) -> None:
+    """A server in which an import has started a thread forks no more: workers are interpreters of their own."""
+    with ForkServer((f"{HERE}:prepare", f"{HERE}:start_thread")) as threaded:
+        assert call(threaded, "prepared") == 1
+        assert call(threaded, "double", "x" * 200_000) == "x" * 400_000
+        with pytest.raises(WorkerDied, match="exit code 3"):
+            call(threaded, "leave", 3)
+        with pytest.raises(WorkerDied, match="SIGSEGV") as caught:
+            call(threaded, "crash", "last words")
+        assert "last words" in caught.value.last_lines
+        busy = Worker(f"{HERE}:sleep", start=threaded.fork)
+        pid = busy.pid
+        busy.submit(600.0)
+    assert ended(pid)
+    busy.close()
+
+
+@pytest.mark.parametrize("name", ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"])
+def test_threads_that_the_user_asks_for(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """However many the environment says, a server with numpy in it has one thread, and so do its workers."""
+    monkeypatch.setenv(name, "4")
+    with ForkServer((f"{HERE}:multiply_matrices", f"{HERE}:prepare")) as server:
+        assert call(server, "thread_limits") == {"1"}
+        assert call(server, "multiply_matrices") == 1
+        assert call(server, "prepared") == 2  # it was forked
+
+
+def test_a_server_started_from_a_thread_that_ends() -> None:
+    """The server and its workers end with the process, not with the thread."""
+    servers: list[ForkServer] = []
+    thread = threading.Thread(target=lambda: servers.append(ForkServer((f"{HERE}:prepare",))))
+    thread.start()
+    thread.join()
+    with servers[0] as server:
+        time.sleep(0.5)
+        assert call(server, "prepared") == 2

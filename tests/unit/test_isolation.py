@@ -3,12 +3,14 @@
 import os
 import subprocess
 import sys
+import threading
 import time
+from pathlib import Path
 
 import pytest
 
 from stepbot.isolation import RemoteError, Worker, WorkerDied, call_isolated
-from tests.conftest import ROOT
+from tests.processes import ended
 
 HERE = "tests.unit.isolated_functions"
 
@@ -103,7 +105,7 @@ def test_a_limit_beyond_what_the_system_allows() -> None:
         "resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))\n"
         f"call('{HERE}:allocate', 4 << 30, memory_limit=64 << 30)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert "WorkerDied: out of memory" in done.stderr
 
 
@@ -132,3 +134,47 @@ def test_workers_run_at_the_same_time() -> None:
     assert second.result() == 0.1
     with pytest.raises(WorkerDied, match="no result"):
         first.result(timeout=0.01)
+
+
+def test_a_worker_started_from_a_thread_that_ends() -> None:
+    """It ends with the process, not with the thread."""
+    workers: list[Worker] = []
+    thread = threading.Thread(target=lambda: workers.append(Worker(f"{HERE}:sleep").submit(2.0)))
+    thread.start()
+    thread.join()
+    assert workers[0].result() == 2.0
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="processes cannot be bound to cores")
+def test_a_worker_inherits_the_cores_of_the_thread_that_starts_it() -> None:
+    """Robots of a batch keep to their share of the cores."""
+    one = min(os.sched_getaffinity(0))
+    cores: list[set[int]] = []
+
+    def start_on_one() -> None:
+        os.sched_setaffinity(0, {one})
+        cores.append(call_isolated("os:sched_getaffinity", 0))
+
+    thread = threading.Thread(target=start_on_one)
+    thread.start()
+    thread.join()
+    assert cores == [{one}]
+    assert call_isolated("os:sched_getaffinity", 0) == os.sched_getaffinity(0)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc on this system")
+def test_a_worker_does_not_outlive_a_caller_that_is_killed() -> None:
+    """Also one that is at work, and was started from a thread that has ended."""
+    code = (
+        "import threading, time; from stepbot.isolation import Worker; pids = []\n"
+        f"start = lambda: pids.append(Worker('{HERE}:sleep').submit(600.0).pid)\n"
+        "thread = threading.Thread(target=start); thread.start(); thread.join()\n"
+        "time.sleep(2.0); print(*pids, flush=True); time.sleep(600)"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as caller:
+        assert caller.stdout is not None
+        pid = int(caller.stdout.readline())
+        state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8")
+        caller.kill()
+    assert ") Z" not in state
+    assert ended(pid)

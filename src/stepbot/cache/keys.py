@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
+from ..programs import program_fingerprints
+
 _CHUNK = 1 << 22
 _SIZE = 20
 
@@ -79,11 +81,11 @@ def own_code() -> str:
 
 @cache
 def environment() -> str:
-    """Hash of all that stepbot's results come from beside their input: its own code, and the packages beside it.
+    """Hash of all that stepbot's results come from beside their input: its own code, packages and external programs.
 
     Any package counts, whether stepbot uses it itself, another one does, or it is not there yet.
     """
-    return Digest("environment").add(own_code(), *_packages()).key
+    return Digest("environment").add(own_code(), *_packages(), "programs", *program_fingerprints()).key
 
 
 def _packages() -> list[str]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
 from ..cores import core_count
-from ..isolation import can_fork, end_with_parent
+from ..processes import can_fork, end_with_parent
 
 T = TypeVar("T")
 

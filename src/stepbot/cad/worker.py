@@ -21,6 +21,7 @@ from OCP.TopExp import TopExp
 from ..diagnostics import Diagnostic, Diagnostics, Span
 from ..measure import prepare as prepare_measuring
 from ..mesh import TriMesh
+from ..processes import thread_count
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
 from .bodies import BodyRequest, Finding, ReadBody, read_body
 from .claims import definition_tolerances
@@ -217,7 +218,9 @@ class _Bodies:
             prepare_measuring()  # once, before there are several processes
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
-        results = run(make, order, failures=KERNEL_ERRORS, seconds=_BODY_SECONDS)
+        # Processes with threads cannot fork safely: then this one makes all bodies.
+        processes, seconds = (None, _BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
+        results = run(make, order, processes=processes, failures=KERNEL_ERRORS, seconds=seconds)
         bodies = []
         for number in range(len(self._sources)):
             result = results[number]

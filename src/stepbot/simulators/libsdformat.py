@@ -5,11 +5,11 @@ knows is ``Valid.``, with an error in the text before that. https://gazebosim.or
 """
 
 import re
-import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
 
+from ..programs import sdf_programs
 from .observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request
 
 NAME = "libsdformat"
@@ -17,7 +17,6 @@ FORMATS = ("sdf", "drake.sdf")
 OPTIONAL = True
 INSTALL = "apt-get install libsdformat-dev ignition-tools"
 
-_COMMANDS = ("gz", "ign")
 _TOLD = frozenset({Quantity.LOAD, Quantity.WARNINGS})
 _ONLY_PARSES = "its command says whether a file is valid, and no more"
 _COLOR = re.compile(r"\x1b\[[0-9;]*m")
@@ -29,11 +28,7 @@ _SECONDS = 120.0
 @cache
 def _command() -> str | None:
     """The command that has ``sdf`` among its own."""
-    for name in _COMMANDS:
-        program = shutil.which(name)
-        if program is not None and _run(program, "--versions").strip():
-            return program
-    return None
+    return next((program for program in sdf_programs() if _run(program, "--versions").strip()), None)
 
 
 def _run(program: str, *arguments: str) -> str:
@@ -54,7 +49,7 @@ def _run(program: str, *arguments: str) -> str:
 
 def available() -> str | None:
     """Why the engine cannot run here; None where it can."""
-    return None if any(shutil.which(name) for name in _COMMANDS) else "libsdformat is not installed"
+    return None if any(sdf_programs()) else "libsdformat is not installed"
 
 
 def prepare() -> None:

@@ -1,10 +1,12 @@
 """Keys: all that a result depends on, and nothing else."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 from stepbot.cache import Digest, content_digest, environment, file_digest, own_code
+from stepbot.programs import find_program
 
 
 def test_parts_do_not_run_together() -> None:
@@ -56,3 +58,44 @@ def test_a_package_more_is_another_environment(tmp_path: Path, monkeypatch: pyte
     environment.cache_clear()
     assert len({before, *keys}) == 3
     assert environment() == before
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the programs are scripts of a Unix shell here")
+def test_an_external_program_is_part_of_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the launcher stays as it is and the library that it loads is upgraded."""
+    folder, library = tmp_path / "bin", tmp_path / "share" / "gz" / "sdformat14.yaml"
+    folder.mkdir()
+    library.parent.mkdir(parents=True)
+    monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
+
+    def key() -> str:
+        environment.cache_clear()
+        return environment()
+
+    keys = [key()]
+    (folder / "gz").write_text("#!/bin/sh\n")
+    (folder / "gz").chmod(0o755)
+    keys.append(key())
+    library.write_text("library_version: 14.0.0\n")
+    keys.append(key())
+    library.write_text("library_version: 14.0.10\n")
+    keys.append(key())
+    os.utime(library, ns=(1, 1))
+    keys.append(key())
+    (folder / "gz").write_text("#!/bin/bash\n")
+    keys.append(key())
+    assert len(set(keys)) == len(keys)
+    assert key() == keys[-1]
+    environment.cache_clear()
+
+
+def test_a_program_in_the_current_folder_is_not_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither where PATH has an empty entry nor where it has a relative one."""
+    program = tmp_path / "gz"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", os.pathsep.join(["", ".", "./"]))
+    assert find_program("gz") is None
+    monkeypatch.setenv("PATH", os.pathsep.join([".", str(tmp_path)]))
+    assert os.name == "nt" or find_program("gz") == str(program)

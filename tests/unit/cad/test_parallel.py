@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.cad.parallel import Died, Raised, run
-from stepbot.isolation import can_fork
+from stepbot.processes import can_fork
 
 FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
 

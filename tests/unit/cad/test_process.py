@@ -169,6 +169,7 @@ def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, mo
         return made
 
     monkeypatch.setattr(worker, "read_body", crash_on_spheres)
+    monkeypatch.setattr(worker, "thread_count", lambda: 1)  # as in the kernel's process; those of the tests stay idle
     monkeypatch.setattr(parallel, "core_count", lambda: 2)
     assembly = read_here(parts.write_nested(tmp_path / "nested.step").path, found)
     assert assembly is not None

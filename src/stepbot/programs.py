@@ -1,0 +1,44 @@
+"""External programs: where they are, and what tells one version from another without running it."""
+
+import contextlib
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+
+def find_program(name: str) -> str | None:
+    """Absolute path of a program in a folder of ``PATH``; the current folder and relative entries do not count."""
+    for folder in os.environ.get("PATH", "").split(os.pathsep):
+        if Path(folder).is_absolute() and (found := shutil.which(str(Path(folder, name)))):
+            return found
+    return None
+
+
+def sdf_programs() -> Iterator[str]:
+    """The programs that may have ``sdf`` among their commands, the newer one first."""
+    for name in ("gz", "ign"):
+        if (program := find_program(name)) is not None:
+            yield program
+
+
+def program_fingerprints() -> list[str]:
+    """Path, size and time of change of each program that results may come from, and of the libraries' descriptions.
+
+    ``gz`` and ``ign`` are launchers that stay as they are when libsdformat is upgraded: which library they load is
+    written in ``sdformat*.yaml`` in their configuration folders.
+    """
+    files: list[Path] = []
+    for program in map(Path, sdf_programs()):
+        share = program.resolve().parents[1] / "share"
+        variable = os.environ.get(f"{program.stem.upper()}_CONFIG_PATH", "")
+        folders = [*map(Path, filter(None, variable.split(os.pathsep))), share / "gz", share / "ignition"]
+        files += [program, *(file for folder in folders for file in sorted(folder.glob("*sdf*.yaml")))]
+    return [_fingerprint(file) for file in files]
+
+
+def _fingerprint(file: Path) -> str:
+    with contextlib.suppress(OSError):  # it was removed at this moment
+        status = file.stat()
+        return f"{file} {status.st_size} {status.st_mtime_ns}"
+    return str(file)

@@ -1,0 +1,116 @@
+"""The current folder may be anybody's: no module in it is imported, by no command and no worker."""
+
+import importlib.metadata
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.command_line import LONGEST, convert_once
+
+ARM = ("arm2.robot.yaml", "arm2.step")
+INSTALLED = (sys.executable, "-P", "-m", "stepbot_cli")
+"""As the installed command starts: its own folder is first on the path, not the current one."""
+
+
+def module_names() -> set[str]:
+    """Names of modules: the standard library's, all packages', and those that Python looks for at its start."""
+    packages = {name for name in importlib.metadata.packages_distributions() if name.isidentifier()}
+    return {*sys.stdlib_module_names, *packages, "stepbot", "stepbot_cli", "sitecustomize", "usercustomize", "tests"}
+
+
+def loaded_at_start(folder: Path) -> set[str]:
+    """Names of modules that Python itself imports for `python -m`, before stepbot's first line."""
+    (folder / "names_at_start.py").write_text("import sys; print(*(name.partition('.')[0] for name in sys.modules))")
+    command = [sys.executable, "-m", "names_at_start"]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+    return set(run.stdout.split())
+
+
+class Trap:
+    """A folder with a robot and files named like modules, each of which notes that it was run."""
+
+    def __init__(self, folder: Path, robots: Path, spared: set[str]) -> None:
+        self.folder, self.marker = folder / "trap", folder / "marker"
+        self.folder.mkdir()
+        for file in ARM:
+            shutil.copy(robots / "stepbot_arm2" / file, self.folder)
+        code = f"with open({str(self.marker)!r}, 'a') as file: file.write(__name__ + ' ')\n"
+        for name in module_names() - spared:
+            (self.folder / f"{name}.py").write_text(code)
+
+    def run(self, command: tuple[str, ...], *arguments: str, **variables: str) -> str:
+        """Run a command in the folder; returns its standard output. It must be clean and run no file of the folder."""
+        environment = {**os.environ, "PYTHONIOENCODING": "utf-8", **variables}
+        run = subprocess.run(
+            [*command, *arguments],
+            cwd=self.folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            timeout=LONGEST,
+            check=False,
+        )
+        assert not self.marker.exists(), f"{arguments}: imported {self.marker.read_text()}"
+        assert run.returncode == 0, run.stderr
+        return run.stdout
+
+    def robot_files(self, folder: str) -> dict[str, bytes]:
+        """The files of the robot, without the report, which notes times."""
+        found = (self.folder / folder).rglob("*")
+        files = {path.relative_to(self.folder / folder).as_posix(): path for path in found if path.is_file()}
+        return {name: path.read_bytes() for name, path in files.items() if not name.endswith(".json")}
+
+
+@pytest.mark.slow
+def test_no_command_imports_from_the_current_folder(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """Workers and servers included; the results are those of another folder."""
+    trap = Trap(tmp_path, robot_library, set())
+    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out")
+    elsewhere = convert_once(tmp_path_factory, "arm2_verified", robot_library / "stepbot_arm2" / "arm2.robot.yaml")
+    clean = {path.name: path.read_bytes() for path in elsewhere.folder.iterdir() if path.suffix in (".urdf", ".xml")}
+    written = trap.robot_files("out")
+    assert clean
+    assert {name: written[name] for name in clean} == clean
+    assert "shoulder" in trap.run(INSTALLED, "inspect", "arm2.step")
+    trap.run(INSTALLED, "check", "--step", "--", "arm2.robot.yaml")
+    trap.run(INSTALLED, "verify", "out/arm2.urdf", "out/arm2.sdf", "out/arm2.xml")
+    trap.run(INSTALLED, "batch", "-j", "2", "-o", "many", "arm2.robot.yaml")
+    assert trap.robot_files("many/arm2") == written
+    trap.run(INSTALLED, "uptodate", "-o", "out", "arm2.robot.yaml")
+    assert json.loads(trap.run(INSTALLED, "formats", "--json"))
+    trap.run(INSTALLED, "library", "export", "arm2", "-o", "exported")
+    assert (trap.folder / "exported").is_dir()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("python_path", [os.pathsep, f"{os.pathsep}."], ids=["empty", "relative"])
+def test_no_import_from_the_current_folder_where_python_begins_with_it(
+    tmp_path: Path, robot_library: Path, python_path: str
+) -> None:
+    """`python -m` and an empty entry of PYTHONPATH put it first: stepbot takes it off before it imports anything."""
+    trap = Trap(
+        tmp_path,
+        robot_library,
+        {*loaded_at_start(tmp_path), "stepbot", "stepbot_cli", "sitecustomize", "usercustomize"},
+    )
+    trap.run((sys.executable, "-m", "stepbot_cli"), "convert", "arm2.robot.yaml", "-o", "out", PYTHONPATH=python_path)
+    assert (trap.folder / "out" / "arm2.urdf").is_file()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the program is a script of a Unix shell here")
+def test_no_program_of_the_current_folder_is_run(tmp_path: Path, robot_library: Path) -> None:
+    """Not even where PATH has an empty entry: `gz` and `ign` are looked for by their names."""
+    trap = Trap(tmp_path, robot_library, module_names())
+    for name in ("gz", "ign"):
+        (trap.folder / name).write_text(f"#!/bin/sh\necho {name} >> {trap.marker}\necho 1.0\n")
+        (trap.folder / name).chmod(0o755)
+    path = f"{os.pathsep}.{os.pathsep}{os.environ['PATH']}"
+    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out", PATH=path)
