@@ -24,10 +24,9 @@ if TYPE_CHECKING:
 @click.option(
     "-o",
     "--output",
-    default="{name}",
     metavar="DIR",
     help="Folder of the files, where {name} stands for the robot and {folder} for that of its sidecar.  "
-    "[default: {name}, as `convert` has it]",
+    "[default: every folder below the current one that `convert` or `batch` has filled]",
 )
 @again_format_option
 @click.option("--ignore", multiple=True, metavar="GLOB", help="Do not compare these files; may be repeated.")
@@ -38,28 +37,30 @@ if TYPE_CHECKING:
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],
-    output: str,
+    output: str | None,
     formats: tuple[str, ...],
     ignore: tuple[str, ...],
     strict: bool,
     as_json: bool,
     concise: bool,
 ) -> int:
-    """Compare the files in each robot's folder, byte by byte, with what `convert` would write; writes nothing.
+    """Compare the files in each robot's folder with what `convert` would write; writes nothing.
 
-    Of a folder all sidecars below it, without any those of the current folder. Engines are asked only where a folder
-    has a report.json to compare.
+    Of a folder all sidecars below it, without any those of the current folder. Robot files and meshes are compared byte
+    by byte, of report.json what does not depend on the engines that are installed; no engine is asked.
     """
     from stepbot.sidecars import find_sidecars, robot_name
-    from stepbot.uptodate import check_up_to_date
+    from stepbot.uptodate import check_up_to_date, output_folders
 
     options = replace(options, formats=format_names(formats), strict=strict)
     found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)
+    filled = output_folders(Path()) if output is None else {}
     with progress_bar() as progress:
         for path in paths:
-            there = replace(options, output=_folder(output, robot_name(path), path))
-            check_up_to_date(path, there, found, ignore=ignore, progress=progress)
+            folders = filled.get(path.resolve()) or [_folder(output or "{name}", robot_name(path), path)]
+            for folder in folders:
+                check_up_to_date(path, replace(options, output=folder), found, ignore=ignore, progress=progress)
     say_trouble(options.cache, found)
     if as_json:
         write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})

@@ -58,8 +58,8 @@ class Conversion:
     """Hash of the STEP that was read; empty where the file changed meanwhile."""
 
 
-def write(conversion: Conversion, output: Path) -> Conversion:
-    """Write the files of a conversion, if there are any.
+def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
+    """Write the files of the conversion of a sidecar, if there are any.
 
     What failed is kept for whoever wants to know why, but not where a build would pick it up, and until a
     run passes.
@@ -68,7 +68,7 @@ def write(conversion: Conversion, output: Path) -> Conversion:
         return conversion
     found, failed = conversion.diagnostics, failed_output(output)
     try:
-        write_atomically(conversion.files, failed if found.has_errors else output)
+        write_atomically(conversion.files, failed if found.has_errors else output, sidecar)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)

@@ -50,7 +50,7 @@ def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = l
         return Conversion(error.diagnostics)
     conversion = produce(sidecar, options, progress)
     progress("save")
-    return write(conversion, options.output)
+    return write(conversion, options.output, sidecar)
 
 
 def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:

@@ -6,9 +6,11 @@ back. A process that is killed leaves every single file whole, old or new, and t
 
 ``.stepbot.json`` in the output folder lists each robot file and the meshes it needs, with a hash of what was written.
 With it a later run removes meshes that nothing needs any more; what is not listed, or was changed since, is never
-touched.
+touched. It also names the sidecar of each robot file, so that ``stepbot uptodate`` finds what was written where, and it
+is the stamp of the last run: newer than all input, also where no other file changed.
 """
 
+import contextlib
 import errno
 import hashlib
 import json
@@ -51,7 +53,7 @@ def check_writable(folder: Path) -> None:
         _refuse(folder, f"cannot write {folder}: no right to write in '{nearest}'")
 
 
-def write_atomically(files: Mapping[str, bytes], folder: Path) -> None:
+def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | None = None) -> None:
     """Write all files, or none.
 
     Files at the top of the folder are taken to need all of those in sub-folders; meshes that an earlier run wrote for
@@ -60,6 +62,8 @@ def write_atomically(files: Mapping[str, bytes], folder: Path) -> None:
     Args:
         files: Content by path relative to ``folder``, with forward slashes.
         folder: Where to; made where it is missing.
+        sidecar: What they were converted from. The list names it where it and ``folder`` are below the current folder;
+            no path outside of a project gets into its files.
 
     Raises:
         StepbotError: A path is no path below ``folder``, or something cannot be written (SB004); nothing was changed.
@@ -72,7 +76,7 @@ def write_atomically(files: Mapping[str, bytes], folder: Path) -> None:
         staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
         try:
             _check_case(files, staging, folder)
-            _write(files, folder, staging, made)
+            _write(files, folder, staging, made, _from_folder(sidecar, folder))
         finally:
             shutil.rmtree(staging, ignore_errors=True)
     except (OSError, StepbotError) as error:
@@ -96,26 +100,57 @@ def discard(folder: Path) -> None:
         return
 
 
-def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[Path]) -> None:
+def sidecars_of(folder: Path) -> dict[str, str]:
+    """For each file at the top of an output folder the way from the folder to its sidecar, where the list has it."""
+    try:
+        sidecars = json.loads((folder / MANIFEST).read_bytes())["sidecars"]
+        return {str(name): str(sidecar) for name, sidecar in sidecars.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def stamp(folder: Path) -> None:
+    """Make the list of an output folder newer than all input, where a run found that its files are what they should be.
+
+    Raises:
+        OSError: The list is there and its time cannot be set.
+    """
+    with contextlib.suppress(FileNotFoundError):
+        os.utime(folder / MANIFEST)
+
+
+def _from_folder(sidecar: Path | None, folder: Path) -> str:
+    """The way from an output folder to a sidecar; empty where one of them is outside of the current folder."""
+    if sidecar is None:
+        return ""
+    here, source, target = Path.cwd().resolve(), sidecar.resolve(), folder.resolve()
+    if not (source.is_relative_to(here) and target.is_relative_to(here)):
+        return ""
+    return Path(os.path.relpath(source, target)).as_posix()
+
+
+def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[Path], sidecar: str) -> None:
     before = _read_manifest(folder)
     _check_others(files, before, folder)
     after = {**before, **_manifest_of(files)}
     stale = _stale(before, after)
     # While files are on the move the manifest lists old and new, so that a killed run leaves nothing unknown behind.
     during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in _manifest_of(files).items()}}
+    sidecars = {name: source for name, source in sidecars_of(folder).items() if name in after}
+    sidecars |= dict.fromkeys(_manifest_of(files), sidecar)
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
-    moves = {MANIFEST: _manifest_bytes(during), **below, **top}
+    moves = {MANIFEST: _manifest_bytes(during, sidecars), **below, **top}
     changed = {path: content for path, content in moves.items() if not _holds(folder / path, content)}
     for number, (path, content) in enumerate(changed.items()):
         (staging / f"{number}.new").write_bytes(content)
         _make_folders((folder / path).parent, made)
-    (staging / MANIFEST).write_bytes(_manifest_bytes(after))
+    (staging / MANIFEST).write_bytes(_manifest_bytes(after, sidecars))
     _move(list(changed), folder, staging)
     for path, digest in stale.items():
         _remove_stale(folder / path, digest)
-    if after != during:
-        (staging / MANIFEST).replace(folder / MANIFEST)
+    (staging / MANIFEST).touch()  # the stamp of this run: make compares it with the input
+    (staging / MANIFEST).replace(folder / MANIFEST)
     _remove_abandoned(folder, staging)
 
 
@@ -179,8 +214,10 @@ def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
     return {path: {path: digest, **meshes} for path, digest in digests.items() if "/" not in path}
 
 
-def _manifest_bytes(manifest: Manifest) -> bytes:
-    return (json.dumps({"version": 1, "files": manifest}, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode()
+def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
+    known = {name: sidecar for name, sidecar in sidecars.items() if sidecar}
+    document = {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
+    return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode()
 
 
 def _read_manifest(folder: Path) -> Manifest:

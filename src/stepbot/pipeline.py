@@ -70,7 +70,7 @@ def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     """Convert one sidecar and the STEP that it names, prove the files, and write them."""
     conversion = produce(sidecar, options, progress)
     progress("save")
-    return write(conversion, options.output)
+    return write(conversion, options.output, sidecar)
 
 
 def produce(

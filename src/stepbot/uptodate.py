@@ -1,15 +1,41 @@
-"""Whether files that were written are what would be written now, byte by byte."""
+"""Whether files that were written are what would be written now.
+
+Robot files and meshes are compared byte by byte. Of ``report.json`` the part is compared that comes of the input alone
+(:func:`stepbot.report.robot_part`); the proof in it depends on the engines that are installed. So no engine is asked,
+and the same files pass wherever stepbot runs.
+"""
 
 import fnmatch
 import json
+import os
+import shlex
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from .conversion import REPORT, Options
-from .diagnostics import Diagnostics, Span
-from .incremental import produce
-from .output import MANIFEST
+from .diagnostics import Diagnostic, Diagnostics, Span
+from .incremental import produce, recorded
+from .output import MANIFEST, sidecars_of
+
+
+def output_folders(below: Path) -> dict[Path, list[Path]]:
+    """The output folders at and below a folder, hidden ones left out, by the sidecar that their lists name.
+
+    Args:
+        below: Where to look.
+
+    Returns:
+        For each sidecar, as an absolute path, the folders that hold files converted from it, by name.
+    """
+    folders: dict[Path, list[Path]] = {}
+    for place, subfolders, files in os.walk(below):
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        if MANIFEST in files:
+            folder = Path(place)
+            for sidecar in dict.fromkeys(sidecars_of(folder).values()):
+                folders.setdefault((folder / sidecar).resolve(), []).append(folder)
+    return folders
 
 
 def check_up_to_date(
@@ -24,47 +50,77 @@ def check_up_to_date(
 
     Args:
         sidecar: The sidecar.
-        options: How it was converted. Engines are asked only where the folder has a report to compare.
-        found: Receives what is wrong with the input, and SB007 for each file that differs.
+        options: How it was converted.
+        found: Receives what is wrong with the input, and SB007 for each file that differs, or for a missing folder.
         ignore: Globs of files that are not compared, relative to the folder.
         progress: Told each stage.
     """
     ignored = tuple(ignore)
     folder = options.output
-    has_report = (folder / REPORT).exists() and not _is_ignored(REPORT, ignored)
-    conversion = produce(sidecar, replace(options, verify=options.verify and has_report), progress)
-    if conversion.diagnostics.has_errors or not conversion.files:
-        found.extend(conversion.diagnostics)
+    remedy = [f"`{shlex.join(['stepbot', 'convert', sidecar.as_posix(), '-o', folder.as_posix()])}`"]
+    if sidecar.exists() and not folder.is_dir():
+        what = f"no such folder: nothing has been written for '{sidecar.as_posix()}' here"
+        found.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "`-o DIR` names another folder"])
         return
-    files = {name: content for name, content in conversion.files.items() if not _is_ignored(name, ignored)}
-    if not has_report:
+    expected, diagnostics = _expected(sidecar, options, progress)
+    if not expected:
+        found.extend(diagnostics)
+        return
+    files = {name: content for name, content in expected.items() if not _is_ignored(name, ignored)}
+    if not (folder / REPORT).exists():
         files.pop(REPORT, None)
-    remedy = [f"`stepbot convert {sidecar.as_posix()} -o {folder.as_posix()}`, and commit what it writes"]
     for name, what in _differences(files, folder):
         found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
-    for name in _left_over(conversion.files, folder):
+    for name in _left_over(expected, folder, sidecar):
         if not _is_ignored(name, ignored):
             found.add("SB007", "is not written any more", Span((folder / name).as_posix()), help=remedy)
+
+
+def _expected(
+    sidecar: Path, options: Options, progress: Callable[[str], None]
+) -> tuple[Mapping[str, bytes], Iterable[Diagnostic]]:
+    """What a conversion would write, and no file where it would end in errors: then what it reports."""
+    for verify in (True, False):  # whichever has been done before
+        record = recorded(sidecar, replace(options, verify=verify))
+        if record is not None:
+            return record.files, record.diagnostics
+    conversion = produce(sidecar, replace(options, verify=False), progress)
+    return ({} if conversion.diagnostics.has_errors else conversion.files), conversion.diagnostics
 
 
 def _differences(files: Mapping[str, bytes], folder: Path) -> list[tuple[str, str]]:
     different = []
     for name, content in files.items():
         try:
-            same = (folder / name).read_bytes() == content
+            there = (folder / name).read_bytes()
         except OSError:
             different.append((name, "is missing"))
             continue
-        if not same:
+        if there != content and not (name == REPORT and _same_robot(there, content)):
             different.append((name, "is not what stepbot writes now"))
     return different
 
 
-def _left_over(files: Mapping[str, bytes], folder: Path) -> list[str]:
-    """Files that an earlier run wrote, by its own list, and that are still there."""
+def _same_robot(report: bytes, expected: bytes) -> bool:
+    """Whether two reports differ in their proofs alone."""
+    from .report import robot_part
+
+    try:
+        return robot_part(json.loads(report)) == robot_part(json.loads(expected))
+    except (ValueError, KeyError, TypeError, AttributeError):  # somebody edited it
+        return False
+
+
+def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[str]:
+    """Files that an earlier run wrote for this sidecar, by its own list, and that are still there."""
+    sources = sidecars_of(folder)
     try:
         written = json.loads((folder / MANIFEST).read_bytes())["files"]
-        names = sorted({*written, *(name for needed in written.values() for name in needed)})
+        ours = [
+            name for name in written if (folder / sources.get(name, sidecar.resolve())).resolve() == sidecar.resolve()
+        ]
+        needed_by_others = {path for name in written if name not in ours for path in written[name]}
+        names = sorted({*ours, *(path for name in ours for path in written[name])} - needed_by_others)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):  # nobody knows who wrote what
         return []
     return [name for name in names if name not in files and (folder / name).exists()]

@@ -1,8 +1,11 @@
 """The README is right: its example runs, and prints what it shows."""
 
+import os
 import re
 import shlex
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -49,6 +52,24 @@ def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert {"arm.urdf", "arm.sdf", "arm.xml", "meshes", "report.json"} <= written
     assert written == {file.name for file in (example / "build" / "arm").iterdir()}
     assert (example / "build" / "junit.xml").is_file()
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+def test_rule_in_a_makefile(example: Path) -> None:
+    """The rule converts where its stamp is older than the input, also from the cache, and then no more."""
+    (rule,) = blocks("make")
+    command = f"{shlex.quote(sys.executable)} -m stepbot_cli convert --no-verify"
+    (example / "Makefile").write_text(rule.replace("stepbot convert", command), encoding="utf-8")
+
+    def is_made() -> bool:
+        run = subprocess.run(["make"], cwd=example, capture_output=True, text=True, check=True, timeout=600)
+        return "is up to date" not in run.stdout
+
+    assert is_made()
+    assert not is_made()
+    os.utime(example / "arm" / ".stepbot.json", (1e9, 1e9))  # older than all input: nothing else has changed
+    assert is_made()
+    assert not is_made()
 
 
 def test_fault_looks_as_shown(example: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,5 +1,7 @@
-"""``stepbot uptodate``: byte by byte what would be written now."""
+"""``stepbot uptodate``: byte by byte what would be written now, wherever it was written."""
 
+import json
+import os
 import shutil
 from pathlib import Path
 
@@ -65,14 +67,104 @@ def test_nothing_to_compare(tmp_path: Path, stepbot: Stepbot, monkeypatch: pytes
     assert stepbot("uptodate", "-o", "{robot}", "x.robot.yaml").code == 2
 
 
+def test_missing_folder_is_one_error(written: Path, stepbot: Stepbot) -> None:
+    """Where nothing was written at all, one line says so, with the command that writes it."""
+    run = stepbot("uptodate", "-o", "my robots/{name}", "arm2.robot.yaml")
+    assert run.code == 1
+    assert run.out.count("SB007]") == 1
+    assert "my robots/arm2: error[SB007]: no such folder" in run.out
+    assert "`stepbot convert arm2.robot.yaml -o 'my robots/arm2'`" in run.out
+    assert "SB001" in stepbot("uptodate", "-o", "my robots/{name}", "arm3.robot.yaml").out
+
+
+def test_folder_is_found_by_its_list(written: Path, stepbot: Stepbot) -> None:
+    """Wherever below the current folder a robot was written, there it is compared, in every such folder."""
+    assert stepbot("uptodate", "--concise").code == 0
+    assert stepbot("convert", "arm2.robot.yaml", "--no-verify").code == 0
+    assert stepbot("uptodate", "--concise").code == 0
+    (written / "arm2.sdf").unlink()
+    Path("arm2", "arm2.urdf").unlink()
+    run = stepbot("uptodate", "--concise")
+    assert [line.partition(": error[SB007]: ")[::2] for line in run.out.splitlines()] == [
+        ("arm2/arm2.urdf", "is missing"),
+        ("out/arm2/arm2.sdf", "is missing"),
+    ]
+
+
+def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
+    """What `batch . -o build` writes is found by `uptodate` alone, also for robots of one name in several folders."""
+    shutil.rmtree("out")
+    for folder in ("left", "right"):
+        Path(folder).mkdir()
+        shutil.copy("arm2.robot.yaml", folder)
+        shutil.copy("arm2.step", folder)
+    Path("arm2.robot.yaml").unlink()
+    assert stepbot("batch", ".", "-o", "build", "--no-verify").code == 0
+    run = stepbot("uptodate", "--concise")
+    assert (run.code, run.out) == (0, "")
+    Path("build", "left-arm2", "arm2.urdf").write_bytes(b"")
+    run = stepbot("uptodate", "--concise")
+    assert run.out == "build/left-arm2/arm2.urdf: error[SB007]: is not what stepbot writes now\n"
+    assert stepbot("uptodate", "right", "--concise").code == 0
+
+
+def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
+    """The files of another robot in the same folder are not taken for left-overs."""
+    text = Path("arm2.robot.yaml").read_text(encoding="utf-8")
+    Path("arm3.robot.yaml").write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
+    assert stepbot("convert", "arm3.robot.yaml", "-o", "out/arm2", "--no-verify").code == 0
+    (written / "report.json").unlink()
+    run = stepbot("uptodate", "--concise")
+    assert (run.code, run.out) == (0, "")
+
+
+def test_paths_outside_of_the_project_stay_outside(
+    written: Path, stepbot: Stepbot, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """The list of a folder elsewhere names no sidecar: no file tells of this machine's folders."""
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    assert stepbot("convert", "arm2.robot.yaml", "-o", str(elsewhere), "--no-verify").code == 0
+    assert "sidecars" not in json.loads((elsewhere / ".stepbot.json").read_bytes())
+    assert json.loads((written / ".stepbot.json").read_bytes())["sidecars"]["arm2.urdf"] == "../../arm2.robot.yaml"
+
+
+def test_stamp_is_newer_than_the_input(written: Path, stepbot: Stepbot) -> None:
+    """After a conversion from the cache the list is newer than the input; files that did not change keep their time."""
+    for file in (*written.rglob("*"), written / ".stepbot.json"):
+        os.utime(file, (1e9, 1e9))
+    assert stepbot(*CONVERT, "--no-verify").code == 0
+    assert (written / ".stepbot.json").stat().st_mtime >= Path("arm2.robot.yaml").stat().st_mtime
+    assert (written / "arm2.urdf").stat().st_mtime == 1e9
+
+
+def test_stamp_of_an_unchanged_robot_of_a_batch(written: Path, stepbot: Stepbot) -> None:
+    """A robot that a batch finds unchanged is stamped all the same."""
+    assert stepbot("batch", ".", "-o", "build", "--no-verify").code == 0
+    listed = Path("build", "arm2", ".stepbot.json")
+    os.utime(listed, (1e9, 1e9))
+    assert "unchanged" in stepbot("batch", ".", "-o", "build", "--no-verify").out
+    assert listed.stat().st_mtime >= Path("arm2.robot.yaml").stat().st_mtime
+
+
 @pytest.mark.slow
-def test_report_is_compared_where_there_is_one(written: Path, stepbot: Stepbot) -> None:
-    """A committed report is part of the promise, so the engines are asked."""
+def test_other_engines_make_no_difference(written: Path, stepbot: Stepbot) -> None:
+    """Of a report the robot is compared, not the proof: that is of the engines that were installed there."""
     assert stepbot(*CONVERT).code == 0
-    assert stepbot(*UPTODATE).code == 0
     shutil.rmtree(".kept")
+    assert stepbot("uptodate").code == 0
     report = written / "report.json"
-    report.write_bytes(report.read_bytes().replace(b'"passed": ', b'"passed": 1', 1))
-    run = stepbot(*UPTODATE)
+    proven = json.loads(report.read_bytes())
+    assert proven["summary"]["passed"] > 0
+    engine = next(iter(proven["engines"]))
+    there = {**proven, "engines": {engine: "0.1"}, "generator": "stepbot 0.0.1"}
+    there["checks"] = [check for check in proven["checks"] if check["engine"] == engine]
+    report.write_text(json.dumps(there), encoding="utf-8")
+    run = stepbot("uptodate")
+    assert (run.code, run.out) == (0, "")
+    there["robot"]["mass"] *= 1.001
+    report.write_text(json.dumps(there), encoding="utf-8")
+    run = stepbot("uptodate")
     assert run.code == 1
     assert "out/arm2/report.json: error[SB007]" in run.out
+    report.write_text("{}", encoding="utf-8")
+    assert stepbot("uptodate").code == 1

@@ -12,6 +12,7 @@ from ..conversion import Conversion, Options, write
 from ..diagnostics import Diagnostics, Span
 from ..incremental import conversion_key
 from ..isolation import RemoteError, WorkerDied
+from ..output import stamp
 from .state import State
 from .tasks import Task
 from .work import Parcel, Work, carry_out, carry_out_parcel
@@ -69,6 +70,7 @@ def run_batch(
                 if task is None:
                     left = False
                 elif state.is_done(task, options):
+                    stamp(task.output)
                     yield Outcome(task, Status.UNCHANGED, Diagnostics())
                 else:
                     state.begin(task)
@@ -129,7 +131,7 @@ def _result(future: "Future[Work]", task: Task) -> Work:
 def _finished(task: Task, work: Work, state: State, began: float) -> Outcome:
     found = Diagnostics()
     found.extend(work.diagnostics)
-    if not write(Conversion(found, files=work.files), task.output).files and not found.has_errors:
+    if not write(Conversion(found, files=work.files), task.output, task.sidecar).files and not found.has_errors:
         raise AssertionError(f"{task.name}: no files, and no error that says why")
     if not found.has_errors:
         state.finish(task, work)

@@ -60,7 +60,8 @@ CODES = (
         "SB007",
         "error",
         "output not up to date",
-        "A file in the output folder is not, byte by byte, what stepbot would write now.",
+        "A file in the output folder is not, byte by byte, what stepbot would write now; or the folder is missing. Of "
+        "`report.json` the proof is not compared, as it depends on the engines that are installed.",
         "Whoever loads it gets another robot than the sidecar and the STEP describe: it was edited by hand, or one of them, "
         "or stepbot itself, has changed since.",
         "Convert again and commit what was written; what was edited by hand belongs in the sidecar.",
