@@ -12,7 +12,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .columns import aligned
-from .command import Command, concise_option, json_option
+from .command import Command, display_options, json_option
 from .convert import again_format_option, format_names, no_verify_option, strict_option
 from .engines import require_option
 from .interrupts import interruptible
@@ -20,7 +20,7 @@ from .junit import junit_option, write_junit
 from .progress import bar_column
 from .reading import reading_options
 from .render import paint, printable
-from .terminal import show_diagnostics, wants_color, write_json, write_result
+from .terminal import Display, show_diagnostics, wants_color, write_json, write_result
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -52,7 +52,7 @@ def _cores(text: str) -> int:
 @require_option
 @reading_options
 @json_option
-@concise_option
+@display_options
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],
@@ -65,7 +65,7 @@ def command(
     junit: Path | None,
     require: tuple[str, ...],
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Convert many robots: sidecars, all those below a folder, or those that a .txt file lists, one a line.
 
@@ -83,7 +83,7 @@ def command(
     except StepbotError as error:
         found.extend(error.diagnostics)
     if found.has_errors:
-        return _told(found, [], as_json, concise)
+        return _told(found, [], as_json, display)
     options = replace(
         options,
         output=output,
@@ -97,7 +97,7 @@ def command(
         from stepbot.batch import suites
 
         write_junit(junit, suites(outcomes))
-    return _told(found, outcomes, as_json, concise)
+    return _told(found, outcomes, as_json, display)
 
 
 def _outcomes(
@@ -182,7 +182,7 @@ def _bar(total: int) -> Iterator[Any]:
         yield lambda name: bar.update(task, advance=1, description=printable(name))
 
 
-def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, concise: bool) -> int:
+def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, display: Display) -> int:
     """Print what came of it; the exit code."""
     from stepbot.batch import batch_document
 
@@ -191,10 +191,10 @@ def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, conc
     if as_json:
         write_json({**batch_document(outcomes), "diagnostics": found, "exit_code": code})
         return code
-    show_diagnostics(found, concise=concise)
+    show_diagnostics(found, display)
     for outcome in failed:
-        show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], concise=concise)
-    if outcomes:
+        show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], display)
+    if outcomes and not (display.quiet or display.concise):
         write_result("\n".join(_table(outcomes)))
     return code
 

@@ -10,12 +10,12 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.joint_table import JointRow
 
 from .caching import say_trouble
-from .command import Command, concise_option, json_option
+from .command import Command, display_options, json_option
 from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
 from .render import printable
-from .terminal import show_diagnostics, write_json, write_result
+from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
@@ -49,14 +49,14 @@ class CheckCommand(Command):
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @reading_options
 @json_option
-@concise_option
+@display_options
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],
     step: str | None,
     strict: bool,
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Check sidecars; all faults of a file at once. Of a folder all below it, without any those of the current folder.
 
@@ -87,9 +87,10 @@ def command(
             }
         )
     else:
-        show_diagnostics(found, concise=concise, as_result=True)
-        for sidecar, table in tables.items():
-            if table and len(tables) > 1:
-                write_result(f"\n{printable(sidecar.as_posix())}")
-            show_joint_table(table)
+        show_diagnostics(found, display, as_result=True)
+        if not (display.quiet or display.concise):
+            for sidecar, table in tables.items():
+                if table and len(tables) > 1:
+                    write_result(f"\n{printable(sidecar.as_posix())}")
+                show_joint_table(table, verbose=display.verbose)
     return found.exit_code

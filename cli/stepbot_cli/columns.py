@@ -51,6 +51,15 @@ def wrapped(text: str, width: int) -> list[str]:
     return lines
 
 
+def shortened(text: str, width: int) -> str:
+    """``text`` in ``width`` columns, with an ellipsis where it is longer."""
+    if cells(text) <= width:
+        return text
+    while text and cells(text) > width - 1:
+        text = text[:-1]
+    return text.rstrip() + "…"
+
+
 def padded(text: str, width: int) -> str:
     """``text`` with blanks up to ``width``."""
     return text + " " * (width - cells(text))

@@ -1,6 +1,7 @@
 """What every command has in common: an unforeseen exception becomes a diagnostic, in JSON where JSON was asked for."""
 
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import click
@@ -8,6 +9,7 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .failures import show_exception
+from .terminal import Display
 
 
 class Group(click.Group):
@@ -52,4 +54,23 @@ def _split(context: click.Context, option: click.Parameter, given: tuple[str, ..
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document instead of text.")
-concise_option = click.option("--concise", is_flag=True, help="One line per finding, without code frame and help.")
+
+
+def display_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Add how much is printed; the command gets it as ``display``."""
+
+    @wraps(command)
+    def with_display(*, concise: bool, verbose: bool, quiet: bool, **others: Any) -> int:
+        if verbose and quiet:
+            raise click.UsageError("--verbose and --quiet contradict each other; leave one of them out")
+        return command(display=Display(concise, verbose, quiet), **others)
+
+    options = (
+        click.option("-v", "--verbose", is_flag=True, help="Print everything, not only what fits a screen."),
+        click.option("-q", "--quiet", is_flag=True, help="Print errors and warnings only."),
+        click.option("--concise", is_flag=True, help="One line per finding, without code frame and help."),
+    )
+    decorated: Callable[..., int] = with_display
+    for option in reversed(options):
+        decorated = option(decorated)
+    return decorated

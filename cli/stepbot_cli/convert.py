@@ -1,6 +1,9 @@
 """``stepbot convert``: sidecar and STEP in, files and a proof out."""
 
 import json
+import sys
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,14 +13,16 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .caching import say_trouble
-from .command import Command, concise_option, json_option, names_option
+from .command import Command, display_options, json_option, names_option
 from .engines import require_option
 from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
 from .progress import progress_bar
+from .proof import show_proof
 from .reading import reading_options
-from .table import show_table
-from .terminal import show_diagnostics, write_json, write_result
+from .render import printable
+from .table import filled, show_table
+from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Conversion, Options
@@ -54,7 +59,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load t
 @reading_options
 @junit_option
 @json_option
-@concise_option
+@display_options
 def command(
     options: "Options",
     sidecar: Path,
@@ -66,7 +71,7 @@ def command(
     require: tuple[str, ...],
     junit: Path | None,
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Write the robot that SIDECAR describes as URDF, SDFormat and MJCF, and verify the files.
 
@@ -84,11 +89,11 @@ def command(
         strict=strict,
         require=require,
     )
-    return run_conversion(sidecar, options, junit=junit, as_json=as_json, concise=concise)
+    return run_conversion(sidecar, options, junit=junit, as_json=as_json, display=display)
 
 
 def run_conversion(
-    sidecar: Path, options: "Options", *, as_json: bool, concise: bool, junit: Path | None = None
+    sidecar: Path, options: "Options", *, as_json: bool, display: Display, junit: Path | None = None
 ) -> int:
     """Convert a sidecar and print what came of it; returns the exit code."""
     from stepbot.incremental import convert
@@ -101,14 +106,30 @@ def run_conversion(
     if as_json:
         write_json(_document(conversion, options.output))
     else:
-        show_diagnostics(conversion.diagnostics, concise=concise)
-        if conversion.report is not None and conversion.report.checks:
-            show_table(conversion.report)
-        if conversion.report is not None:
-            show_joint_table(conversion.report.joint_table)
-        if conversion.files:
-            write_result(f"{len(conversion.files)} files in {written_to(conversion, options.output)}")
+        show_diagnostics(conversion.diagnostics, display)
+        if not (display.quiet or display.concise):
+            _show(conversion, options.output, display)
     return conversion.diagnostics.exit_code
+
+
+def _show(conversion: "Conversion", output: Path, display: Display) -> None:
+    """Print what was written, and what was proven of it."""
+    if conversion.files:
+        words = _files_words(conversion.files, written_to(conversion, output))
+        write_result("\n".join(filled(words, screen_width(sys.stdout))))
+    if conversion.report is None:
+        return
+    show_joint_table(conversion.report.joint_table, verbose=display.verbose)
+    if conversion.report.checks:
+        (show_table if display.verbose else show_proof)(conversion.report)
+
+
+def _files_words(files: Mapping[str, bytes], folder: Path) -> str:
+    """``24 files in arm: arm.urdf, ..., 20 in meshes/``."""
+    top = [name for name in files if "/" not in name]
+    below = Counter(name.partition("/")[0] for name in files if "/" in name)
+    words = ", ".join([*top, *(f"{count} in {name}/" for name, count in below.items())])
+    return printable(f"{len(files)} files in {folder}: {words}")
 
 
 def default_output(sidecar: Path) -> Path:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .caching import say_trouble
-from .command import Command, concise_option, json_option
+from .command import Command, display_options, json_option
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import show_diagnostics, write_json, write_result
+from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 )
 @reading_options
 @json_option
-@concise_option
+@display_options
 def command(
     options: "Options",
     step: Path,
     features: bool,
     between: tuple[str, str] | None,
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Show the components of a STEP file: paths to paste into a sidecar, names, solids, volumes, densities.
 
@@ -52,7 +52,7 @@ def command(
     if as_json:
         write_json({**_document(inspection, between, features), "diagnostics": found, "exit_code": found.exit_code})
     else:
-        show_diagnostics(found, concise=concise)
+        show_diagnostics(found, display)
         if inspection.assembly is not None:
             write_result(_text(inspection, between, features))
     return found.exit_code

@@ -10,10 +10,10 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .columns import aligned
-from .command import Command, Group, concise_option, json_option
+from .command import Command, Group, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import working_options
-from .terminal import write_json, write_result
+from .terminal import Display, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
@@ -78,7 +78,7 @@ def show(name: str, as_json: bool) -> int:
 @no_verify_option
 @working_options
 @json_option
-@concise_option
+@display_options
 def export(
     options: "Options",
     name: str,
@@ -86,14 +86,14 @@ def export(
     output: Path | None,
     no_verify: bool,
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
     robot = _found(name)
     options = replace(
         options, output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
     )
-    return run_conversion(robot.sidecar, options, as_json=as_json, concise=concise)
+    return run_conversion(robot.sidecar, options, as_json=as_json, display=display)
 
 
 def _found(name: str) -> "LibraryRobot":

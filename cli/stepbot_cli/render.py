@@ -1,17 +1,21 @@
 """Diagnostics as text: with code frame and help, one line each, or as plain data for JSON."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from stepbot.codes import CODES
 from stepbot.diagnostics import Diagnostic
 
-from .columns import cells
+from .columns import cells, shortened
 
 FRAME_WIDTH = 120
 """Columns of a code frame where nobody says how wide the screen is."""
 MOST_JUNK = 0.3
 """Share of characters that cannot be printed; a line with more is not text, and gets no code frame."""
+MOST_WARNINGS = 3
+"""Warnings of one code that a first look shows in full."""
 LARGEST_SOURCE = 16 * 2**20
 """Bytes; a larger file gets no code frames, because reading it again would take longer than it helps."""
 
@@ -29,6 +33,45 @@ def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int =
     """
     lines = _source_lines(diagnostics)
     return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in diagnostics)
+
+
+def screen(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int | None = None) -> str:
+    """Findings for a first look: errors and warnings in full, one line for all notes of a code, and the counts.
+
+    Args:
+        diagnostics: What to show.
+        color: Whether to use the terminal's colours.
+        width: Columns of the screen; None where nobody says, for lines that are not cut.
+    """
+    in_full, folded = _sorted_out(diagnostics)
+    lines = [full(in_full, color=color, width=width or FRAME_WIDTH), ""] if in_full else []
+    lines += [_fold(of_code, in_full, color, width) for of_code in folded]
+    return "\n".join([*lines, summary(diagnostics, all_shown=not folded)])
+
+
+def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[list[Diagnostic]]]:
+    """What to show in full: all errors, some warnings of each code; and the rest by code."""
+    in_full: list[Diagnostic] = []
+    folded: dict[str, list[Diagnostic]] = {}
+    warnings: Counter[str] = Counter()
+    for diagnostic in diagnostics:
+        warnings[diagnostic.code] += diagnostic.severity == "warning"
+        if diagnostic.severity == "note" or warnings[diagnostic.code] > MOST_WARNINGS:
+            folded.setdefault(diagnostic.code, []).append(diagnostic)
+        else:
+            in_full.append(diagnostic)
+    return in_full, list(folded.values())
+
+
+def _fold(diagnostics: Sequence[Diagnostic], in_full: Sequence[Diagnostic], color: bool, width: int | None) -> str:
+    """One line for findings of one code: the only one's message, else their number and what the code stands for."""
+    first = diagnostics[0]
+    more = " more" if any(shown.code == first.code for shown in in_full) else ""
+    several = f"{len(diagnostics)}{more} x {CODES[first.code].title}"
+    text = several if len(diagnostics) > 1 or more else printable(first.message)
+    head = f"{first.severity}[{first.code}]"
+    room = None if width is None else max(width - len(head) - 2, 1)
+    return f"{paint(head, _COLORS[first.severity], color)}: {text if room is None else shortened(text, room)}"
 
 
 def concise(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
@@ -51,13 +94,15 @@ def plain(diagnostic: Diagnostic) -> dict[str, Any]:
     }
 
 
-def summary(diagnostics: Iterable[Diagnostic]) -> str:
-    """``2 errors, 1 warning``, and how to learn more."""
+def summary(diagnostics: Iterable[Diagnostic], *, all_shown: bool = True) -> str:
+    """``2 errors, 1 warning``, and how to learn more, or see all of them."""
     found = list(diagnostics)
     counts = [(kind, sum(d.severity == kind for d in found)) for kind in ("error", "warning", "note")]
     text = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in counts if n)
     codes = [d.code for severity in ("error", "warning") for d in found if d.severity == severity]
-    return f"{text} (more: stepbot explain {codes[0]})" if codes else text
+    ways = [f"more: stepbot explain {codes[0]}"] if codes else []
+    ways += [] if all_shown else ["-v lists all"]
+    return f"{text} ({'; '.join(ways)})" if ways else text
 
 
 def printable(text: str) -> str:

@@ -12,22 +12,28 @@ from .terminal import screen_width, wants_color, write_result
 if TYPE_CHECKING:
     from stepbot.report import Check, Report, Row
 
-_RESULT = "result"
-_HEADINGS = ("format", "file", "engine", "compared with", _RESULT, "quantities", "worst deviation")
+RESULT = "result"
+"""Heading of the column with the outcome."""
+_HEADINGS = ("format", "file", "engine", "compared with", RESULT, "quantities", "worst deviation")
 _MODEL = "model"
-_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
+STATUS_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 
 
 def show_table(report: "Report") -> None:
     """Print what was compared, the worst deviation and the outcome for each file and engine, then the reasons."""
     color = wants_color(sys.stdout)
     width = screen_width(sys.stdout)
-    absent = dict.fromkeys(row.engine for row in report.rows() if _is_absent(row))
+    absent = absent_engines(report)
     shown = [row for row in report.rows() if not _is_absent(row)]
     lines = [*_table(shown, width, color), *_remarks(report, shown, width or FRAME_WIDTH)]
     if absent:
         lines.insert(-1, f"not installed, so not run: {', '.join(absent)}")
     write_result("\n".join(lines))
+
+
+def absent_engines(report: "Report") -> tuple[str, ...]:
+    """Engines that most people do without, and that are not installed here."""
+    return tuple(dict.fromkeys(row.engine for row in report.rows() if _is_absent(row)))
 
 
 def _is_absent(row: "Row") -> bool:
@@ -41,13 +47,26 @@ def _table(rows: Sequence["Row"], width: int | None, color: bool) -> list[str]:
     texts = [_HEADINGS, *map(_cells, rows)]
     if all(row.against == _MODEL for row in rows):  # then it goes without saying
         texts = [_without_against(cells) for cells in texts]
-    result = texts[0].index(_RESULT)
+    return status_lines(texts, [row.status.value for row in rows], width, color)
+
+
+def status_lines(texts: Sequence[Sequence[str]], statuses: Sequence[str], width: int | None, color: bool) -> list[str]:
+    """A table as lines: the headings bold, each result in its colour.
+
+    Args:
+        texts: The headings, and the cells of each row.
+        statuses: The result of each row, in the column of that heading.
+        width: Columns of the screen; None for no bound.
+        color: Whether to use the terminal's colours.
+    """
+    result = texts[0].index(RESULT)
     head, *body = wrapped_rows(texts, width)
     lines = [paint("  ".join(cells).rstrip(), "1", color) for cells in head]
-    for row, of_row in zip(rows, body, strict=True):
+    for status, of_row in zip(statuses, body, strict=True):
         for cells in of_row:
             word = cells[result].rstrip()
-            cells[result] = paint(word, _COLORS[row.status.value], color and bool(word)) + cells[result][len(word) :]
+            blanks = cells[result][len(word) :]
+            cells[result] = paint(word, STATUS_COLORS[status], color and bool(word)) + blanks
             lines.append("  ".join(cells).rstrip())
     return lines
 
@@ -79,22 +98,32 @@ def _deviation(check: "Check | None") -> str:
 def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
     """What the quantities are, what failed or did not run and why, and the count of all checks."""
     quantities = list(dict.fromkeys(check.quantity for check in report.checks))
-    lines = ["", *_wrapped(f"quantities: {', '.join(quantities)}", width)]
+    lines = ["", *filled(f"quantities: {', '.join(quantities)}", width)]
     for row in rows:
         if row.why and row.compared:
-            lines += _wrapped(f"{printable(row.file) or 'robot'} in {row.engine}: {printable(row.why)}", width)
-    if report.driven:
-        several = "s" if report.degrees_of_freedom != 1 else ""
-        driven = ", ".join(printable(name) for name in report.driven)
-        lines += ["", *_wrapped(f"{report.degrees_of_freedom} degree{several} of freedom, driven by {driven}", width)]
+            lines += filled(f"{printable(row.file) or 'robot'} in {row.engine}: {printable(row.why)}", width)
+    if driven := driven_words(report):
+        lines += ["", *filled(driven, width)]
     statuses = [check.status.value for check in report.checks]
-    counts = ", ".join(f"{statuses.count(status)} {status}" for status in _COLORS)
+    counts = ", ".join(f"{statuses.count(status)} {status}" for status in STATUS_COLORS)
     lines.append("")
     if report.read_back:
         own = f"{len(report.read_back)} passed by what stepbot's own parsers read back, since no engine tells of it"
-        lines += _wrapped(own, width)
-    return [*lines, *_wrapped(f"{len(statuses)} checks: {counts}", width)]
+        lines += filled(own, width)
+    return [*lines, *filled(f"{len(statuses)} checks: {counts}", width)]
 
 
-def _wrapped(text: str, width: int) -> list[str]:
+def driven_words(report: "Report") -> str:
+    """The degrees of freedom of a robot with loops, and the joints that drive it; empty for one without."""
+    if not report.driven:
+        return ""
+    several = "s" if report.degrees_of_freedom != 1 else ""
+    driven = ", ".join(printable(name) for name in report.driven)
+    return f"{report.degrees_of_freedom} degree{several} of freedom, driven by {driven}"
+
+
+def filled(text: str, width: int | None) -> list[str]:
+    """``text`` in lines of ``width`` columns, those after the first indented; None for one line."""
+    if width is None:
+        return [text]
     return textwrap.wrap(text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)

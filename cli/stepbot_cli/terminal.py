@@ -7,6 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, TextIO
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
@@ -48,24 +49,40 @@ def write_json(document: Mapping[str, Any]) -> None:
     write_result(json.dumps(document, indent=2, ensure_ascii=False, default=_plain))
 
 
-def show_diagnostics(found: Iterable[Diagnostic], *, concise: bool = False, as_result: bool = False) -> None:
+@dataclass(frozen=True)
+class Display:
+    """How much a command prints."""
+
+    concise: bool = False
+    """One line per finding."""
+    verbose: bool = False
+    """All there is, instead of what fits a screen."""
+    quiet: bool = False
+    """Errors and warnings, and nothing else."""
+
+
+def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), *, as_result: bool = False) -> None:
     """Print diagnostics, and how many there are of each severity.
 
     Args:
         found: What to print.
-        concise: One line each.
+        display: How much of it.
         as_result: Whether they are what was asked for, and go to standard output.
     """
-    diagnostics = list(found)
+    diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]
     if not diagnostics:
         return
     stream = sys.stdout if as_result else sys.stderr
     color = wants_color(stream)
-    if concise:
+    width = screen_width(stream)
+    if display.concise:
         _write(stream, render.concise(diagnostics, color=color))
         return
-    text = render.full(diagnostics, color=color, width=screen_width(stream) or render.FRAME_WIDTH)
-    _write(stream, f"{text}\n\n{render.summary(diagnostics)}")
+    if display.verbose or display.quiet:
+        text = render.full(diagnostics, color=color, width=width or render.FRAME_WIDTH)
+        _write(stream, text if display.quiet else f"{text}\n\n{render.summary(diagnostics)}")
+    else:
+        _write(stream, render.screen(diagnostics, color=color, width=width))
 
 
 def _write(stream: TextIO, text: str) -> None:

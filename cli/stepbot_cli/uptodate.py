@@ -9,11 +9,11 @@ import click
 from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
-from .command import Command, concise_option, json_option
+from .command import Command, display_options, json_option
 from .convert import again_format_option, format_names
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import show_diagnostics, write_json
+from .terminal import Display, show_diagnostics, write_json
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @click.option("--strict", is_flag=True, help="As for `convert`.")
 @reading_options
 @json_option
-@concise_option
+@display_options
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],
@@ -42,7 +42,7 @@ def command(
     ignore: tuple[str, ...],
     strict: bool,
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Compare the files in each robot's folder with what `convert` would write; writes nothing.
 
@@ -65,7 +65,7 @@ def command(
     if as_json:
         write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})
     else:
-        show_diagnostics(found, concise=concise, as_result=True)
+        show_diagnostics(found, display, as_result=True)
     return found.exit_code
 
 

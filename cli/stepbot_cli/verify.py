@@ -6,13 +6,14 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .command import Command, concise_option, json_option
+from .command import Command, display_options, json_option
 from .engines import limit_options, require_option
 from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
 from .progress import progress_bar
+from .proof import show_proof
 from .table import show_table
-from .terminal import show_diagnostics, write_json
+from .terminal import Display, show_diagnostics, write_json
 
 
 @click.command(cls=Command, short_help="Compare what engines see in robot files, anyone's.")
@@ -22,7 +23,7 @@ from .terminal import show_diagnostics, write_json
 @limit_options
 @junit_option
 @json_option
-@concise_option
+@display_options
 def command(
     files: tuple[Path, ...],
     strict: bool,
@@ -31,7 +32,7 @@ def command(
     memory_limit: int | None,
     junit: Path | None,
     as_json: bool,
-    concise: bool,
+    display: Display,
 ) -> int:
     """Load URDF, SDFormat and MJCF files in every engine that reads them, and compare what the engines see.
 
@@ -54,8 +55,8 @@ def command(
     if as_json:
         write_json({"report": document, "diagnostics": found, "exit_code": found.exit_code})
     else:
-        show_diagnostics(found, concise=concise)
-        if report.checks:
-            show_table(report)
-        show_joint_table(report.joint_table)
+        show_diagnostics(found, display)
+        if report.checks and not (display.quiet or display.concise):
+            show_joint_table(report.joint_table, verbose=display.verbose)
+            (show_table if display.verbose else show_proof)(report)
     return found.exit_code
