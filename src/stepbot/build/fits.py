@@ -88,8 +88,30 @@ def _ball_of_few(points: Array) -> tuple[Array, float, Array]:
     for size in range(2, min(len(points), points.shape[1] + 1) + 1):
         for chosen in combinations(range(len(points)), size):
             support = points[list(chosen)]
-            edges = support[1:] - support[0]
-            # The centre is in the plane of the support, equally far from all of it.
-            center = support[0] + np.linalg.pinv(edges) @ (0.5 * (edges**2).sum(axis=1))
-            balls.append((center, float(np.linalg.norm(points - center, axis=1).max()), support))
+            center = _equally_far(support)
+            if center is not None:
+                balls.append((center, float(np.linalg.norm(points - center, axis=1).max()), support))
     return min(balls, key=lambda ball: ball[1])
+
+
+def _equally_far(support: Array) -> Array | None:
+    """The point equally far from two to four points (n, d), in their line or plane; None where these are degenerate.
+
+    Computed with products and sums alone: what LAPACK says differs in the last bits between versions of numpy.
+    """
+    edges = np.zeros((len(support) - 1, 3))
+    edges[:, : support.shape[1]] = support[1:] - support[0]
+    halves = 0.5 * (edges**2).sum(axis=1)
+    if len(edges) == 1:
+        offset = 0.5 * edges[0]
+    else:
+        u, v = edges[:2]
+        n = np.cross(u, v)
+        w, half = (edges[2], halves[2]) if len(edges) == 3 else (n, 0.0)
+        volume = float((n * w).sum())
+        if volume == 0.0:
+            return None
+        # The point whose products with u, v and w are their halves, by Cramer's rule.
+        offset = (halves[0] * np.cross(v, w) + halves[1] * np.cross(w, u) + half * n) / volume
+    center: Array = support[0] + offset[: support.shape[1]]
+    return center if np.isfinite(center).all() else None

@@ -107,3 +107,14 @@ def test_flat_points_leave_no_room() -> None:
     assert box_around(flat) is None
     assert cylinder_around(flat, [AXES[2]]) is None
     assert sphere_around(flat) is not None
+
+
+def test_smallest_ball_is_the_same_to_the_last_bit() -> None:
+    """Products and sums alone: no version of numpy or of its LAPACK shows in the centre and the radius."""
+    points = np.array([[0.013, 0.001, 0.0], [-0.011, 0.007, 0.003], [0.001, -0.012, 0.005], [0.002, 0.003, 0.014]])
+    center, radius = smallest_ball(points)
+    assert center.tolist() == [0.0002720800135616215, 0.0006573147991184949, 0.002362010510255976]
+    assert radius == 0.01294976733299253
+    center, radius = smallest_ball(points[:, :2])
+    assert center.tolist() == [0.00019531249999999757, 0.0007812499999999999]
+    assert radius == 0.012806555881077328
