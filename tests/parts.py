@@ -283,6 +283,29 @@ def write_several_roots(path: Path) -> Drawing:
 # Parts that joints bind to
 
 
+STRAIGHT_ARM_GAP = 228.0
+"""[mm]."""
+
+
+def write_straight_arm(path: Path, pin: bool = True) -> Drawing:
+    """Two links of an arm drawn straight: an elbow along y, and a wide horn and a bracket 228 mm apart on one line.
+
+    Args:
+        path: File to write.
+        pin: Whether the upper link has the pin of the elbow; without it, horn and bracket are all that share a line.
+    """
+    top = 5.0 + STRAIGHT_ARM_GAP
+    upper = cylinder(20, 5) + box(30, 20, top - 13).at(0, 0, 5 + (top - 13) / 2)
+    lower = box(30, 10, 48).at(0, 15, top - 24) + box(60, 60, 8).at(0, 0, top + 4) - cylinder(20.2, 8).at(0, 0, top)
+    along_y = pose((0, 0, 0), turn("x", -pi / 2))
+    lower -= cylinder(8.05, 10).moved(along_y).at(0, 10, top - 28)
+    if pin:
+        upper += cylinder(8, 12).moved(along_y).at(0, 10, top - 28)
+    children = [Occurrence(drawn("upper", upper), "upper:1"), Occurrence(drawn("lower", lower), "lower:1")]
+    elbow = Line((0.0, 0.015, (top - 28) * 1e-3), (0.0, 1.0, 0.0))
+    return draw(path, Assembly("straight arm", children), lines=(elbow,) if pin else ())
+
+
 def write_hinge(path: Path, miss: float = 0.0, bolts: bool = False, unit: LengthUnit = "mm") -> Drawing:
     """A plate with a pin and an arm with a bore around it, along y.
 
