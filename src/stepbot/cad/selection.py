@@ -4,16 +4,31 @@ from collections.abc import Iterator
 from typing import Any
 
 from OCP.IFSelect import IFSelect_SelectModelEntities, IFSelect_SelectType
-from OCP.StepRepr import StepRepr_ProductDefinitionShape
+from OCP.StepRepr import StepRepr_ProductDefinitionShape, StepRepr_PropertyDefinitionRepresentation
+
+_MECHANISM = "StepKinematics_KinematicPropertyMechanismRepresentation"
 
 
 def entities(session: Any, kind: Any) -> list[Any]:
     """All entities of a class or of one derived from it, in file order.
 
+    Entities whose own class has no Python binding, such as those of kinematic mechanisms, are left out: Python sees an
+    object without methods.
+
     Args:
         session: The reader's ``XSControl_WorkSession``.
         kind: Class of the kernel's STEP schema, such as ``StepBasic_ProductDefinition``.
     """
+    return [entity for entity in _selected(session, kind) if isinstance(entity, kind)]
+
+
+def mechanism_count(session: Any) -> int:
+    """Kinematic mechanisms (ISO 10303-105) that the file describes."""
+    properties = _selected(session, StepRepr_PropertyDefinitionRepresentation)
+    return sum(entity.DynamicType().Name() == _MECHANISM for entity in properties)
+
+
+def _selected(session: Any, kind: Any) -> list[Any]:
     selection = IFSelect_SelectType(kind.get_type_descriptor_s())
     selection.SetInput(IFSelect_SelectModelEntities())
     found = session.EvalSelection(selection)

@@ -38,7 +38,7 @@ from .parallel import Died, Raised, run
 from .part21 import Part21
 from .products import Products
 from .repetition import MisplacedOccurrence
-from .selection import entities
+from .selection import entities, mechanism_count
 from .source import NONE, BodySource, Definition, StepMaterial
 from .step import StepUnreadable, read_model, transfer
 from .subjects import Subjects
@@ -58,6 +58,8 @@ class _Content:
     tree: Tree
     stated: list[Stated]
     """Values that the file states for readers to compare."""
+    mechanisms: int
+    """Kinematic mechanisms that the file describes."""
 
 
 def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
@@ -136,7 +138,8 @@ def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *,
     tree = grow(definitions.all, definitions.roots, made_of, place, found)
     if tree is None:
         return None
-    return _Content(unit, definitions.all, tree, _stated(model.session, products, definitions.all, tree))
+    stated = _stated(model.session, products, definitions.all, tree)
+    return _Content(unit, definitions.all, tree, stated, mechanism_count(model.session))
 
 
 def _stated(session: Any, products: Products, definitions: list[Definition], tree: Tree) -> list[Stated]:
@@ -173,6 +176,7 @@ def _facts(part21: Part21, content: _Content) -> dict[str, str]:
         "written": header.time_stamp,
         "preprocessor": header.preprocessor,
         "further units": ", ".join(content.unit.others),
+        "mechanisms": f"{content.mechanisms}, not read: joints are those of the sidecar" if content.mechanisms else "",
     }
     return {name: value for name, value in facts.items() if value}
 
