@@ -13,6 +13,8 @@ from typing import Literal
 
 from .codes import CODES, Severity
 
+_LONGEST_COMPARED = 200
+"""Characters of a name that may be compared with others."""
 ExitCode = Literal[0, 1, 2]
 
 
@@ -126,7 +128,8 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing."""
     names = list(dict.fromkeys(candidates))
     same = [name for name in names if name.casefold() == word.casefold()]
-    near = same or get_close_matches(word, names, n=3, cutoff=0.6)
+    comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes time to the square
+    near = same or (get_close_matches(word, comparable, n=3, cutoff=0.6) if len(word) <= _LONGEST_COMPARED else [])
     if not near:
         return ()
     return ("did you mean " + " or ".join(f"'{name}'" for name in near) + "?",)

@@ -24,9 +24,9 @@ _LIKELY = ("cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "c
 """Code pages that a warning tries."""
 _PLAIN = ("ascii", "utf-8")
 """What the kernel reads as it is."""
-_BYTE_ORDER_MARK = codecs.BOM_UTF8
+BYTE_ORDER_MARK = codecs.BOM_UTF8
 _NOT_ASCII = re.compile(rb"[\x80-\xff]+")
-_TEXT = re.compile(rb"'([^']*[\x80-\xff][^']*)'")
+_TEXT = re.compile(rb"'([^'\x80-\xff]*[\x80-\xff][^']*)'")
 _MEANINGLESS = re.compile("[\x80-\x9f\uf8f0-\uf8f3]")
 """Characters that no name has: single bytes that mean nothing in a code page come out as these."""
 _CHUNK = 1 << 20
@@ -107,7 +107,7 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="stepbot-") as folder:
         copy = Path(folder) / "utf-8.step"
         with path.open("rb") as source, copy.open("wb") as target:
-            if source.read(3) != _BYTE_ORDER_MARK:
+            if source.read(3) != BYTE_ORDER_MARK:
                 source.seek(0)
             decoder = codecs.getincrementaldecoder(encoding or FALLBACK)(errors)
             while chunk := source.read(_CHUNK):

@@ -33,6 +33,7 @@ from OCP.StepShape import (
 )
 
 from ..diagnostics import Diagnostics, Span
+from .statements import Statement, find_statements
 
 _SHAPES = (
     StepGeom_GeometricRepresentationItem,
@@ -57,7 +58,7 @@ _STRUCTURE = (
 """Classes that must not refer to what is not there, though newer schemas let them refer to what the kernel ignores."""
 _PRESENTATION = re.compile("StepVisual_(?!Tessellated|Triangulated|Coordinates|Complex)|StepDimTol_|StepAP")
 """Modules of entities that show or manage: texts and styles are representation items too."""
-_NOT_SHAPES = re.compile(rb"TEXT|CALLOUT|ANNOTATION|DIMENSION|TOLERANCE|DATUM|SYMBOL|FILL_AREA|HATCH|CAMERA|PLANAR_")
+_NOT_SHAPES = re.compile("TEXT|CALLOUT|ANNOTATION|DIMENSION|TOLERANCE|DATUM|SYMBOL|FILL_AREA|HATCH|CAMERA|PLANAR_")
 """Kinds among the items of a shape that are drawing notes, which nobody misses."""
 
 _SYNTAX = re.compile(r"Undefined Parsing: Line (\d+): (?:Incorrect syntax: )?(.*)", re.DOTALL)
@@ -65,9 +66,6 @@ _UNRESOLVED = re.compile(r"Unresolved Reference,.*\(Id\.#(\d+)\)")
 _DOUBLE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
 _WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal type")
 
-_STATEMENT = re.compile(rb"#\s*(\d+)\s*=((?:'[^']*'|/\*.*?\*/|[^';])*);", re.DOTALL)
-_REFERENCE = re.compile(rb"'[^']*'|#\s*(\d+)")
-_KEYWORD = re.compile(rb"[A-Z][A-Z0-9_]*")
 _SHOWN = 5
 """Places that a diagnostic lists."""
 _REMEDY = ("export it again, or copy it again from where it was exported",)
@@ -96,24 +94,24 @@ class _Statements:
         return self._path.read_bytes()
 
     @cached_property
-    def all(self) -> list[re.Match[bytes]]:
+    def all(self) -> list[Statement]:
         """In file order."""
-        return list(_STATEMENT.finditer(self.data))
+        return list(find_statements(self.data))
 
     @cached_property
-    def by_number(self) -> dict[int, re.Match[bytes]]:
+    def by_number(self) -> dict[int, Statement]:
         """By the number that they define."""
-        return {int(statement[1]): statement for statement in self.all}
+        return {statement.number: statement for statement in self.all}
 
-    def entity(self, statement: re.Match[bytes]) -> Any:
+    def entity(self, statement: Statement) -> Any:
         """The kernel's entity of a statement; None where it has none."""
-        index = self._model.NextNumberForLabel(f"#{int(statement[1])}")
+        index = self._model.NextNumberForLabel(f"#{statement.number}")
         return self._model.Value(index) if index > 0 else None
 
-    def of_entity(self, index: int) -> re.Match[bytes] | None:
+    def of_entity(self, index: int) -> Statement | None:
         """The statement of an entity by its index, from 1; None where the kernel counts otherwise than the text."""
         statement = self.all[index - 1] if 0 < index <= len(self.all) else None
-        if statement is None or self._model.NextNumberForLabel(f"#{int(statement[1])}") != index:
+        if statement is None or self._model.NextNumberForLabel(f"#{statement.number}") != index:
             return None
         return statement
 
@@ -121,9 +119,9 @@ class _Statements:
     def _line_ends(self) -> NDArray[np.intp]:
         return np.flatnonzero(np.frombuffer(self.data, dtype=np.uint8) == ord("\n"))
 
-    def line(self, statement: re.Match[bytes]) -> int:
+    def line(self, statement: Statement) -> int:
         """From 1."""
-        return int(np.searchsorted(self._line_ends, statement.start())) + 1
+        return int(np.searchsorted(self._line_ends, statement.start)) + 1
 
 
 def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) -> bool:
@@ -158,17 +156,17 @@ def _broken(messages: Sequence[str]) -> Iterator[_Fault]:
 def _doubled(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
     for message in messages:
         if (match := _DOUBLE.search(message)) and (statement := statements.by_number.get(int(match[1]))):
-            yield _Fault(statements.line(statement), f"{_named(statement)}: its number stands for another entity too")
+            yield _Fault(statements.line(statement), f"{statement}: its number stands for another entity too")
 
 
 def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
     """References that lead nowhere. The kernel names their target, but not always where they stand."""
     targets = {int(match[1]) for message in messages if (match := _UNRESOLVED.search(message))}
     for statement in statements.all if targets else ():
-        numbers = {int(number) for number in _REFERENCE.findall(statement[2]) if number}
+        numbers = set(statement.references)
         for number in sorted(numbers & targets - statements.by_number.keys()):
             is_essential = _is_essential(statements.entity(statement), (*_SHAPES, *_STRUCTURE))
-            text = f"{_named(statement)}: there is no #{number}"
+            text = f"{statement}: there is no #{number}"
             yield _Fault(statements.line(statement), text, is_essential)
 
 
@@ -187,31 +185,22 @@ def _wrong_kinds(session: Any, statements: _Statements) -> Iterator[_Fault]:
             yield from _unknown_items(statement, statements)
         elif _is_essential(entity, _SHAPES):
             kind = type(entity).__name__.partition("_")[2]
-            name, line = (_named(statement), statements.line(statement)) if statement is not None else (kind, 0)
+            name, line = (str(statement), statements.line(statement)) if statement is not None else (kind, 0)
             yield _Fault(line, f"{name}: {', '.join(names)} is of the wrong kind")
 
 
-def _unknown_items(representation: re.Match[bytes], statements: _Statements) -> Iterator[_Fault]:
+def _unknown_items(representation: Statement, statements: _Statements) -> Iterator[_Fault]:
     """Items of a shape that the kernel does not know, unless they are notes on a drawing."""
-    for number in _REFERENCE.findall(representation[2]):
-        item = statements.by_number.get(int(number)) if number else None
+    for number in representation.references:
+        item = statements.by_number.get(number)
         if item is None or not isinstance(statements.entity(item), StepData_UndefinedEntity):
             continue
-        if not _NOT_SHAPES.search(_keyword(item)):
-            yield _Fault(statements.line(item), f"{_named(item)}: the kind is not known", is_essential=False)
+        if not _NOT_SHAPES.search(item.keyword):
+            yield _Fault(statements.line(item), f"{item}: the kind is not known", is_essential=False)
 
 
 def _is_essential(entity: Any, kinds: tuple[type, ...]) -> bool:
     return isinstance(entity, kinds) and not _PRESENTATION.match(type(entity).__name__)
-
-
-def _keyword(statement: re.Match[bytes]) -> bytes:
-    match = _KEYWORD.search(statement[2])
-    return match[0] if match is not None else b""
-
-
-def _named(statement: re.Match[bytes]) -> str:
-    return f"#{int(statement[1])} {_keyword(statement).decode('ascii')}".rstrip()
 
 
 def _report(code: str, message: str, faults: Sequence[_Fault], place: str, found: Diagnostics) -> None:

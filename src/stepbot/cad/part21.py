@@ -12,14 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..diagnostics import Diagnostics, Span, did_you_mean
-from .encodings import FALLBACK, Text, check_encoding, line_of
+from .encodings import BYTE_ORDER_MARK, FALLBACK, Text, check_encoding, line_of
 from .strings import decode_string
 
-_START = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:/\*.*?\*/\s*)*ISO-10303-21\s*;", re.DOTALL)
+_BLANK = re.compile(rb"\s*")
+_START = re.compile(rb"ISO-10303-21\s*;")
 _END = b"END-ISO-10303-21"
 _DATA = re.compile(rb"\bDATA\s*[;(]")
 _FIRST_ENTITY = re.compile(rb"#\s*\d+\s*=")
-_HEADER_TOKEN = re.compile(rb"/\*.*?\*/|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
+_HEADER_TOKEN = re.compile(rb"/\*.*?(?:\*/|\Z)|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
 _DOCUMENT_FILE = re.compile(rb"DOCUMENT_FILE\s*\(\s*'((?:[^']|'')*)'\s*,\s*'((?:[^']|'')*)'", re.DOTALL)
 _HEADER_LIMIT = 1 << 20
 
@@ -129,7 +130,8 @@ def _opened(path: Path) -> Iterator[Text]:
 
 
 def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 | None:
-    start = _START.match(data[:_HEADER_LIMIT])
+    beginning = data[:_HEADER_LIMIT]
+    start = _START.match(beginning, _end_of_comments(beginning))
     if start is None:
         _report_not_step(bytes(data[:1024]), place, found)
         return None
@@ -154,6 +156,18 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
     if not _has_geometry(data, section.end(), encoding, place, found):
         return None
     return Part21(header, encoding)
+
+
+def _end_of_comments(data: bytes) -> int:
+    """Where the text begins behind a byte order mark, white space and comments."""
+    position = len(BYTE_ORDER_MARK) if data.startswith(BYTE_ORDER_MARK) else 0
+    while True:
+        match = _BLANK.match(data, position)
+        position = match.end() if match is not None else position
+        end = data.find(b"*/", position + 2) if data.startswith(b"/*", position) else -1
+        if end < 0:
+            return position
+        position = end + 2
 
 
 def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:

@@ -23,7 +23,7 @@ from .assembly import ROOT_PATH, Assembly, Component
 _ACROSS = "**"
 _ANY = "\0"
 _SAVE_COUNTER = re.compile(r"(?<=\S) v\d+(?=(?::\d+)?$)")
-_ORDINAL = re.compile(r"(?<!\\)#(\d+)$")
+_ORDINAL = re.compile(r"(?<!\\)#(\d{1,18})$")
 _ESCAPED = re.compile(r"\\([/*#])")
 _DOT = re.compile(r"\\*\.")
 """A name that would be taken for the root without a backslash before it."""
@@ -118,9 +118,23 @@ class _Segment:
             return name == self.name
         verdict = self._verdicts.get(name)
         if verdict is None:
-            parts = (re.escape(part) for part in self.name.split(_ANY))
-            verdict = self._verdicts[name] = re.fullmatch(".*".join(parts), name, re.DOTALL) is not None
+            verdict = self._verdicts[name] = _matches_parts(name, self.name.split(_ANY))
         return verdict
+
+
+def _matches_parts(name: str, parts: Sequence[str]) -> bool:
+    """Whether a name consists of the parts in their order, with anything between; each is taken where it first fits."""
+    first, *middle, last = parts
+    end = len(name) - len(last)
+    if not (name.startswith(first) and name.endswith(last)):
+        return False
+    at = len(first)
+    for part in middle:
+        found = name.find(part, at, end)
+        if found < 0:
+            return False
+        at = found + len(part)
+    return at <= end
 
 
 def _parse(pattern: str) -> list[_Segment]:

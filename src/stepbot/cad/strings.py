@@ -6,7 +6,7 @@ _DIRECTIVE = re.compile(
     r"\\X2\\((?:[0-9A-Fa-f]{4})*)\\X0\\|\\X4\\((?:[0-9A-Fa-f]{8})*)\\X0\\|\\X\\([0-9A-Fa-f]{2})|\\S\\(.)|\\P([A-I])\\|(\\\\)|('')",
     re.DOTALL,
 )
-_LINE_BREAK = re.compile(r"\s*[\r\n]+\s*")
+_LINE_BREAK = re.compile(r"[\r\n]")
 
 
 def decode_string(raw: bytes, encoding: str, errors: str = "strict") -> str:
@@ -38,4 +38,13 @@ def decode_string(raw: bytes, encoding: str, errors: str = "strict") -> str:
             return ""
         return "\\" if backslash else "'"
 
-    return _DIRECTIVE.sub(replacement, _LINE_BREAK.sub("", raw.decode(encoding, errors)))
+    return _DIRECTIVE.sub(replacement, _joined(raw.decode(encoding, errors)))
+
+
+def _joined(text: str) -> str:
+    """Without line breaks, and without the white space around them."""
+    first, *others = _LINE_BREAK.split(text)
+    if not others:
+        return text
+    *middle, last = others
+    return "".join([first.rstrip(), *(line.strip() for line in middle), last.lstrip()])

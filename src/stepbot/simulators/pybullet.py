@@ -368,5 +368,5 @@ def _complaints(lines: Sequence[str], request: Request) -> list[str]:
     text = "\n".join(line for line in lines if line.strip() != _PLAIN).replace(
         str(Path(request.file).parent) + os.sep, ""
     )
-    parts = re.split(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:", text)
+    parts = re.split(r"b3(?:Warning|Error|Printf)\[[^\[\]]*\]:", text)
     return [" ".join(part.split()) for part in parts if part.strip()]

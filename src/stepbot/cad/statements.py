@@ -1,0 +1,46 @@
+"""The statements of a STEP file's text: found in one pass, whatever is broken in it."""
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+# Each alternative ends where it must, at the latest at the end of the file: no byte is looked at twice.
+_TOKEN = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|(;)|#\s*(\d{1,18})\s*=", re.DOTALL)
+_REFERENCE = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|#\s*(\d{1,18})(?!\d)", re.DOTALL)
+_KEYWORD = re.compile(rb"[A-Z][A-Z0-9_]*")
+
+
+class Statement(NamedTuple):
+    """``#12=LINE(...);``."""
+
+    number: int
+    start: int
+    """Offset of its ``#``."""
+    body: bytes
+    """What is between ``=`` and ``;``."""
+
+    @property
+    def keyword(self) -> str:
+        """The first one, where there are several; empty where there is none."""
+        match = _KEYWORD.search(self.body)
+        return match[0].decode("ascii") if match is not None else ""
+
+    @property
+    def references(self) -> Iterator[int]:
+        """The numbers that it refers to, in their order."""
+        return (int(match[1]) for match in _REFERENCE.finditer(self.body) if match[1])
+
+    def __str__(self) -> str:
+        return f"#{self.number} {self.keyword}".rstrip()
+
+
+def find_statements(data: bytes) -> Iterator[Statement]:
+    """All statements that end with a semicolon, in file order."""
+    head: re.Match[bytes] | None = None
+    for token in _TOKEN.finditer(data):
+        if token[2] and head is None:
+            head = token
+        elif token[1]:
+            if head is not None:
+                yield Statement(int(head[2]), head.start(), data[head.end() : token.start()])
+            head = None
