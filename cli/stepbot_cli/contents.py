@@ -28,6 +28,14 @@ class Contents:
         (a, b, c), (x, y, z) = self.box
         return ((a + x) / 2, (b + y) / 2, (c + z) / 2)
 
+    @property
+    def size(self) -> Vector3 | None:
+        """Extent of the box [m] along the axes of the assembly."""
+        if self.box is None:
+            return None
+        (a, b, c), (x, y, z) = self.box
+        return (x - a, y - b, z - c)
+
     def add(self, other: "Contents") -> None:
         """Take in what is below."""
         self.solids += other.solids

@@ -1,5 +1,6 @@
 """``stepbot inspect``: what a STEP file holds, and what a joint can bind to."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,11 +10,13 @@ from .caching import say_trouble
 from .command import Command, display_options, json_option
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
     from stepbot.pipeline import Inspection
+
+    from .inspection_rows import Choice
 
 
 @click.command(cls=Command, short_help="Show what a STEP file holds.")
@@ -27,6 +30,15 @@ if TYPE_CHECKING:
     metavar="A B",
     help="Show only the axis lines that two components share, and those up to 2 mm apart.",
 )
+@click.option("--depth", type=click.IntRange(0), metavar="N", help="List components down to N levels below the root.")
+@click.option(
+    "--filter",
+    "glob",
+    metavar="GLOB",
+    default="",
+    help="List components that match a path or glob as in a sidecar, wherever in the tree: '*screw*'.",
+)
+@click.option("--unfold", is_flag=True, help="List each occurrence of a part that a subassembly repeats.")
 @reading_options
 @json_option
 @display_options
@@ -35,14 +47,22 @@ def command(
     step: Path,
     features: bool,
     between: tuple[str, str] | None,
+    depth: int | None,
+    glob: str,
+    unfold: bool,
     as_json: bool,
     display: Display,
 ) -> int:
-    """Show the components of a STEP file: paths to paste into a sidecar, names, solids, volumes, densities.
+    """Show the components of a STEP file: paths to paste into a sidecar, names, solids, volumes, sizes, densities.
+
+    Sizes are those of boxes along the axes of the assembly. Occurrences of one part in one subassembly share a line
+    with their count, without --features; --json has all components, whatever is listed.
 
     STEP may also be a sidecar: then the STEP that it names is shown, and --between takes the names of links too.
     """
     from stepbot.pipeline import inspect
+
+    from .inspection_rows import Choice
 
     with progress_bar(("read",)) as progress:
         progress("read")
@@ -54,7 +74,8 @@ def command(
     else:
         show_diagnostics(found, display)
         if inspection.assembly is not None:
-            write_result(_text(inspection, between, features))
+            choice = Choice(depth, glob, folded=not (unfold or features))
+            write_result(_text(inspection, between, choice, features))
     return found.exit_code
 
 
@@ -68,10 +89,10 @@ def _document(inspection: "Inspection", between: tuple[str, str] | None, feature
     return document
 
 
-def _text(inspection: "Inspection", between: tuple[str, str] | None, features: bool) -> str:
+def _text(inspection: "Inspection", between: tuple[str, str] | None, choice: "Choice", features: bool) -> str:
     from .inspection_text import inspection_text, shared_axes_text
     from .shared_axes import shared_axes
 
     if between and inspection.assembly is not None:
         return shared_axes_text(shared_axes(inspection.assembly, inspection.links, *between))
-    return inspection_text(inspection, features=features)
+    return inspection_text(inspection, choice, features=features, width=screen_width(sys.stdout))

@@ -73,6 +73,7 @@ def _component(component: Component, inside: Contents) -> dict[str, Any]:
         "surfaces": inside.surfaces,
         "volume": inside.volume,
         "bounds": inside.box,
+        "size": inside.size,
         "center": inside.center,
         "material": component.material,
         "density": component.density,

@@ -1,7 +1,8 @@
 """An assembly as text: a line per component, below it the axes that a joint can bind to."""
 
+import textwrap
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from stepbot.cad.assembly import Assembly, Body, BodyKind, Component, Quantity
 from stepbot.cad.axes import AxisLine, axis_faces, lines, millimetres, selectors
@@ -10,35 +11,88 @@ from stepbot.diagnostics import one_line
 from stepbot.pipeline import Inspection
 from stepbot.spatial import Vector3
 
-from .columns import aligned
+from .columns import aligned, cells
 from .contents import Contents, contents
+from .inspection_rows import Choice, Row, Rows, listed
 from .render import printable
 from .shared_axes import SharedAxes
 
 _VALIDATION_HEADINGS = ("component", "validation property", "in the file", "read", "deviation", "")
 _MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}
 """Unit, and how many of it are one of SI."""
-_HEADINGS = ("component", "solids", "volume", "center [mm]", "density", "product, occurrence", "")
+_HEADINGS = ("component", "count", "solids", "volume", "size [mm]", "center [mm]", "density", "product, occurrence", "")
+_INDENT = "    "
 
 
-def inspection_text(inspection: Inspection, *, features: bool) -> str:
-    """The head of the file, then each component.
+def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, width: int | None) -> str:
+    """The head of the file, then the components, as a table or, where that is too wide, in blocks.
 
     Args:
         inspection: What was read and measured.
+        choice: Which components to list.
         features: Whether to list axis lines below each component.
+        width: Columns of the screen; None for no bound.
+
+    Raises:
+        click.BadParameter: Nothing matches the glob of the choice.
     """
     assembly = inspection.assembly
     assert assembly is not None  # errors end the command before
     sums = contents(assembly, inspection.measures)
-    rows = [_row(assembly, component, sums[component.index]) for component in assembly.components]
-    table = aligned([_HEADINGS, *rows])
-    text = [*_head(assembly, sums[0]), "", table[0]]
-    for component, line in zip(assembly.components, table[1:], strict=True):
-        text.append(line)
+    rows = listed(assembly, choice)
+    cells_of_rows = [_row(assembly, row, sums[row.component.index]) for row in rows.rows]
+    blocks = _blocks(cells_of_rows, width)
+    text = [*_fitted(_head(assembly, sums[0]), width), "", *blocks.pop(0)]
+    for row, block in zip(rows.rows, blocks, strict=True):
+        text += block
         if features:
-            text += (f"    {axis}" for axis in _component_axes(assembly, component))
-    return printable("\n".join([*text, *_validations(assembly)]))
+            text += _fitted((_INDENT + axis for axis in _component_axes(assembly, row.component)), width)
+    return printable("\n".join([*text, *_fitted(_left_out(rows, choice), width), *_validations(assembly)]))
+
+
+def _blocks(rows: list[tuple[str, ...]], width: int | None) -> list[list[str]]:
+    """The lines of the headings, then those of each component: one each, or its path and below it what is in it."""
+    table = aligned([_HEADINGS, *rows])
+    if width is None or max(map(cells, table)) <= width:
+        return [[line] for line in table]
+    blocks = [[_HEADINGS[0], f"{_INDENT}count, solids, volume, size, center, density, names"]]
+    for path, count, solids, volume, size, center, density, names, remarks in rows:
+        facts = [
+            f"{count} times" if count else "",
+            _count(int(solids), "solid") if solids != "-" else "",
+            volume if volume != "-" else "",
+            f"{size} mm" if size != "-" else "",
+            f"at {center} mm" if center != "-" else "",
+            density if density != "-" else "",
+            names,
+            remarks,
+        ]
+        blocks.append([path, *_fitted([_INDENT + "; ".join(filter(None, facts))], width)])
+    return blocks
+
+
+def _left_out(rows: Rows, choice: Choice) -> Iterator[str]:
+    """What of the file the list does not have."""
+    if rows.deeper or rows.unmatched:
+        yield ""
+    if rows.deeper:
+        yield f"{_count(rows.deeper, 'component')} below depth {choice.depth} left out"
+    if rows.unmatched:
+        verb = "does" if rows.unmatched == 1 else "do"
+        yield f"{_count(rows.unmatched, 'component')} that {verb} not match '{choice.glob}' left out"
+
+
+def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
+    """Lines broken at blanks; a path or a snippet is pasted, so that a word is never broken."""
+    if width is None:
+        return list(lines)
+    fitted = []
+    for line in lines:
+        indent = line[: len(line) - len(line.lstrip())]
+        below = indent + ("  " if indent else _INDENT)
+        broken = textwrap.wrap(line, width, subsequent_indent=below, break_long_words=False, break_on_hyphens=False)
+        fitted += broken or [""]
+    return fitted
 
 
 def shared_axes_text(shared: SharedAxes) -> str:
@@ -98,16 +152,19 @@ def _materials(assembly: Assembly) -> str:
     return ", ".join(words)
 
 
-def _row(assembly: Assembly, component: Component, inside: Contents) -> tuple[str, ...]:
+def _row(assembly: Assembly, row: Row, inside: Contents) -> tuple[str, ...]:
+    component = row.component
     names = ", ".join(f"'{one_line(name)}'" if name else "-" for name in (component.product, component.occurrence))
     return (
         quoted(component.path),
+        str(row.count) if row.count > 1 else "",
         str(inside.solids) if inside.solids else "-",
         _volume(inside.volume) if inside.volume else "-",
+        " x ".join(map(_number, inside.size)) if inside.size else "-",
         _numbers(inside.center) if inside.center else "-",
         f"{component.density:.6g} kg/m^3" if component.density else "-",
         names,
-        one_line("; ".join(_remarks(assembly, component))),
+        one_line("; ".join([*([f"to {quoted(row.last)}"] if row.last else []), *_remarks(assembly, component)])),
     )
 
 

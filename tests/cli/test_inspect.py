@@ -92,6 +92,72 @@ def test_volumes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
     assert document["exit_code"] == 0
 
 
+def test_sizes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
+    """The base plate is 120 by 120 by 12 mm, a rod 8 by 120 by 8: in mm for people, in m for scripts."""
+    out = stepbot("inspect", "arm2.step").out
+    (plate,) = [line for line in out.splitlines() if line.startswith('"base/base plate"')]
+    assert "  120 x 120 x 12  " in plate
+    document = json.loads(stepbot("inspect", "arm2.step", "--json").out)
+    (rod,) = [c for c in document["components"] if c["path"] == "forearm/gripper/rod:1"]
+    assert rod["size"] == pytest.approx([0.008, 0.120, 0.008], abs=1e-5)
+    (low, high) = document["components"][0]["bounds"]
+    assert document["components"][0]["size"] == pytest.approx([b - a for a, b in zip(low, high, strict=True)])
+
+
+def listed_paths(out: str) -> list[str]:
+    """The paths that begin the lines of a listing."""
+    return [str(YAML(typ="safe").load(match[0])) for match in re.finditer(r'^"[^"]*"', out, re.MULTILINE)]
+
+
+def test_repeated_parts_share_a_line(arm: Path, stepbot: Stepbot) -> None:
+    """Four screws are one line with their count and the last of them; --unfold and --features list each."""
+    out = stepbot("inspect", "arm2.step").out
+    (line,) = [line for line in out.splitlines() if "screw M6x12" in line]
+    assert re.match(r'"base/screw M6x12:1" +4 +1 +0\.751626 cm\^3 ', line)
+    assert 'to "base/screw M6x12:4"' in line
+    all_paths = [c["path"] for c in json.loads(stepbot("inspect", "arm2.step", "--json").out)["components"]]
+    assert len(all_paths) == 21
+    assert listed_paths(stepbot("inspect", "arm2.step", "--unfold").out) == all_paths
+    assert set(all_paths) == set(listed_paths(stepbot("inspect", "arm2.step", "--features").out))
+    counts = [int(match) for match in re.findall(r'^"[^"]*" +(\d+) +\d+ +\S+ cm', out, re.MULTILINE)]
+    assert len(listed_paths(out)) + sum(counts) - len(counts) == len(all_paths)
+
+
+def test_depth_and_filter(arm: Path, stepbot: Stepbot) -> None:
+    """What is listed, and how much is not; JSON has everything all the same."""
+    out = stepbot("inspect", "arm2.step", "--depth", "1").out
+    assert listed_paths(out) == [".", "base", "shoulder", "forearm"]
+    assert out.endswith("\n17 components below depth 1 left out\n")
+    out = stepbot("inspect", "arm2.step", "--filter", "*screw*", "--unfold").out
+    assert listed_paths(out) == [f"base/screw M6x12:{n}" for n in (1, 2, 3, 4)]
+    assert "17 components that do not match '*screw*' left out" in out
+    assert listed_paths(stepbot("inspect", "arm2.step", "--filter", "forearm/*").out) == [
+        "forearm/beam",
+        "forearm/gripper",
+    ]
+    everything = stepbot("inspect", "arm2.step", "--json").out
+    assert stepbot("inspect", "arm2.step", "--json", "--depth", "1", "--filter", "*screw*").out == everything
+    run = stepbot("inspect", "arm2.step", "--filter", "gripperr")
+    assert (run.code, run.out) == (2, "")
+    assert "did you mean 'gripper'" in run.err
+
+
+def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 60 columns a path stands alone, what is in it below, broken at blanks; in a pipe all is on one line."""
+    monkeypatch.setenv("COLUMNS", "60")
+    out = stepbot("inspect", "arm2.step").out
+    assert max(map(len, out.splitlines())) <= 60
+    narrow = listed_paths(out)
+    assert "16 solids; 829.083 cm^3; 326.54 x 126 x 309.66 mm; at 103.27, 3, 154.83 mm" in " ".join(out.split())
+    monkeypatch.delenv("COLUMNS")
+    run = stepbot("inspect", "arm2.step")
+    assert listed_paths(run.out) == narrow
+    table = run.out.partition("\n\n")[2].splitlines()
+    assert len(table) == 1 + len(narrow)
+    monkeypatch.setenv("COLUMNS", "200")
+    assert stepbot("inspect", "arm2.step").out == run.out
+
+
 def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
     """What the file states of its shapes stands beside what was read, as text and as JSON."""
     file = Stating(parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path)
