@@ -8,6 +8,7 @@ import numpy as np
 
 from ..loops import RANK_TOLERANCE, closure_gap
 from ..spatial import Array
+from ._mujoco_gimbals import Gimbals
 from .observation import ObservedClosure, Request
 
 if TYPE_CHECKING:
@@ -17,19 +18,28 @@ NUDGE = 0.02
 """How far [rad], [m] following joints are put off the reference's solution before MuJoCo's rows lead them back."""
 
 
-def simulate(compiled: "Compiled", request: Request) -> bool:
-    """Let the model move from its initial pose, without actuators; whether everything stayed finite."""
+def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, ...]]:
+    """Let the model move from its initial pose, without actuators.
+
+    Three hinges that stand for a ball joint lose a freedom where the first and the last axis are parallel: there the
+    mass matrix is singular, whatever the robot is. The motion is reversed short of that, and goes on.
+
+    Returns:
+        Whether everything stayed finite, and notes on what was done for that.
+    """
     engine, model = compiled.engine, compiled.model
     flags = int(model.opt.disableflags)
     model.opt.disableflags = flags | int(engine.mjtDisableBit.mjDSBL_ACTUATION)
     try:
         data = compiled.data(request.initial)
+        gimbals = Gimbals(compiled, data)
         for _ in range(round(request.simulate / float(model.opt.timestep))):
             engine.mj_step(model, data)
+            gimbals.turn_back(data)
     finally:
         model.opt.disableflags = flags
     bad = any(warning.number for warning in data.warning)
-    return bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and not bad)
+    return bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and not bad), gimbals.notes
 
 
 def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClosure, ...]:

@@ -78,7 +78,8 @@ def observe(request: Request) -> Observation:
         if request.format == "mjcf":
             observation = replace(observation, closures=close_by_newton(compiled, request))
         if request.simulate:
-            observation = replace(observation, simulation_finite=simulate(compiled, request))
+            finite, said = simulate(compiled, request)
+            observation, notes = replace(observation, simulation_finite=finite), (*notes, *said)
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
 
 
