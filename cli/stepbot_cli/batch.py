@@ -12,7 +12,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .columns import aligned
-from .command import Command, display_options, json_option
+from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, format_names, no_verify_option, strict_option
 from .engines import require_option
 from .interrupts import interruptible
@@ -50,6 +50,7 @@ def _cores(text: str) -> int:
 @strict_option
 @junit_option
 @require_option
+@ignore_option
 @reading_options
 @json_option
 @display_options
@@ -62,6 +63,7 @@ def command(
     formats: tuple[str, ...],
     no_verify: bool,
     strict: bool,
+    ignore: tuple[str, ...],
     junit: Path | None,
     require: tuple[str, ...],
     as_json: bool,
@@ -90,6 +92,7 @@ def command(
         formats=format_names(formats),
         verify=not no_verify,
         strict=strict,
+        ignore=ignore,
         require=require,
     )
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)

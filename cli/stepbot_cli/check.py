@@ -1,5 +1,6 @@
 """``stepbot check``: sidecars on their own, or against the STEP files that they name."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -7,10 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.joint_table import JointRow
 
 from .caching import say_trouble
-from .command import Command, display_options, json_option
+from .command import Command, display_options, ignore_option, json_option
 from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
@@ -18,7 +18,7 @@ from .render import printable
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Options
+    from stepbot.conversion import Checked, Options
 
 STEP_SUFFIXES = (".step", ".stp", ".p21", ".stpz")
 _NAMED = "the one that the sidecar names"
@@ -47,6 +47,7 @@ class CheckCommand(Command):
     "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."
 )
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
+@ignore_option
 @reading_options
 @json_option
 @display_options
@@ -55,6 +56,7 @@ def command(
     sidecars: tuple[Path, ...],
     step: str | None,
     strict: bool,
+    ignore: tuple[str, ...],
     as_json: bool,
     display: Display,
 ) -> int:
@@ -65,13 +67,14 @@ def command(
     from stepbot.incremental import check
     from stepbot.sidecars import find_sidecars
 
-    options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)))
-    found, tables = Diagnostics(), dict[Path, tuple[JointRow, ...]]()
+    options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
+    found = Diagnostics()
+    checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            tables[sidecar] = check(sidecar, options, found, open_step=step is not None)
+            checked[sidecar] = check(sidecar, options, found, open_step=step is not None)
     if strict:
         found.make_strict()
     say_trouble(options.cache, found)
@@ -81,7 +84,10 @@ def command(
         write_json(
             {
                 "files": [path.as_posix() for path in sidecars],
-                "joint_tables": {path.as_posix(): joint_table_document(table) for path, table in tables.items()},
+                "joint_tables": {
+                    path.as_posix(): joint_table_document(one.joint_table) for path, one in checked.items()
+                },
+                "ignored": len(found.ignored),
                 "diagnostics": found,
                 "exit_code": found.exit_code,
             }
@@ -89,8 +95,22 @@ def command(
     else:
         show_diagnostics(found, display, as_result=True)
         if not (display.quiet or display.concise):
-            for sidecar, table in tables.items():
-                if table and len(tables) > 1:
-                    write_result(f"\n{printable(sidecar.as_posix())}")
-                show_joint_table(table, verbose=display.verbose)
+            _show(checked, found, display)
     return found.exit_code
+
+
+def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display) -> None:
+    """Print the joint table of each robot, and how large those are that have no errors."""
+    wrong = {one.span.file for one in found if one.severity == "error"}
+    for sidecar, robot in checked.items():
+        name = printable(sidecar.as_posix())
+        if robot.joint_table and len(checked) > 1:
+            write_result(f"\n{name}")
+        show_joint_table(robot.joint_table, verbose=display.verbose)
+        if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
+            several = f"{name}: " if len(checked) > 1 else ""
+            write_result(f"{several}ok: {_count(robot.links, 'link')}, {_count(robot.joints, 'joint')}")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")

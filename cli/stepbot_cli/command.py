@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from stepbot.codes import CODES
 from stepbot.diagnostics import did_you_mean
 
 from .failures import show_exception
@@ -47,6 +48,27 @@ class Command(click.Command):
 def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
     """An option that may be repeated and takes several names at once, with commas between."""
     return click.option(*declarations, multiple=True, callback=_split, **attributes)
+
+
+def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
+    """Codes of findings that may be ignored."""
+    codes = tuple(code.upper() for code in _split(context, option, given))
+    for code in codes:
+        if code not in CODES:
+            near = "".join(did_you_mean(code, CODES)) or "`stepbot explain` lists all"
+            raise click.BadParameter(f"no code '{code}'; {near}")
+        if CODES[code].severity == "error":
+            raise click.BadParameter(f"{code} is an error, which cannot be ignored")
+    return codes
+
+
+ignore_option = click.option(
+    "--ignore",
+    multiple=True,
+    callback=_codes,
+    metavar="CODE,...",
+    help="Do not report warnings and notes of these codes; may be repeated.",
+)
 
 
 def _split(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG001

@@ -13,7 +13,7 @@ import click
 from stepbot.diagnostics import did_you_mean
 
 from .caching import say_trouble
-from .command import Command, display_options, json_option, names_option
+from .command import Command, display_options, ignore_option, json_option, names_option
 from .engines import require_option
 from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
@@ -56,6 +56,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load t
 @no_verify_option
 @strict_option
 @require_option
+@ignore_option
 @reading_options
 @junit_option
 @json_option
@@ -68,6 +69,7 @@ def command(
     output: Path | None,
     no_verify: bool,
     strict: bool,
+    ignore: tuple[str, ...],
     require: tuple[str, ...],
     junit: Path | None,
     as_json: bool,
@@ -87,6 +89,7 @@ def command(
         step=step,
         verify=not no_verify,
         strict=strict,
+        ignore=ignore,
         require=require,
     )
     return run_conversion(sidecar, options, junit=junit, as_json=as_json, display=display)

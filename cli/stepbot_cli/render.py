@@ -35,18 +35,21 @@ def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int =
     return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in diagnostics)
 
 
-def screen(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int | None = None) -> str:
+def screen(
+    diagnostics: Sequence[Diagnostic], *, ignored: int = 0, color: bool = False, width: int | None = None
+) -> str:
     """Findings for a first look: errors and warnings in full, one line for all notes of a code, and the counts.
 
     Args:
         diagnostics: What to show.
+        ignored: How many findings somebody asked not to see.
         color: Whether to use the terminal's colours.
         width: Columns of the screen; None where nobody says, for lines that are not cut.
     """
     in_full, folded = _sorted_out(diagnostics)
     lines = [full(in_full, color=color, width=width or FRAME_WIDTH), ""] if in_full else []
     lines += [_fold(of_code, in_full, color, width) for of_code in folded]
-    return "\n".join([*lines, summary(diagnostics, all_shown=not folded)])
+    return "\n".join([*lines, summary(diagnostics, all_shown=not folded, ignored=ignored)])
 
 
 def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[list[Diagnostic]]]:
@@ -94,11 +97,12 @@ def plain(diagnostic: Diagnostic) -> dict[str, Any]:
     }
 
 
-def summary(diagnostics: Iterable[Diagnostic], *, all_shown: bool = True) -> str:
+def summary(diagnostics: Iterable[Diagnostic], *, all_shown: bool = True, ignored: int = 0) -> str:
     """``2 errors, 1 warning``, and how to learn more, or see all of them."""
     found = list(diagnostics)
     counts = [(kind, sum(d.severity == kind for d in found)) for kind in ("error", "warning", "note")]
     text = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in counts if n)
+    text = ", ".join(filter(None, (text, f"{ignored} ignored" if ignored else "")))
     codes = [d.code for severity in ("error", "warning") for d in found if d.severity == severity]
     ways = [f"more: stepbot explain {codes[0]}"] if codes else []
     ways += [] if all_shown else ["-v lists all"]

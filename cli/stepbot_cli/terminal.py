@@ -70,7 +70,8 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), 
         as_result: Whether they are what was asked for, and go to standard output.
     """
     diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]
-    if not diagnostics:
+    ignored = len(found.ignored) if isinstance(found, Diagnostics) and not (display.quiet or display.concise) else 0
+    if not diagnostics and not ignored:
         return
     stream = sys.stdout if as_result else sys.stderr
     color = wants_color(stream)
@@ -80,9 +81,10 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), 
         return
     if display.verbose or display.quiet:
         text = render.full(diagnostics, color=color, width=width or render.FRAME_WIDTH)
-        _write(stream, text if display.quiet else f"{text}\n\n{render.summary(diagnostics)}")
+        counts = "" if display.quiet else render.summary(diagnostics, ignored=ignored)
+        _write(stream, "\n\n".join(filter(None, (text, counts))))
     else:
-        _write(stream, render.screen(diagnostics, color=color, width=width))
+        _write(stream, render.screen(diagnostics, ignored=ignored, color=color, width=width))
 
 
 def _write(stream: TextIO, text: str) -> None:

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, Ignore, Span
 
-from .command import Command, display_options, json_option
+from .command import Command, display_options, ignore_option, json_option
 from .engines import limit_options, require_option
 from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
@@ -20,6 +20,7 @@ from .terminal import Display, show_diagnostics, write_json
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @require_option
+@ignore_option
 @limit_options
 @junit_option
 @json_option
@@ -27,6 +28,7 @@ from .terminal import Display, show_diagnostics, write_json
 def command(
     files: tuple[Path, ...],
     strict: bool,
+    ignore: tuple[str, ...],
     require: tuple[str, ...],
     timeout: float,
     memory_limit: int | None,
@@ -44,6 +46,7 @@ def command(
     from stepbot.verify import verify_files
 
     found = Diagnostics()
+    found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     with progress_bar(("verify",)) as progress:
         progress("verify")
         report = verify_files(files, found, require=require, timeout=timeout, memory_limit=memory_limit)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from .cache import Cache
 from .diagnostics import Diagnostics, StepbotError
 from .isolation import DEFAULT_TIMEOUT
+from .joint_table import JointRow
 from .output import discard, failed_output, write_atomically
 
 if TYPE_CHECKING:
@@ -36,10 +37,25 @@ class Options:
     """Engines whose absence is an error."""
     timeout: float = DEFAULT_TIMEOUT
     """Seconds that the kernel or an engine may take."""
+    ignore: tuple[str, ...] = ()
+    """Codes of warnings and notes that are not reported, beside those that the sidecar names."""
     memory_limit: int | None = None
     """Address space [bytes] of the kernel's process; None for no limit."""
     cache: Cache | None = None
     """Where results are kept and found; None for nowhere."""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a check found besides its diagnostics."""
+
+    named: str = ""
+    """What the sidecar calls its STEP; empty where it has errors."""
+    links: int = 0
+    joints: int = 0
+    """Joints of the tree, and those that close loops."""
+    joint_table: tuple[JointRow, ...] = ()
+    """Where each joint is; empty where no STEP was read, or errors left no robot."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ Untrusted data gives diagnostics, all of them at once; any other exception is a 
 Codes never change their meaning and are never used again; :mod:`stepbot.codes` is their table.
 """
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -55,11 +56,48 @@ class Diagnostic:
         return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
 
 
+@dataclass(frozen=True)
+class Ignore:
+    """A request not to report findings of one code, everywhere or about one thing. Errors are never ignored."""
+
+    code: str
+    span: Span
+    """Where the request is written."""
+    subject: str = ""
+    """What the findings are about, as messages call it; empty for everywhere."""
+    first_line: int = 0
+    """First line of that thing in the file of ``span``."""
+    last_line: int = 0
+    """Its last line."""
+    pattern: str = ""
+    """Glob of component paths that findings may be about instead."""
+
+    def covers(self, diagnostic: Diagnostic) -> bool:
+        """Whether a finding is not reported; one that sums up several places only where the request is for all."""
+        if diagnostic.code != self.code or diagnostic.severity == "error":
+            return False
+        if not self.subject or diagnostic.message.startswith(f"{self.subject}: "):
+            return True
+        named = re.match(r"'(.+?)': ", diagnostic.message)
+        if self.pattern and named:
+            return _matches(named[1], self.pattern)
+        here = diagnostic.span.file == self.span.file and 0 < self.first_line <= diagnostic.span.line <= self.last_line
+        return here and not diagnostic.notes
+
+
+def _matches(path: str, pattern: str) -> bool:
+    """Whether a glob means a path: ``*`` within a name, ``**/`` any names; without a star the path's end will do."""
+    expression = re.escape(pattern).replace(r"\*\*/", "(.+/)?").replace(r"\*\*", ".*").replace(r"\*", "[^/]*")
+    return re.fullmatch(expression if "*" in pattern else f"(.+/)?{expression}", path) is not None
+
+
 class Diagnostics:
     """Collects the findings of one run, in the order in which they were found."""
 
     def __init__(self) -> None:
         self._found: dict[Diagnostic, None] = {}
+        self._ignores: list[Ignore] = []
+        self._ignored: dict[Diagnostic, None] = {}
 
     def add(
         self, code: str, message: str, span: Span, *, help: Iterable[str] = (), notes: Iterable[str] = ()
@@ -75,8 +113,30 @@ class Diagnostics:
     def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
         """Take over findings made elsewhere; one that is already there is not repeated."""
         taken = list(diagnostics)
-        self._found.update(dict.fromkeys(taken))
+        for diagnostic in taken:
+            ignored = any(rule.covers(diagnostic) for rule in self._ignores)
+            (self._ignored if ignored else self._found)[diagnostic] = None
         return taken
+
+    def ignore(self, rules: Iterable[Ignore]) -> None:
+        """Do not report what these rules cover: of what was found so far, and from now on."""
+        self._ignores += rules
+        found, self._found = self._found, {}
+        self.extend(found)
+
+    def add_ignored(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Take over findings that were ignored elsewhere."""
+        self._ignored.update(dict.fromkeys(diagnostics))
+
+    @property
+    def ignored(self) -> tuple[Diagnostic, ...]:
+        """Findings that are not reported because somebody asked for it."""
+        return tuple(self._ignored)
+
+    @property
+    def unused_ignores(self) -> tuple[Ignore, ...]:
+        """The rules that cover nothing that was found."""
+        return tuple(rule for rule in self._ignores if not any(map(rule.covers, self._ignored)))
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self._found)

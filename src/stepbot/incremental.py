@@ -11,9 +11,8 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from .cache import Cache, Digest, Shelf, environment, file_digest, own_code
-from .conversion import Conversion, Options, write
+from .conversion import Checked, Conversion, Options, write
 from .diagnostics import Diagnostic, Diagnostics, StepbotError
-from .joint_table import JointRow
 from .output import check_writable
 from .warmup import started_kernel, started_server
 
@@ -29,6 +28,7 @@ class Record:
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...]
+    ignored: tuple[Diagnostic, ...]
     report: bytes
     """A :class:`stepbot.report.Report`, encoded, for who needs it."""
 
@@ -38,8 +38,8 @@ class _Findings:
     """What a check said."""
 
     diagnostics: tuple[Diagnostic, ...]
-    joint_table: tuple[JointRow, ...] = ()
-    """Where each joint is, of a check that read the STEP."""
+    ignored: tuple[Diagnostic, ...]
+    checked: Checked
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -99,33 +99,31 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
     return digest.add(*_asked(options)).key
 
 
-def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> tuple[JointRow, ...]:
-    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
-
-    Returns:
-        The joint table; empty where no STEP was read, or errors left no robot.
-    """
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
     cache = options.cache
     key = _check_key(sidecar, options, open_step)
     kept = Shelf(cache, _Findings).get(key) if key else None
     if kept is not None:
         found.extend(kept.diagnostics)
-        return kept.joint_table
+        found.add_ignored(kept.ignored)
+        return kept.checked
     from . import pipeline
 
     before, local = _content(sidecar, cache), Diagnostics()
     checked = pipeline.check(sidecar, options, local, open_step=open_step)
     found.extend(local)
+    found.add_ignored(local.ignored)
     if not before or before != _content(sidecar, cache):
-        return checked.joint_table
+        return checked
     if checked.named:
         Shelf(cache, str).put(_name_key(before), checked.named)
     # Of a sidecar on its own all that is said comes from its text; the kernel may fail for reasons that pass.
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            Shelf(cache, _Findings).put(after, _Findings(tuple(local), checked.joint_table))
-    return checked.joint_table
+            Shelf(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
+    return checked
 
 
 def _conversion_of(record: Record) -> Conversion:
@@ -134,6 +132,7 @@ def _conversion_of(record: Record) -> Conversion:
 
     found = Diagnostics()
     found.extend(record.diagnostics)
+    found.add_ignored(record.ignored)
     return Conversion(found, None, record.files, codec_of(Report).decode(record.report))
 
 
@@ -149,7 +148,7 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     encoded = codec_of(Report).encode(replace(report, robot=None))
     step = options.step or sidecar.parent / conversion.named
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
-    Shelf(options.cache, Record).put(key, Record(conversion.files, tuple(found), encoded))
+    Shelf(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded))
 
 
 def _content(sidecar: Path, cache: Cache | None) -> str:
@@ -177,7 +176,7 @@ def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
     content = _content(sidecar, options.cache)
     if not content:
         return ""
-    digest = Digest("check").add(own_code(), sidecar.as_posix(), content)
+    digest = Digest("check").add(own_code(), sidecar.as_posix(), content, repr(options.ignore))
     if not open_step:
         return digest.key
     source = options.step or _named_step(sidecar, content, options.cache)

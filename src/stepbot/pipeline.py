@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING
 from .build import build_robot, link_components
 from .build.reading import read_options
 from .cad.assembly import Assembly, ReadOptions, VolumeProperties
-from .conversion import REPORT, Conversion, Options, write
-from .diagnostics import Diagnostics, StepbotError, did_you_mean
+from .conversion import REPORT, Checked, Conversion, Options, write
+from .diagnostics import Diagnostics, Ignore, Span, StepbotError, did_you_mean
 from .forkserver import ForkServer
 from .geometry import Loading
 from .isolation import Worker
-from .joint_table import JointRow
 from .loops import degrees_of_freedom, driven_joints
 from .lowering import lower
 from .model import Robot
@@ -31,6 +30,7 @@ from .provenance import emitted_names, measured_bodies
 from .report import Report, report_bytes
 from .rules import check_robot
 from .sidecar.check import check_sidecar
+from .sidecar.ignored import ignores
 from .sidecar.load import load_sidecar
 from .sidecar.located import Sidecar
 from .simulators.workers import check_required
@@ -54,16 +54,6 @@ class Inspection:
     """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
     links: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     """For each link of the sidecar the indices of its components; empty where a STEP was inspected on its own."""
-
-
-@dataclass(frozen=True)
-class Checked:
-    """What a check found besides its diagnostics."""
-
-    named: str
-    """What the sidecar calls its STEP; empty where it has errors."""
-    joint_table: tuple[JointRow, ...] = ()
-    """Where each joint is; empty where no STEP was read, or errors left no robot."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -109,7 +99,7 @@ def _produce(
     writers = [writer_of(name) for name in dict.fromkeys(options.formats)]
     if options.verify:
         check_required(options.require, found)
-    sidecar = _load(path, found)
+    sidecar = _load(path, options, found)
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
         loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
@@ -138,6 +128,7 @@ def _produce(
 
         progress("verify")
         report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
+    _report_unused(found, _JUDGED_BY_BUILD + _judged_by_files(options))
     bodies = measured_bodies(assembly, measures(), sidecar.document.mass)
     report = replace(report, names=emitted_names(robot), bodies=bodies, joint_table=built.joint_table)
     if options.strict:
@@ -162,28 +153,31 @@ def _unproven(robot: Robot) -> Report:
 
 def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
     """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
-    named, table = "", tuple[JointRow, ...]()
+    checked = Checked()
     try:
-        loaded = _load(sidecar, found)
-        named = loaded.document.step
+        loaded = _load(sidecar, options, found)
+        document = loaded.document
+        checked = Checked(document.step, len(document.links), len(document.joints) + len(document.closures))
         if open_step:
             source = options.step or _named_step(loaded, found)
             with closing(Loading(source, _what(loaded, options), options, found)) as loading:
                 assembly, measures = loading.assembly(found), partial(loading.measures, found)
                 built = build_robot(assembly, loaded, measures, found, options.cache, loading.meshwork)
                 if built is not None:
-                    table = built.joint_table
+                    checked = replace(checked, joint_table=built.joint_table)
                     check_robot(run_passes(built.robot, found), found, loaded.span(), assembly.unit)
                     built.double_counting.report(options.timeout)
+        if not found.has_errors:
+            _report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)
     except StepbotError as error:
         found.extend(error.diagnostics)
-    return Checked(named, table)
+    return checked
 
 
 def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
     """The STEP file that a conversion would read; None where errors in ``found`` say why it would read none."""
     try:
-        return options.step or _named_step(_load(sidecar, found), found)
+        return options.step or _named_step(_load(sidecar, options, found), found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return None
@@ -193,7 +187,7 @@ def inspect(path: Path, options: Options) -> Inspection:
     """Read a STEP file and measure what is in it; of a sidecar, the STEP that it names, and its links' components."""
     found = Diagnostics()
     try:
-        sidecar = _load(path, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
+        sidecar = _load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or _named_step(sidecar, found)
         with closing(Loading(step, _what(sidecar, options), options, found)) as loading:
             assembly, measures = loading.assembly(found), loading.measures(found)
@@ -211,13 +205,34 @@ def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
     return replace(what, encoding=options.encoding) if options.encoding else what
 
 
-def _load(path: Path, found: Diagnostics) -> Sidecar:
+def _load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
+    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     sidecar = load_sidecar(path, found)
     if sidecar is not None:
         check_sidecar(sidecar, found)
+        found.ignore(ignores(sidecar.root))
     found.raise_if_errors()
     assert sidecar is not None
     return sidecar
+
+
+_JUDGED_BY_TEXT = ("SB1",)
+_JUDGED_BY_BUILD = ("SB1", "SB2", "SB3", "SB4", "SB5", "SB6")
+"""Codes that were looked for where only the sidecar was read, and where the robot was built."""
+
+
+def _judged_by_files(options: Options) -> tuple[str, ...]:
+    """Codes that were looked for because all formats were written, or the files verified."""
+    losses = ("SB7",) if set(options.formats) >= set(Options.formats) else ()
+    return (*losses, *(("SB8",) if options.verify else ()))
+
+
+def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
+    """Report the rules that cover nothing, SB142, among codes that were looked for."""
+    for rule in found.unused_ignores:
+        if rule.code.startswith(judged):
+            about = f"{rule.subject}: " if rule.subject else ""
+            found.add("SB142", f"{about}nothing to ignore with code {rule.code}", rule.span, help=["remove the entry"])
 
 
 def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:

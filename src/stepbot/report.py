@@ -6,6 +6,7 @@ the proof, which depends on the engines that are installed.
 """
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -16,7 +17,7 @@ from typing import Any
 import stepbot
 
 from .closure_snippet import pybullet_snippet
-from .diagnostics import Diagnostic
+from .diagnostics import Diagnostic, Diagnostics
 from .joint_table import JointRow
 from .kinematics import initial_configuration, link_poses
 from .model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, MassProperties, Robot, combined
@@ -178,7 +179,8 @@ def report_bytes(report: Report, diagnostics: Iterable[Diagnostic]) -> bytes:
 
 
 def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
-    """The report as what JSON can hold."""
+    """The report as what JSON can hold; of what was ignored it has the counts."""
+    ignored = diagnostics.ignored if isinstance(diagnostics, Diagnostics) else ()
     statuses = [check.status for check in report.checks]
     return {
         "version": VERSION,
@@ -187,6 +189,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "summary": {
             **{status.name.lower(): statuses.count(status) for status in Status},
             "passed_by_own_parsers": len(report.read_back),
+            "ignored": dict(sorted(Counter(one.code for one in ignored).items())),
         },
         "engines": dict(report.versions),
         "checks": [_check(check) for check in report.checks],

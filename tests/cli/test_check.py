@@ -15,11 +15,23 @@ def spoil(sidecar: Path, old: str, new: str) -> None:
     sidecar.write_text(text.replace(old, new), encoding="utf-8")
 
 
-def test_clean_sidecar_says_nothing(arm: Path, stepbot: Stepbot) -> None:
-    """No findings, no output; and the STEP is not even looked for."""
+def test_clean_sidecar_is_ok(arm: Path, stepbot: Stepbot) -> None:
+    """No findings: how many links and joints there are, with -q nothing; and the STEP is not even looked for."""
     (arm / "arm2.step").unlink()
     run = stepbot("check", "arm2.robot.yaml")
-    assert (run.code, run.out, run.err) == (0, "", "")
+    assert (run.code, run.out, run.err) == (0, "ok: 5 links, 4 joints\n", "")
+    for option in ("-q", "--concise"):
+        assert stepbot("check", "arm2.robot.yaml", option).out == ""
+
+
+def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> None:
+    """Of several, those without errors are named."""
+    bad = arm / "bad.robot.yaml"
+    bad.write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    spoil(bad, "child: forearm", "child: forarm")
+    run = stepbot("check")
+    assert run.code == 1
+    assert [line for line in run.out.splitlines() if "ok: " in line] == ["arm2.robot.yaml: ok: 5 links, 4 joints"]
 
 
 def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:

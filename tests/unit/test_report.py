@@ -124,7 +124,7 @@ def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012
     document = report_document(Report((PASSED, FAILED, ABSENT)), Diagnostics())
     assert faults(validator, document) == []
     assert document["robot"] is None
-    assert document["summary"] == {"passed": 1, "failed": 1, "not_run": 1, "passed_by_own_parsers": 0}
+    assert document["summary"] == {"passed": 1, "failed": 1, "not_run": 1, "passed_by_own_parsers": 0, "ignored": {}}
 
 
 def test_what_no_engine_tells_is_counted_apart() -> None:
@@ -136,6 +136,7 @@ def test_what_no_engine_tells_is_counted_apart() -> None:
         "failed": 1,
         "not_run": 0,
         "passed_by_own_parsers": 2,
+        "ignored": {},
     }
 
 

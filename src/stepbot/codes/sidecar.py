@@ -272,4 +272,20 @@ CODES = (
         "1 kgf*cm is 0.0980665 N*m. Read as newtons the same number would be off by a factor of ten.",
         "If the weight is meant, write the unit of the force, as in the help. If not, write the torque in N*m.",
     ),
+    Code(
+        "SB141",
+        "error",
+        "finding that cannot be ignored",
+        "`ignore_findings` or `--ignore` names a code that does not exist, or that is an error.",
+        "An error means that the files would be wrong or missing; it cannot be switched off, only corrected.",
+        "Name codes of warnings and notes, as `stepbot explain` lists them.",
+    ),
+    Code(
+        "SB142",
+        "note",
+        "unused ignore",
+        "`ignore_findings` or `--ignore` names a code that was not found, there or anywhere.",
+        "What was accepted once may be corrected since; a rule that is left would hide the next such finding.",
+        "Remove the entry. A finding that sums up several places is covered by an entry at the top of the sidecar only.",
+    ),
 )

@@ -4,6 +4,7 @@ from ..diagnostics import Diagnostics
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .connections import check_connections
 from .device_rules import check_drives, check_sensors
+from .ignored import check_ignored
 from .joint_rules import check_joints
 from .located import Sidecar
 from .magnitudes import check_magnitudes, check_weights_as_forces
@@ -27,11 +28,12 @@ _CHECKS = (
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report what does not fit together: SB126, SB128, SB130 to SB140 and SB450 to SB462."""
+    """Report what does not fit together: SB126, SB128, SB130 to SB141 and SB450 to SB462."""
     local, complete = BoundedDiagnostics(), True
     try:
         for check in _CHECKS:
             check(sidecar, local)
+        check_ignored(sidecar.root, local)
     except TooManyFaultsError:
         complete = False
     local.hand_over(found, file_name(sidecar.path), complete=complete)

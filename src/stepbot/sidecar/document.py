@@ -12,6 +12,7 @@ from pydantic import Field, StrictBool
 
 from ..model import Base, JointKind
 from .devices import ActuatorSection, FrameSection, SensorSection
+from .ignored import IgnoredFinding, IgnoredFindings
 from .motion import DynamicsSection, LimitsSection
 from .origins import (
     AutoOrigin,
@@ -112,6 +113,8 @@ class PartRule(Section):
     """Whether it is drawn."""
     collision: CollisionShape | None = None
     """How its collision geometry is made; beats the link's."""
+    ignore_findings: IgnoredFindings = ()
+    """Codes of warnings and notes about these components that are not reported."""
 
 
 class InertiaSection(Section):
@@ -157,6 +160,8 @@ class LinkSection(Section):
     """Whether the link is drawn."""
     mesh: MeshSection | None = None
     """How closely this link's meshes follow their solids."""
+    ignore_findings: IgnoredFindings = ()
+    """Codes of warnings and notes about this link that are not reported."""
 
 
 class RootSection(Section):
@@ -204,6 +209,8 @@ class JointSection(Section):
     """Position [rad or m] in which the CAD drew the joint."""
     pitch: Pitch | None = None
     """Advance [m/rad] of a screw joint."""
+    ignore_findings: IgnoredFindings = ()
+    """Codes of warnings and notes about this joint that are not reported."""
 
 
 class JointDefaults(Section):
@@ -271,6 +278,8 @@ class Document(Section):
     """Drives by name."""
     sensors: dict[Name, SensorSection] = Field(default_factory=dict)
     """Sensors by name."""
+    ignore_findings: IgnoredFindings = ()
+    """Codes of warnings and notes that are not reported, wherever they are found."""
 
 
 __all__ = [
@@ -289,6 +298,7 @@ __all__ = [
     "Document",
     "DynamicsSection",
     "ExplicitOrigin",
+    "IgnoredFinding",
     "InertiaSection",
     "InertialSection",
     "JointDefaults",

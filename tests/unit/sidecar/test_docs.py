@@ -63,7 +63,7 @@ def test_fragments_are_sound(text: str) -> None:
     if "ground" in fragment.get("links", {}):
         robot |= {"links": {}, "joints": {}}
     for key, value in fragment.items():
-        robot[key] = {**robot.get(key, {}), **value}
+        robot[key] = value if isinstance(value, list) else {**robot.get(key, {}), **value}
     assert faults(json.dumps(robot)) == []
 
 

@@ -1,0 +1,93 @@
+"""Findings that the sidecar's author has looked at and does not want to see again."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Field, Tag
+
+from ..codes import CODES
+from ..diagnostics import Diagnostics, Ignore, did_you_mean
+from .section import Section
+from .subjects import subject
+from .tree import Keys, Listing, Mapping, Tree
+
+FindingCode = Annotated[str, Field(max_length=20, json_schema_extra={"pattern": "^SB[0-9]{3}$"})]
+"""A code of a warning or a note; `stepbot explain` lists them."""
+
+
+class IgnoredFinding(Section):
+    """Findings of one code that are not reported, and why."""
+
+    code: FindingCode
+    """Code of a warning or a note, such as `SB305`."""
+    reason: Annotated[str, Field(max_length=1000)] = ""
+    """Why the finding does not matter here."""
+
+
+def _form(value: Any) -> str:
+    """A code alone, or with a reason."""
+    return "<entry>" if isinstance(value, dict | IgnoredFinding) else "<code>"
+
+
+IgnoredFindings = tuple[
+    Annotated[Annotated[FindingCode, Tag("<code>")] | Annotated[IgnoredFinding, Tag("<entry>")], Discriminator(_form)],
+    ...,
+]
+"""Codes, or mappings of code and reason."""
+
+KEY = "ignore_findings"
+_SECTIONS = ("parts", "links", "joints")
+"""Keys at the top whose entries have the key too."""
+
+
+def check_ignored(root: Tree, found: Diagnostics) -> None:
+    """Report codes that do not exist or that are errors, SB141."""
+    for _, code, place in _entries(root):
+        known = CODES.get(code)
+        if known is None:
+            near = did_you_mean(code.upper(), CODES) or ("`stepbot explain` lists all codes",)
+            found.add("SB141", f"{KEY}: no code '{code}'", place, help=near)
+        elif known.severity == "error":
+            help = [f"correct the error; `stepbot explain {code}` says how"]
+            found.add("SB141", f"{KEY}: {code} is an error, which cannot be ignored", place, help=help)
+
+
+def ignores(root: Tree) -> Iterator[Ignore]:
+    """What the sidecar asks to ignore, at the top and in its sections."""
+    for keys, code, place in _entries(root):
+        if not keys:
+            yield Ignore(code, place)
+            continue
+        entry = _below(root, keys)
+        pattern = str(keys[1]) if keys[0] == "parts" else ""
+        yield Ignore(code, place, subject(keys), entry.span.line, _last_line(entry), pattern)
+
+
+def _entries(root: Tree) -> Iterator[tuple[Keys, str, Any]]:
+    """Section, code and place of each entry."""
+    sections: list[Keys] = [()]
+    for key in _SECTIONS:
+        section = _below(root, (key,))
+        if isinstance(section, Mapping):
+            sections += [(key, name) for name in section.entries]
+    for keys in sections:
+        listed = _below(root, (*keys, KEY))
+        for value in listed.values if isinstance(listed, Listing) else ():
+            code = value.entries["code"].value if isinstance(value, Mapping) and "code" in value.entries else value
+            yield keys, getattr(code, "text", ""), code.span
+
+
+def _below(root: Tree, keys: Keys) -> Any:
+    value: Any = root
+    for key in keys:
+        value = value.entries[str(key)].value if isinstance(value, Mapping) and key in value.entries else None
+    return value
+
+
+def _last_line(tree: Tree) -> int:
+    """The last line on which a value of the tree begins."""
+    if isinstance(tree, Mapping):
+        return max([tree.span.line, *(_last_line(entry.value) for entry in tree.entries.values())])
+    if isinstance(tree, Listing):
+        return max([tree.span.line, *map(_last_line, tree.values)])
+    return tree.span.line

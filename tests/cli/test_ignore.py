@@ -1,0 +1,126 @@
+"""Warnings and notes that somebody asked not to see: by the sidecar or by --ignore, never errors, never in silence."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics, Ignore, Span
+
+from .conftest import Stepbot
+
+SIDECAR = "arm2.robot.yaml"
+LOSS = "error[SB703]"
+
+
+def write_also(arm: Path, text: str) -> None:
+    """Append to the sidecar."""
+    with (arm / SIDECAR).open("a", encoding="utf-8") as sidecar:
+        sidecar.write(text)
+
+
+def with_losses(arm: Path) -> None:
+    """Give a joint what SDFormat leaves out: warning SB703."""
+    text = (arm / SIDECAR).read_text(encoding="utf-8")
+    assert "friction: 0.02}" in text
+    (arm / SIDECAR).write_text(text.replace("friction: 0.02}", "friction: 0.02, armature: 0.01}"), encoding="utf-8")
+
+
+CONVERT = ("convert", SIDECAR, "--no-verify", "-f", "sdf")
+
+
+def test_ignored_by_the_sidecar_and_on_the_command_line(arm: Path, stepbot: Stepbot) -> None:
+    """Both leave the finding out, count it on the screen and in the report, and hold under --strict too."""
+    with_losses(arm)
+    assert "warning[SB703]" in stepbot(*CONVERT).err
+    run = stepbot(*CONVERT, "--ignore", "sb703,SB505")
+    assert "SB703" not in run.err
+    assert ", 2 ignored" in run.err
+    write_also(arm, "ignore_findings: [SB505, {code: SB703, reason: simulated elsewhere}]\n")
+    run = stepbot(*CONVERT, "--strict")
+    assert run.code == 0, run.err
+    assert "SB703" not in run.err
+    report = json.loads((arm / "arm2" / "report.json").read_text(encoding="utf-8"))
+    assert report["summary"]["ignored"] == {"SB505": 1, "SB703": 1}
+    assert {one["code"] for one in report["diagnostics"]}.isdisjoint({"SB505", "SB703"})
+
+
+def test_results_in_the_cache_know_what_was_ignored(
+    arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is ignored is in the key of what is kept, and its count comes back with it."""
+    monkeypatch.setenv("STEPBOT_NO_CACHE", "")
+    monkeypatch.setenv("STEPBOT_CACHE", str(arm.parent / "kept"))
+    check = ("check", "--step", SIDECAR)
+    first, ignoring = stepbot(*check), stepbot(*check, "--ignore", "SB505")
+    assert "note[SB505]" in first.out
+    assert "1 ignored" in ignoring.out
+    assert "SB505" not in ignoring.out
+    assert stepbot(*check).out == first.out
+    assert stepbot(*check, "--ignore", "SB505").out == ignoring.out
+
+
+@pytest.mark.parametrize(("code", "message"), [("SB130", "SB130 is an error"), ("SB50", "no code 'SB50'")])
+def test_errors_cannot_be_ignored(arm: Path, stepbot: Stepbot, code: str, message: str) -> None:
+    """An error's code, or no code at all, is a fault of the sidecar with its place, and wrong usage of --ignore."""
+    run = stepbot("check", SIDECAR, "--ignore", code)
+    assert run.code == 2
+    assert message in run.err
+    write_also(arm, f"ignore_findings: [SB505, {{code: {code}}}]\n")
+    run = stepbot("check", SIDECAR)
+    assert run.code == 1
+    line = len((arm / SIDECAR).read_text(encoding="utf-8").splitlines())
+    assert f"{SIDECAR}:{line}:33: error[SB141]: ignore_findings: {message}" in run.out
+    assert "= help: " in run.out
+
+
+def test_unused_entries_are_reported(arm: Path, stepbot: Stepbot) -> None:
+    """An entry that ignores nothing is a note at its place, once everything that it could be about was looked for."""
+    write_also(arm, "ignore_findings: [SB305, SB139, SB810]\n")
+    only_text = stepbot("check", "--concise", SIDECAR).out
+    assert only_text.count("note[SB142]") == 1
+    assert "nothing to ignore with code SB139" in only_text
+    built = stepbot("check", "--concise", "--step", SIDECAR).out
+    assert built.count("note[SB142]") == 2
+    assert "nothing to ignore with code SB305" in built
+
+
+def test_entry_of_a_joint_holds_for_that_joint(arm: Path, stepbot: Stepbot) -> None:
+    """Of two joints with the same warning, one is ignored and one reported."""
+    text = (arm / SIDECAR).read_text(encoding="utf-8")
+    text, changed = re.subn(r"(lower: -\d+ deg, upper: \d+) deg", r"\1", text, count=2)
+    assert changed == 2
+    text = text.replace("\n  shoulder:\n    type", "\n  shoulder:\n    ignore_findings: [SB139]\n    type", 1)
+    (arm / SIDECAR).write_text(text, encoding="utf-8")
+    run = stepbot("check", "--concise", SIDECAR)
+    assert run.out.count("warning[SB139]") == 1
+    assert "warning[SB139]: joint 'elbow'" in run.out
+
+
+@pytest.mark.parametrize(
+    ("rule", "message", "line", "notes", "covered"),
+    [
+        ({}, "anything", 1, ("sum",), True),
+        ({"subject": "link 'a'", "first_line": 3, "last_line": 5}, "link 'a': light", 9, (), True),
+        ({"subject": "link 'a'", "first_line": 3, "last_line": 5}, "link 'ab': light", 9, (), False),
+        ({"subject": "link 'a'", "first_line": 3, "last_line": 5}, "path", 4, (), True),
+        ({"subject": "link 'a'", "first_line": 3, "last_line": 5}, "3 paths", 4, ("line 4", "line 9"), False),
+        ({"subject": "parts rule '**/M3*'", "pattern": "**/M3*"}, "'arm/M3x8:1': open", 0, (), True),
+        ({"subject": "parts rule '**/M3*'", "pattern": "**/M3*"}, "'arm/M4x8:1': open", 0, (), False),
+        ({"subject": "parts rule 'cover'", "pattern": "cover"}, "'arm/cover': open", 0, (), True),
+        ({"subject": "parts rule 'cover'", "pattern": "cover"}, "'arm/cover' and 3 more: open", 0, (), False),
+    ],
+)
+def test_what_an_entry_covers(
+    rule: dict[str, object], message: str, line: int, notes: tuple[str, ...], covered: bool
+) -> None:
+    """Findings about its subject or at its lines; sums of several places only where it holds everywhere."""
+    found = Diagnostics()
+    found.ignore([Ignore("SB602", Span("a.yaml", 4, 3), **rule)])  # type: ignore[arg-type]
+    found.add("SB602", message, Span("a.yaml", line), notes=notes)
+    assert len(found.ignored) == covered
+    assert len(found) + len(found.ignored) == 1
+    assert bool(found.unused_ignores) != covered
+    found.ignore([Ignore("SB602", Span("stepbot"))])
+    assert len(found.ignored) == 1, "also of what was found before"
