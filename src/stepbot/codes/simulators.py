@@ -165,4 +165,29 @@ CODES: tuple[Code, ...] = (
         "Axes that should be parallel are more than 0.1 mrad apart, or the mechanism was drawn at a dead centre: correct the "
         "CAD, or choose a closure that holds less (`ball` in place of `revolute`).",
     ),
+    Code(
+        "SB820",
+        "error",
+        "XML entities in a robot description",
+        "The file, or one that it includes, declares XML entities in its DOCTYPE.",
+        "Engines differ in what they take entities for: some leave them as they are, some expand them, and a few lines of "
+        "them can stand for gigabytes. So no two engines read the same robot.",
+        "Write the text itself in place of each entity, and remove the DOCTYPE.",
+    ),
+    Code(
+        "SB821",
+        "error",
+        "include from outside of the folder",
+        "The MJCF includes a file that is not in its own folder or below.",
+        "Engines read whatever an include names, so a file from somebody else could have them read any file of yours.",
+        "Copy the included file beside the one that includes it, or write a file in a folder above both that includes both.",
+    ),
+    Code(
+        "SB822",
+        "error",
+        "reference to something that is no regular file",
+        "The file names a pipe, a device or a socket as an include, a mesh or a texture.",
+        "An engine that opens it waits until its time is up, or reads without end.",
+        "Name a regular file.",
+    ),
 )

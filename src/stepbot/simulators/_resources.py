@@ -1,5 +1,6 @@
 """Where the mesh files are that a description names: relative paths, ``file://``, ``package://`` and ``model://``."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -12,16 +13,17 @@ def resolve(uri: str, description: Path) -> Path | None:
     A package is looked for upwards from the description: ``package://arm/meshes/a.obj`` is ``meshes/a.obj`` in the
     first folder above that holds it, or in its subfolder ``arm``.
     """
+    return next((candidate for candidate in candidates(uri, description) if candidate.is_file()), None)
+
+
+def candidates(uri: str, description: Path) -> Iterator[Path]:
+    """Where the file may be that ``uri`` means in a description, the likeliest place first."""
     scheme, _, rest = uri.partition("://")
     if not rest or scheme not in _SCHEMES:
-        candidate = description.parent / uri
-        return candidate if candidate.is_file() else None
-    if scheme == "file":
-        candidate = Path(unquote(urlsplit(uri).path))
-        return candidate if candidate.is_file() else None
-    inside = Path(*Path(rest).parts[1:])
-    for folder in description.resolve().parents:
-        for candidate in (folder / rest, folder / inside):
-            if candidate.is_file():
-                return candidate
-    return None
+        yield description.parent / uri
+    elif scheme == "file":
+        yield Path(unquote(urlsplit(uri).path))
+    else:
+        inside = Path(*Path(rest).parts[1:])
+        for folder in description.resolve().parents:
+            yield from (folder / rest, folder / inside)

@@ -25,7 +25,7 @@ def read_model(file: Path) -> Element:
 
     Raises:
         EngineRefused: The file is not XML.
-        EngineCannotRead: It holds no model, several, or models within models.
+        EngineCannotRead: It holds no model, several, models within models, or an include.
     """
     from lxml import etree
 
@@ -38,6 +38,8 @@ def read_model(file: Path) -> Element:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")
     if models[0].find("model") is not None or models[0].find("include") is not None:
         raise EngineCannotRead("models within models are not read")
+    if top.find("include") is not None or top.find("world/include") is not None:
+        raise EngineCannotRead("<include> is not read")
     return models[0]
 
 

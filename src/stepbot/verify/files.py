@@ -21,6 +21,7 @@ from ..model import Link, Robot
 from ..report import Check, Report
 from ..simulators.observation import Quantity, Request
 from ..simulators.workers import Engines, Fate, Outcome, check_required, check_started
+from .admission import admitted
 from .alike import alike
 from .checks import Subject, check_of, checks_without_observation, report_failure
 from .compare import Compared, compare
@@ -59,10 +60,11 @@ def verify_files(
     required = tuple(require)
     check_required(required, found)
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
-    keys = {_key(path): name for path, name in formats.items()}
     with ExitStack() as running:
         server = started_engine_server()
         start = running.enter_context(server).fork if server is not None else None
+        formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
+        keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
         asked = _asked(formats, Scout(timeout, memory_limit, start))  # while the engines start
         engines.submit(asked.requests)

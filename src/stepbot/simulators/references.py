@@ -1,0 +1,117 @@
+"""What a robot description makes engines open, looked at before any of them reads it; runs in a process of its own.
+
+Engines open whatever a file names. MuJoCo and PyBullet take the content of every ``<include>`` of an MJCF, wherever it
+is, and a named pipe or a device in place of a mesh holds them until their time is up. Meshes and textures may be
+anywhere, since descriptions share them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ._resources import candidates
+
+Element = Any
+"""``lxml.etree._Element``, whose stubs know neither ``sourceline`` nor entities."""
+
+ENTITIES = "SB820"
+OUTSIDE = "SB821"
+NOT_REGULAR = "SB822"
+
+_MOST_INCLUDES = 1000
+_SUFFIXED = ("", "right", "left", "up", "down", "front", "back")
+_ATTRIBUTES = ("filename", *(f"file{suffix}" for suffix in _SUFFIXED))
+"""Attributes that name files; six of them are the sides of a texture in MJCF."""
+_FOLDERS = ("meshdir", "texturedir", "assetdir")
+"""Attributes of MJCF's ``<compiler>``."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why engines must not read a file."""
+
+    code: str
+    message: str
+    file: str
+    line: int = 0
+
+
+def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
+    """Why engines must not read a file; empty where they may, and where the file is not XML, which they report.
+
+    Args:
+        file: Path of the description.
+        written_in: Its format.
+    """
+    return tuple(_refusals(Path(file), written_in == "mjcf"))
+
+
+def declares_entities(root: Element) -> bool:
+    """Whether the document of its first element declares entities: engines differ in what they take these for."""
+    declared = root.getroottree().docinfo.internalDTD
+    return declared is not None and next(iter(declared.iterentities()), None) is not None
+
+
+def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
+    pending, seen = [main], {main.resolve()}
+    while pending:
+        path = pending.pop()
+        root = _parsed(path)
+        if root is None:
+            continue
+        if declares_entities(root):
+            yield Refusal(ENTITIES, "declares XML entities", str(path))
+            continue
+        folders = [main.parent / folder for folder in ("", *_folders(root))]
+        for element in root.iter("*"):
+            name = element.get("file", "") if has_includes and element.tag == "include" else ""
+            if not name:
+                yield from _irregular(element, main, folders, path)
+                continue
+            included = main.parent / name
+            if not included.resolve().is_relative_to(main.parent.resolve()):
+                message = f"includes '{name}', which is outside of the folder of {main.name}"
+                yield Refusal(OUTSIDE, message, str(path), element.sourceline or 0)
+            elif _is_irregular(included):
+                yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
+            elif included.is_file() and included.resolve() not in seen and len(seen) < _MOST_INCLUDES:
+                seen.add(included.resolve())
+                pending.append(included)
+
+
+def _parsed(path: Path) -> Element | None:
+    """The first element; without its content where the document declares entities, which may stand for gigabytes."""
+    from lxml import etree
+
+    try:
+        with path.open("rb") as file:
+            for _, element in etree.iterparse(file, events=("start",), resolve_entities=False, no_network=True):
+                if declares_entities(element):
+                    return element
+                break
+        return etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
+    except (etree.XMLSyntaxError, OSError):
+        return None
+
+
+def _folders(root: Element) -> list[str]:
+    return [folder for compiler in root.iter("compiler") for name in _FOLDERS if (folder := compiler.get(name))]
+
+
+def _irregular(element: Element, main: Path, folders: list[Path], path: Path) -> Iterator[Refusal]:
+    names = [element.get(attribute) or "" for attribute in _ATTRIBUTES]
+    if element.tag == "uri":
+        names.append((element.text or "").strip())
+    for name in filter(None, names):
+        places = [*candidates(name, main), *(folder / name for folder in folders)]
+        if any(map(_is_irregular, places)):
+            yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
+
+
+def _is_irregular(path: Path) -> bool:
+    """Whether something is there that is neither a file nor a folder: a pipe, a device, a socket."""
+    try:
+        return path.exists() and not path.is_file() and not path.is_dir()
+    except (OSError, ValueError):  # a name that no file can have
+        return False

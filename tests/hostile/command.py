@@ -1,0 +1,174 @@
+"""The ``stepbot`` command as a process that is watched: how it ends, what it prints, and what it leaves behind."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+LONGEST = 120.0
+"""Seconds after which a command hangs."""
+_MARK = "STEPBOT_HOSTILE_TRIAL"
+"""Environment variable by which the processes of a trial are found: those that they start inherit it."""
+_GONE_AFTER = 10.0
+"""Seconds within which all processes of a command must have ended, once it has."""
+_TRACEBACK = re.compile(r"^Traceback \(most recent call last\)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended."""
+
+    code: int
+    """Exit code; negative for a signal."""
+    out: bytes
+    err: bytes
+    seconds: float
+    left: tuple[str, ...]
+    """Processes, temporary files and shared memory that it left behind."""
+
+    @property
+    def text(self) -> str:
+        """Both streams."""
+        return self.out.decode("utf-8", "replace") + self.err.decode("utf-8", "replace")
+
+    def faults(self, codes: Sequence[int] = (0, 1, 2)) -> tuple[str, ...]:
+        """What no command may do, whatever its input.
+
+        Args:
+            codes: The exit codes that are in order.
+        """
+        shown = self.text[-2000:]
+        found = [f"left behind: {one}" for one in self.left]
+        if self.code not in codes:
+            found.append(f"exit code {self.code}\n{shown}")
+        if _TRACEBACK.search(self.text) or "SB901" in self.text:
+            found.append(f"a traceback, or an internal error\n{shown}")
+        if 0 in codes and self.code in (1, 2) and not re.search(r"SB\d\d\d|^Usage|^Error", self.text, re.MULTILINE):
+            found.append(f"exit code {self.code} without a diagnostic\n{shown}")
+        return tuple(found)
+
+
+@dataclass
+class Running:
+    """A command that runs."""
+
+    process: "subprocess.Popen[bytes]"
+    mark: str
+    temporary: Path
+    began: float
+    shared: frozenset[str] = field(default_factory=frozenset)
+
+    def wait(self) -> Ended:
+        """Wait for it, and look for what it leaves behind; what still runs then is ended."""
+        try:
+            out, err = self.process.communicate(timeout=LONGEST)
+            code, left = self.process.returncode, []
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            out, err = self.process.communicate()
+            code, left = self.process.returncode, [f"itself: hangs for {LONGEST:g} s"]
+        seconds = time.monotonic() - self.began
+        left += [f"process {one}" for one in _ended(self.mark)]
+        left += [f"temporary file {path.name}" for path in self.temporary.rglob("*")]
+        left += [f"shared memory {name}" for name in _shared_memory() - self.shared if not _is_open(name)]
+        return Ended(code, out, err, seconds, tuple(left))
+
+
+def start(
+    *arguments: str | Path,
+    folder: Path,
+    temporary: Path,
+    environment: Mapping[str, str] | None = None,
+    wrapper: Sequence[str] = (),
+) -> Running:
+    """Start ``stepbot`` in a folder, as the head of a group of processes.
+
+    Args:
+        arguments: Its arguments.
+        folder: The current folder.
+        temporary: Its folder for temporary files, which should be empty.
+        environment: Variables to change.
+        wrapper: What to start it by.
+    """
+    mark = uuid.uuid4().hex
+    temporary.mkdir(parents=True, exist_ok=True)
+    changed = {"TMPDIR": str(temporary), _MARK: mark, "PYTHONIOENCODING": "utf-8", **(environment or {})}
+    before = {name: value for name, value in os.environ.items() if name != "STEPBOT_NO_CACHE"}
+    process = subprocess.Popen(
+        [*wrapper, sys.executable, "-m", "stepbot_cli", *map(str, arguments)],
+        cwd=folder,
+        env={**before, **changed},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    return Running(process, mark, temporary, time.monotonic(), _shared_memory())
+
+
+def stepbot(*arguments: str | Path, folder: Path, temporary: Path, **options: Mapping[str, str]) -> Ended:
+    """Run ``stepbot`` to its end; see :func:`start`."""
+    return start(*arguments, folder=folder, temporary=temporary, **options).wait()
+
+
+@contextmanager
+def full_disk(folder: Path, size: int) -> Iterator[bool]:
+    """A file system of ``size`` bytes at ``folder``; False where this user may not mount one."""
+    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
+    try:
+        mounted = sys.platform == "linux" and subprocess.run(command, capture_output=True, check=False).returncode == 0
+    except FileNotFoundError:
+        mounted = False
+    try:
+        yield mounted
+    finally:
+        if mounted:
+            subprocess.run(["umount", "-l", str(folder)], capture_output=True, check=True)
+
+
+def _ended(mark: str) -> list[str]:
+    """The processes of a trial that do not end in time; they are killed."""
+    deadline = time.monotonic() + _GONE_AFTER
+    while (alive := _processes(mark)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    for pid in alive:
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            continue
+    return [f"{pid} ({name})" for pid, name in alive.items()]
+
+
+def _processes(mark: str) -> dict[int, str]:
+    """Processes of a trial and what they run; none where the system has no ``/proc``."""
+    wanted, found = f"{_MARK}={mark}".encode(), {}
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            if wanted in (path / "environ").read_bytes().split(b"\0"):
+                found[int(path.name)] = (path / "comm").read_text().strip()
+        except OSError:  # it has ended, or belongs to somebody else
+            continue
+    return found
+
+
+def _shared_memory() -> frozenset[str]:
+    folder = Path("/dev/shm")
+    return frozenset(path.name for path in folder.iterdir()) if folder.is_dir() else frozenset()
+
+
+def _is_open(name: str) -> bool:
+    """Whether some process has a piece of shared memory mapped: then it is that process's, not left over."""
+    for path in Path("/proc").glob("[0-9]*/maps"):
+        try:
+            if f"/dev/shm/{name}" in path.read_text():
+                return True
+        except OSError:
+            continue
+    return False

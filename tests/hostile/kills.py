@@ -1,0 +1,112 @@
+"""``convert`` and ``batch`` are interrupted, asked to end, or killed at any moment."""
+
+import os
+import shutil
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+
+from tests.command_line import snapshot
+
+from .command import Ended, start, stepbot
+from .experiment import Experiment, Setting, Trial
+from .robots import Versions, two_versions
+
+_SIGNALS = ("SIGKILL", "SIGTERM", "SIGINT")
+_BATCH = ("stepbot_arm2", "stepbot_four_bar")
+_CODES = {"SIGKILL": (-9,), "SIGTERM": (143, -15), "SIGINT": (130, -2)}
+"""How a command may end: Python is killed by the signal itself before it has a handler for it."""
+
+
+def run(setting: Setting) -> Iterator[Trial]:
+    """Start, wait for a random time, send the signal, look at what is left, and run again."""
+    versions = {name: two_versions(setting.folder / name, name) for name in _BATCH}
+    for number in range(setting.count):
+        rng = Random(f"kills:{setting.seed}:{number}")
+        sent = _SIGNALS[number % len(_SIGNALS)]
+        is_batch = number % 4 == 3
+        place = setting.folder / f"trial{number}"
+        place.mkdir()
+        what = "batch" if is_batch else "convert"
+        outcome, faults = (_batch if is_batch else _convert)(place, versions, sent, rng)
+        shutil.rmtree(place)
+        yield Trial(f"{what}:{sent}:{setting.seed}:{number}", outcome, tuple(faults))
+
+
+def _convert(place: Path, versions: dict[str, Versions], sent: str, rng: Random) -> tuple[str, list[str]]:
+    version = versions[_BATCH[0]]
+    output, cache = place / "out", place / "cache"
+    version.put_old(output)
+    if rng.random() < 0.8:  # without it, the kernel is at work for most of the time
+        shutil.copytree(version.cache, cache)
+    command = ("convert", version.folder / "new.robot.yaml", "-o", output, "--cache", cache)
+    ended = _ended_by(sent, command, place, rng.uniform(0.0, 1.2 * version.seconds))
+    faults = _faults(ended, sent) + version.torn(output)
+    kept = snapshot(output)
+    if sent != "SIGKILL" and kept not in (version.old, version.new):
+        faults.append(f"neither the old folder nor the new one: {sorted(kept)}")
+    again = stepbot(*command, folder=place, temporary=place / "tmp2")
+    faults += again.faults((0,))
+    if snapshot(output) != version.new:
+        faults.append(f"after another run the folder is not the new one: {_difference(snapshot(output), version.new)}")
+    return _outcome(ended, kept == version.new), faults
+
+
+def _batch(place: Path, versions: dict[str, Versions], sent: str, rng: Random) -> tuple[str, list[str]]:
+    source, output = place / "robots", place / "out"
+    for name, version in versions.items():
+        (source / name).mkdir(parents=True)
+        shutil.copy(version.folder / "new.robot.yaml", source / name / f"{name}.robot.yaml")
+        shutil.copy(next(version.folder.glob("*.step")), source / name)
+        version.put_old(output / name)
+    cache = place / "cache"
+    shutil.copytree(versions[_BATCH[0]].cache, cache)
+    command = ("batch", source, "-o", output, "--cache", cache)
+    ended = _ended_by(sent, command, place, rng.uniform(0.0, 2.5 * versions[_BATCH[0]].seconds))
+    faults = _faults(ended, sent)
+    for name, version in versions.items():
+        faults += version.torn(output / name)
+    again = stepbot(*command, folder=place, temporary=place / "tmp2")
+    faults += again.faults((0,))
+    for name, version in versions.items():
+        if snapshot(output / name) != version.new:
+            difference = _difference(snapshot(output / name), version.new)
+            faults.append(f"after another run {name} is not the new one: {difference}")
+    return _outcome(ended, False), faults
+
+
+def _ended_by(sent: str, command: tuple[str | Path, ...], place: Path, seconds: float) -> Ended:
+    running = start(*command, folder=place, temporary=place / "tmp")
+    time.sleep(seconds)
+    if running.process.poll() is None:
+        number = getattr(signal, sent)
+        # A terminal sends Ctrl-C to all processes of the group, whoever asks a program to end to that one alone.
+        (os.killpg if sent == "SIGINT" else os.kill)(running.process.pid, number)
+    return running.wait()
+
+
+def _faults(ended: Ended, sent: str) -> list[str]:
+    return list(ended.faults((0, *_CODES[sent])))
+
+
+def _outcome(ended: Ended, is_new: bool) -> str:
+    if ended.code == 0:
+        return "ended before"
+    return "new files" if is_new else "old files, or some of each"
+
+
+def _difference(kept: dict[str, bytes], wanted: dict[str, bytes]) -> list[str]:
+    return sorted(name for name in {*kept, *wanted} if kept.get(name) != wanted.get(name))
+
+
+EXPERIMENT = Experiment(
+    "kills",
+    "`convert` and `batch` end by SIGKILL, SIGTERM or SIGINT at a random moment",
+    "each file is the old or the new one, after SIGTERM and SIGINT all of them; no process, temporary file or shared "
+    "memory is left; the next run ends as if nothing had happened",
+    run,
+    short=4,
+    long=400,
+)

@@ -1,0 +1,73 @@
+"""Two versions of a robot to convert, what comes of each, and a cache that knows both."""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.command_line import snapshot
+from tests.conftest import ROOT
+
+from .command import stepbot
+
+MANIFEST = ".stepbot.json"
+_STAGING = ".stepbot-"
+
+
+@dataclass(frozen=True)
+class Versions:
+    """A robot before and after an edit of its sidecar."""
+
+    folder: Path
+    """Where ``old.robot.yaml``, ``new.robot.yaml`` and their STEP are; both call the robot by one name."""
+    old: dict[str, bytes]
+    """Files of the output, hidden ones too."""
+    new: dict[str, bytes]
+    cache: Path
+    """A cache that holds the geometry of the STEP, and nothing of what was made of it."""
+    seconds: float
+    """What a conversion takes, its geometry known."""
+
+    def put_old(self, output: Path) -> None:
+        """Put the files of the old version into a folder."""
+        for name, content in self.old.items():
+            (output / name).parent.mkdir(parents=True, exist_ok=True)
+            (output / name).write_bytes(content)
+
+    def torn(self, output: Path) -> list[str]:
+        """Files that are neither of the old version nor of the new one; those being written and the list aside."""
+        return [
+            f"'{name}' is neither the old file nor the new one"
+            for name, content in snapshot(output).items()
+            if not name.startswith(_STAGING)
+            and name != MANIFEST
+            and content not in (self.old.get(name), self.new.get(name))
+        ]
+
+
+def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:
+    """Convert both versions of a robot of the library, the new one being heavier."""
+    folder.mkdir(parents=True)
+    (source,) = (ROOT / "robot_library" / name).glob("*.robot.yaml")
+    (step,) = (ROOT / "robot_library" / name).glob("*.step")
+    shutil.copy(step, folder)
+    text = source.read_text(encoding="utf-8")
+    heavier = text.replace("1010 kg/m^3", "1020 kg/m^3").replace("2700 kg/m^3", "2710 kg/m^3")
+    assert heavier != text
+    (folder / "old.robot.yaml").write_text(text, encoding="utf-8")
+    (folder / "new.robot.yaml").write_text(heavier, encoding="utf-8")
+    cache, written, seconds = folder / "cache", {}, 0.0
+    known = stepbot(
+        "check", "--step", step.name, "old.robot.yaml", "--cache", cache, folder=folder, temporary=folder / "tmp"
+    )
+    assert known.code == 0, known.text
+    shutil.copytree(cache, folder / "geometry")
+    for version in ("old", "new"):
+        output = folder / f"{version}.out"
+        ended = stepbot(
+            "convert", f"{version}.robot.yaml", "-o", output, "--cache", cache, folder=folder, temporary=folder / "tmp"
+        )
+        assert ended.code == 0, ended.text
+        assert not ended.left, ended.left
+        written[version], seconds = snapshot(output), ended.seconds
+    shutil.rmtree(cache)
+    return Versions(folder, written["old"], written["new"], folder / "geometry", seconds)
