@@ -221,6 +221,15 @@ def unit(v: ArrayLike) -> Array:
     return a / length
 
 
+def angle_between(a: ArrayLike, b: ArrayLike) -> float:
+    """Angle [rad] between two directions (3,), in [0, pi]; not a number where one of them has no direction."""
+    try:
+        u, v = unit(a), unit(b)
+    except ValueError:
+        return math.nan
+    return math.atan2(float(np.linalg.norm(np.cross(u, v))), float(u @ v))
+
+
 def shift_inertia(I_com: ArrayLike, mass: float, p: ArrayLike) -> Array:
     """Inertia (3, 3) about a point at ``p`` [m] from the centre of mass (Steiner); ``-mass`` goes the other way."""
     d = np.asarray(p, dtype=np.float64)

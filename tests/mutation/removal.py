@@ -35,8 +35,7 @@ def removals(content: bytes, written_in: str) -> Iterator[Removal]:
     for index in range(count):
         for attribute in (None, *_elements_at(content, index).attrib):
             element = _elements_at(content, index)
-            above, path = element.getparent(), _path(element)
-            kind = _tag(element) if above is None else f"{_tag(above)}/{_tag(element)}"
+            above, path, kind = element.getparent(), path_of(element), kind_of(element)
             blocks = {_tag(one) for one in (element, *element.iterancestors())}
             unread = bool(blocks & set(UNREAD[written_in]))
             top = element.getroottree()
@@ -63,7 +62,14 @@ def _tag(element: Any) -> str:
     return str(etree.QName(element).localname)
 
 
-def _path(element: Any) -> str:
+def kind_of(element: Any) -> str:
+    """The tag of an element behind that of the element above."""
+    above = element.getparent()
+    return _tag(element) if above is None else f"{_tag(above)}/{_tag(element)}"
+
+
+def path_of(element: Any) -> str:
+    """Tags down from the root, with names where elements have them."""
     steps = []
     for one in (element, *element.iterancestors()):
         name = one.get("name") or one.get("class") or ""

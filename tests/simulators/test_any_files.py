@@ -1,5 +1,6 @@
 """``verify_files``: any files, as engines see them, and with each other."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -180,3 +181,46 @@ def test_names_of_files_are_those_of_the_user(
     report = verify_files([Path(name)], found, timeout=120.0)
     assert {check.file for check in report.checks} == {name}
     assert not found.codes()
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize(
+    ("written_in", "old", "new", "quantity", "where"),
+    [
+        pytest.param("urdf", 'velocity="2"', 'velocity="2.02"', "limits", "velocity limit of joint 'elbow'"),
+        pytest.param("urdf", '"kp">100', '"kp">101', "actuators", "kp of actuator 'shoulder_motor'"),
+        pytest.param("mjcf", 'forcerange="-12.5', 'forcerange="-12.6', "actuators", "lowest force of actuator"),
+        pytest.param("sdf", "<cmd_max>12.5", "<cmd_max>12.6", "actuators", "highest force of actuator"),
+        pytest.param("sdf", "<ambient>0.9", "<ambient>0.8", "shapes", "colour in the shade of visual"),
+    ],
+)
+def test_a_number_that_one_engine_reads_is_compared(
+    written_in: str, old: str, new: str, quantity: str, where: str, arm: Folder, found: ReadDiagnostics
+) -> None:
+    """Across files each quantity is taken from the engine that reads it, and not from the first engine alone."""
+    skip_without("mujoco")
+    skip_without("yourdfpy")
+    changed = _copy(arm, written_in, f"changed.{written_in}", (old, new))
+    files = [changed if name == written_in else one.path for name, one in arm.written.items()]
+    report = verify_files(files, found, timeout=120.0)
+    assert quantity in {name for _, name in _failed(report)}
+    assert any(where in diagnostic.message + "".join(diagnostic.notes) for diagnostic in found)
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize("side", ["a", "b"])
+def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
+    side: str, tmp_path: Path, found: ReadDiagnostics
+) -> None:
+    """URDF holds no loops: a site of MJCF's that is moved is compared with the closing joint of SDFormat."""
+    skip_without("mujoco")
+    folder = write(ROBOTS["four_bar"](), tmp_path)
+    sites = folder.written["mjcf"].path.read_text(encoding="utf-8")
+    (place,) = re.findall(rf'<site name="rocker_pin/{side}" pos="([^"]*)"', sites)
+    x, *rest = place.split()
+    site = f'<site name="rocker_pin/{side}" pos="'
+    moved = _copy(folder, "mjcf", "moved.xml", (f"{site}{place}", f"{site}{' '.join([str(float(x) + 1e-6), *rest])}"))
+    report = verify_files([folder.written["urdf"].path, folder.written["sdf"].path, moved], found, timeout=120.0)
+    assert _failed(report) == {("mujoco", "closures")}
+    (wrong,) = found
+    assert f"closure 'rocker_pin', point on link {side}: 1e-06 m off" in wrong.notes[0]

@@ -22,13 +22,13 @@ MOTION = {"poses", "mass matrix", "gravity forces", "inverse dynamics"}
 REST = {"meshes", "simulation", "warnings"}
 
 COMPARED = {
-    ("urdf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST | {"mimic"},
+    ("urdf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST | {"mimic", "shapes"},
     ("urdf", "pybullet"): NAMES | JOINTS | BODIES | MOTION | REST | {"closures", "shapes"},
     ("urdf", "yourdfpy"): NAMES | JOINTS | BODIES | {"poses", "warnings", "mimic", "shapes"},
     ("urdf", "extensions"): {"load", "dynamics", "actuators", "sensors", "warnings"},
     ("sdf", "pybullet"): NAMES | JOINTS | {"mass", "com", "poses", "gravity forces", "meshes", "shapes", "warnings"},
     ("sdf", "reader"): NAMES | JOINTS | BODIES | MOTION
-    | {"meshes", "warnings", "mimic", "closures", "frames", "actuators", "sensors"},
+    | {"meshes", "warnings", "mimic", "closures", "frames", "actuators", "sensors", "shapes"},
     ("mjcf", "mujoco"): NAMES | JOINTS | BODIES | MOTION | REST
     | {"mimic", "closures", "frames", "actuators", "sensors", "initial pose", "shapes", "contacts"},
     ("mjcf", "pybullet"): {"load"},

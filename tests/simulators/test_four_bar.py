@@ -43,8 +43,9 @@ def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: F
         driven=("crank_pin",),
         simulate=0.0,
     )
-    (closure, axis) = look("mujoco", request).closures or ()
-    assert (closure.name, axis.name) == ("rocker_pin", "rocker_pin/axis")
+    (closure,) = look("mujoco", request).closures or ()
+    assert closure.name == "rocker_pin"
+    assert closure.axes is not None  # by a second constraint, rocker_pin/axis
     assert closure.angle_error is not None
     assert closure.angle_error < 1e-9
     assert closure.residual is not None

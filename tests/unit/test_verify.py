@@ -228,7 +228,15 @@ SILENCES: dict[str, tuple[Change, Quantity]] = {
         lambda o: replace(
             o,
             links=tuple(
-                replace(link, visual_bounds=None, collision_bounds=None, has_visuals=None, has_collisions=None)
+                replace(
+                    link,
+                    visual_bounds=None,
+                    collision_bounds=None,
+                    has_visuals=None,
+                    has_collisions=None,
+                    visuals=None,
+                    collisions=None,
+                )
                 for link in o.links
             ),
         ),
@@ -307,6 +315,11 @@ def test_closures_differ_by_place_links_and_residual() -> None:
     assert _closure(kind="ball") == {Quantity.CLOSURES}
     assert _closure(X_AF=Pose()) == {Quantity.CLOSURES}
     assert _closure(axis=(1.0, 0.0, 0.0)) == {Quantity.CLOSURES}
+    assert _closure(points=((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) == {Quantity.CLOSURES}
+    assert _closure(axes=((0.0, 0.0, 1.0), (0.0, 1e-6, 1.0))) == {Quantity.CLOSURES}
+    assert _closure(axes=((0.0, 0.0, 1.0), (0.0, 0.0, 1.01))) == {Quantity.CLOSURES}
+    assert _closure(axes=((0.0, 0.0, -2.0), (0.0, 0.0, -2.0))) == set()
+    assert _closure(axes=None) == {Quantity.CLOSURES}
     assert _closure(residual=5e-10, angle_error=5e-10) == set()
 
 
@@ -315,7 +328,10 @@ def test_a_closure_told_from_its_other_end_is_the_same() -> None:
     loop = seen(four_bar())
     assert loop.closures is not None
     c = loop.closures[0]
-    turned = replace(c, link_a=c.link_b, link_b=c.link_a, X_AF=c.X_BF, X_BF=c.X_AF)
+    assert c.points is not None
+    assert c.axes is not None
+    ends = {"X_AF": c.X_BF, "X_BF": c.X_AF, "points": c.points[::-1], "axes": c.axes[::-1]}
+    turned = replace(c, link_a=c.link_b, link_b=c.link_a, **ends)  # type: ignore[arg-type]
     assert failed(loop, replace(loop, closures=(turned,))) == set()
 
 

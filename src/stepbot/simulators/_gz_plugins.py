@@ -26,7 +26,7 @@ def plugin_actuators(model: Element) -> Iterator[ObservedActuator]:
             case "JointController":
                 yield _controlled(plugin, joint, ActuatorKind.VELOCITY, default_i=0.0, default_d=0.0)
             case "ApplyJointForce":
-                yield ObservedActuator("", joint, ActuatorKind.MOTOR.value)
+                yield ObservedActuator("", joint, ActuatorKind.MOTOR.value, gear=None)
 
 
 def plugin_sensors(model: Element) -> Iterator[ObservedSensor]:
@@ -61,4 +61,4 @@ def _controlled(
     if i or (d and kind is ActuatorKind.VELOCITY) or plugin.findtext("use_velocity_commands", "").strip() == "true":
         word = f"{word}, controlled otherwise"
     gains = (p, d) if kind is ActuatorKind.POSITION else (0.0, p)
-    return ObservedActuator("", joint, word, *gains, force=(low, high))
+    return ObservedActuator("", joint, word, *gains, gear=None, force=(low, high))

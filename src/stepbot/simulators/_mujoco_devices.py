@@ -173,7 +173,7 @@ def _of_rays(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tup
     farthest = {float(compiled.model.sensor_cutoff[reading.index]) for reading in readings}
     if off < _EVEN and len(farthest) == 1 and len({link for link, _ in places}) == 1:
         yield from (("link", places[0][0]), ("X_LS", X_LS), ("fov", fov), ("columns", len(rays)), ("rows", 1))
-        yield from (("nearest", 0.0), ("farthest", farthest.pop() or inf))
+        yield "farthest", farthest.pop() or inf
 
 
 def _about_z(angle: float) -> Pose:
@@ -197,7 +197,7 @@ _TELLERS = {
 
 
 def _cameras(compiled: "Compiled") -> Iterator[ObservedSensor]:
-    """Cameras that are fixed to a body; they draw whenever they are asked to."""
+    """Cameras that are fixed to a body; they draw when they are asked to, all from one near to one far plane."""
     model = compiled.model
     for c in range(model.ncam):
         X_LC = Pose.from_quaternion(model.cam_quat[c].tolist(), model.cam_pos[c])
@@ -209,10 +209,7 @@ def _cameras(compiled: "Compiled") -> Iterator[ObservedSensor]:
             SensorKind.CAMERA.value if stays else "camera that turns by itself",
             compiled.name("BODY", int(model.cam_bodyid[c])),
             X_LS=Pose.of(X_LC.R @ _R_SC.T, X_LC.p),
-            rate=0.0,
             fov=fov,
             columns=columns,
             rows=rows,
-            nearest=0.0,
-            farthest=inf,
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..loops import RANK_TOLERANCE, closure_gap
-from ..spatial import Array
+from ..spatial import Array, vector3
 from ._mujoco_gimbals import Gimbals
 from .observation import ObservedClosure, Request
 
@@ -66,19 +66,47 @@ def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClo
     )
 
 
+AXIS = "/axis"
+"""End of the name of a second constraint, which holds another point on the axis of the closure of that name."""
+
+
 def _closures_in_file(compiled: "Compiled") -> Iterator[ObservedClosure]:
-    """Active equality constraints that hold two bodies or sites together, by name."""
+    """Active equality constraints that hold two bodies or sites together, by name.
+
+    A closure that has its axis held by a second constraint is told as one.
+    """
+    found = {closure.name: closure for closure in _constraints(compiled)}
+    for closure in found.values():
+        held, on_axis = found.get(closure.name.removesuffix(AXIS)), found.get(f"{closure.name}{AXIS}")
+        if closure.name.endswith(AXIS) and held is not None and _links(held) == _links(closure):
+            continue
+        if closure.points is not None and on_axis is not None and on_axis.points is not None:
+            first, second = (
+                vector3(np.subtract(there, here)) for here, there in zip(closure.points, on_axis.points, strict=True)
+            )
+            closure = replace(closure, axes=(first, second))
+        yield closure
+
+
+def _links(closure: ObservedClosure) -> tuple[str, str]:
+    return closure.link_a, closure.link_b
+
+
+def _constraints(compiled: "Compiled") -> Iterator[ObservedClosure]:
     engine, model = compiled.engine, compiled.model
     words = {engine.mjtEq.mjEQ_CONNECT: "connect", engine.mjtEq.mjEQ_WELD: "weld"}
     for e in range(model.neq):
         word = words.get(engine.mjtEq(model.eq_type[e]))
         if word is None or not model.eq_active0[e]:
             continue
-        bodies = [int(model.eq_obj1id[e]), int(model.eq_obj2id[e])]
+        bodies, points = [int(model.eq_obj1id[e]), int(model.eq_obj2id[e])], None
         if engine.mjtObj(model.eq_objtype[e]) == engine.mjtObj.mjOBJ_SITE:
+            points = vector3(model.site_pos[bodies[0]]), vector3(model.site_pos[bodies[1]])
             bodies = [int(model.site_bodyid[site]) for site in bodies]
+        elif word == "connect":
+            points = vector3(model.eq_data[e][:3]), vector3(model.eq_data[e][3:6])
         link_a, link_b = (compiled.name("BODY", body) for body in bodies)
-        yield ObservedClosure(compiled.name("EQUALITY", e), word, link_a, link_b)
+        yield ObservedClosure(compiled.name("EQUALITY", e), word, link_a, link_b, points=points)
 
 
 def _newton(compiled: "Compiled", request: Request, q: Mapping[str, float]) -> tuple[dict[str, float], Any]:

@@ -1,5 +1,6 @@
 """What MuJoCo made of a link's shapes: the boxes around them, their names, their colours."""
 
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -14,26 +15,19 @@ if TYPE_CHECKING:
     from .mujoco import Compiled
 
 
-def shape_bounds(compiled: "Compiled", body: int, *, touched: bool) -> list[Bounds]:
-    """Boxes [m] in the link's frame of the shapes that are touched, or else of those that are only seen."""
-    model = compiled.model
-    return [
-        _bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
-        for g in _geoms(compiled, body, touched)
-    ]
-
-
-def observed_shapes(compiled: "Compiled", body: int, *, touched: bool) -> tuple[ObservedShape, ...]:
-    """Names and colours of the shapes that are touched, or else of those that are only seen."""
-    model = compiled.model
-    return tuple(
-        ObservedShape(
-            compiled.name("GEOM", g),
-            None if touched else tuple(model.geom_rgba[g].tolist()),
-            group=int(model.geom_group[g]),
+def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: bool) -> tuple[ObservedShape, ...]:
+    """The shapes that are touched, or else those that are only seen; of URDF, MuJoCo keeps no names of them."""
+    shapes = []
+    for g in _geoms(compiled, body, touched):
+        model = compiled.model
+        shape = ObservedShape(
+            bounds=_bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
         )
-        for g in _geoms(compiled, body, touched)
-    )
+        if mjcf:
+            rgba = None if touched else tuple(model.geom_rgba[g].tolist())
+            shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, group=int(model.geom_group[g]))
+        shapes.append(shape)
+    return tuple(shapes)
 
 
 def _geoms(compiled: "Compiled", body: int, touched: bool) -> list[int]:

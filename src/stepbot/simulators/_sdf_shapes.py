@@ -1,6 +1,6 @@
-"""The boxes around the shapes of an SDFormat link."""
+"""The shapes of an SDFormat link: names, colours, and the boxes around them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from ..spatial import Array, Pose, join_bounds
 from ._bounds import Bounds, mesh_bounds, primitive_bounds
 from ._resources import resolve
 from ._sdf_frames import numbers, read_pose
+from .observation import ObservedShape
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -19,30 +20,48 @@ else:
     Element = object
 
 
-def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[Bounds | None, list[str]]:
-    """Box [m] around all shapes in the link's frame, and the mesh files that are not there.
+def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
+    """All shapes in the link's frame, and the mesh files that are not there.
 
-    The box is None where there is no shape, or one whose extent this reader does not know.
+    A shape has no box where this reader does not know its extent.
     """
-    boxes: list[Bounds | None] = []
+    seen: list[ObservedShape] = []
     missing: list[str] = []
     for shape in shapes:
-        geometry, X_LG = shape.find("geometry"), read_pose(shape)
-        mesh = None if geometry is None else geometry.find("mesh")
-        if geometry is None:
-            boxes.append(None)
-        elif mesh is None:
-            boxes.append(_primitive_bounds(geometry, X_LG))
-        else:
-            uri = (mesh.findtext("uri") or "").strip()
-            path = resolve(uri, file)
-            if path is None:
-                missing.append(uri)
-            vertices = None if path is None or path.suffix.lower() != ".obj" else _vertices(path.read_bytes())
-            scale = np.array(numbers(mesh.findtext("scale") or "1 1 1"))
-            boxes.append(None if vertices is None else mesh_bounds(vertices * scale, X_LG))
-    known = [box for box in boxes if box is not None]
-    return (join_bounds(known) if known and len(known) == len(boxes) else None), missing
+        bounds, lost = _bounds(shape.find("geometry"), read_pose(shape), file)
+        missing += lost
+        rgba, ambient = (_color(shape, name) if shape.tag == "visual" else None for name in ("diffuse", "ambient"))
+        seen.append(ObservedShape(shape.get("name", ""), rgba, ambient, bounds))
+    return tuple(seen), missing
+
+
+def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
+    """Box [m] around all shapes; None where there is no shape, or one whose box is not known."""
+    known = [shape.bounds for shape in shapes if shape.bounds is not None]
+    return join_bounds(known) if known and len(known) == len(shapes) else None
+
+
+def _color(shape: Element, name: str) -> tuple[float, ...]:
+    """Red, green, blue and opacity; empty where the file gives none."""
+    values = numbers(shape.findtext(f"material/{name}"))
+    return tuple(values if len(values) != 3 else (*values, 1.0))
+
+
+def _bounds(geometry: Element | None, X_LG: Pose, file: Path) -> tuple[Bounds | None, list[str]]:
+    """The box of a shape, if it is known, and the mesh file that is not there."""
+    mesh = None if geometry is None else geometry.find("mesh")
+    if geometry is None:
+        return None, []
+    if mesh is None:
+        return _primitive_bounds(geometry, X_LG), []
+    uri = (mesh.findtext("uri") or "").strip()
+    path = resolve(uri, file)
+    if path is None:
+        return None, [uri]
+    if path.suffix.lower() != ".obj":
+        return None, []
+    scale = np.array(numbers(mesh.findtext("scale") or "1 1 1"))
+    return mesh_bounds(_vertices(path.read_bytes()) * scale, X_LG), []
 
 
 def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:

@@ -7,7 +7,7 @@ import stepbot
 
 from ..drives import control_range, force_range
 from ..dynamics import equations_of_motion
-from ..kinematics import Tree, initial_configuration, link_poses, neighbours
+from ..kinematics import TURNING, Tree, initial_configuration, link_poses, neighbours
 from ..loops import closure_gap
 from ..model import Actuator, ActuatorKind, Collision, Joint, JointKind, Link, LoopClosure, MeshRef, Robot, Visual
 from ..sensors import PLACED, SEEING, Sensor, SensorKind
@@ -72,9 +72,12 @@ def _link(robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
         has_visuals=bool(link.visuals),
         has_collisions=bool(link.collisions),
         visuals=tuple(
-            ObservedShape(shape.name, shape.rgba, shape.rgba if shaded else None, group=2) for shape in link.visuals
+            ObservedShape(shape.name, shape.rgba, shape.rgba if shaded else None, _bounds(robot, (shape,)), 2)
+            for shape in link.visuals
         ),
-        collisions=tuple(ObservedShape(shape.name, group=3) for shape in link.collisions),
+        collisions=tuple(
+            ObservedShape(shape.name, bounds=_bounds(robot, (shape,)), group=3) for shape in link.collisions
+        ),
     )
 
 
@@ -115,17 +118,14 @@ def _joint(joint: Joint) -> ObservedJoint:
 def _closure(closure: LoopClosure, poses: Sequence[Mapping[str, Pose]]) -> ObservedClosure:
     """The closure, and how far it opens in the poses that should close it: what the CAD's own inaccuracy makes."""
     gaps = [closure_gap(closure, X_W[closure.link_a], X_W[closure.link_b])[0] for X_W in poses]
-    return ObservedClosure(
+    held = ObservedClosure.of_frames(
         closure.name,
         closure.kind.value,
-        closure.link_a,
-        closure.link_b,
-        closure.X_AF,
-        closure.X_BF,
-        closure.axis,
-        residual=max(gaps, default=0.0),
-        angle_error=0.0,
+        (closure.link_a, closure.link_b),
+        (closure.X_AF, closure.X_BF),
+        closure.axis if closure.kind in TURNING else None,
     )
+    return replace(held, axis=closure.axis, residual=max(gaps, default=0.0), angle_error=0.0)
 
 
 def _actuator(robot: Robot, actuator: Actuator) -> ObservedActuator:

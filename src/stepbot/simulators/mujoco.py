@@ -6,7 +6,7 @@ so closures are solved on their own rows. https://mujoco.readthedocs.io/en/stabl
 """
 
 import importlib.util
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,13 +17,14 @@ import numpy as np
 
 from ..dynamics import GRAVITY, Rates
 from ..spatial import Array, Pose, join_bounds, matrix3, turn_inertia
+from ._bounds import Bounds
 from ._mujoco_contacts import untouching
 from ._mujoco_coordinates import Balls, Coordinates
 from ._mujoco_devices import observed_actuators, observed_frames, observed_sensors
 from ._mujoco_joints import observed_joints
-from ._mujoco_shapes import observed_shapes, shape_bounds
+from ._mujoco_shapes import observed_shapes
 from ._resources import resolve
-from .observation import Dynamics, EngineRefused, Observation, ObservedLink, Quantity, Request
+from .observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -236,20 +237,24 @@ def _name(compiled: Compiled) -> str:
 def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
     model = compiled.model
     X_LI = Pose.from_quaternion(model.body_iquat[body].tolist(), model.body_ipos[body])
-    seen, touched = (shape_bounds(compiled, body, touched=side) for side in (False, True))
+    seen, touched = (observed_shapes(compiled, body, touched=side, mjcf=mjcf) for side in (False, True))
     return ObservedLink(
         compiled.name("BODY", body),
         float(model.body_mass[body]),
         X_LI.position,
         matrix3(turn_inertia(X_LI.R, np.diag(model.body_inertia[body]))),
-        visual_bounds=join_bounds(seen) if seen else None,
-        collision_bounds=join_bounds(touched) if touched else None,
+        visual_bounds=_around(seen),
+        collision_bounds=_around(touched),
         has_visuals=bool(seen),
         has_collisions=bool(touched),
-        # Of URDF, MuJoCo keeps no names of shapes.
-        visuals=observed_shapes(compiled, body, touched=False) if mjcf else None,
-        collisions=observed_shapes(compiled, body, touched=True) if mjcf else None,
+        visuals=seen,
+        collisions=touched,
     )
+
+
+def _around(shapes: Sequence[ObservedShape]) -> Bounds | None:
+    boxes = [shape.bounds for shape in shapes if shape.bounds is not None]
+    return join_bounds(boxes) if boxes else None
 
 
 def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics import Rates
-from ..model import JointDynamics, Limit, LoopClosure, Mimic
-from ..spatial import ZERO3, Matrix3, Pose, Vector3
+from ..model import JointDynamics, JointKind, Limit, LoopClosure, Mimic
+from ..spatial import ZERO3, Matrix3, Pose, Vector3, vector3
 
 
 class Quantity(StrEnum):
@@ -57,6 +57,8 @@ class ObservedShape:
     """Red, green, blue, opacity, in [0, 1]; empty where the file gives none."""
     ambient: tuple[float, ...] | None = None
     """The colour in the shade, likewise; SDFormat alone has one."""
+    bounds: tuple[Vector3, Vector3] | None = None
+    """Lowest and highest corner [m] in the link's frame."""
     group: int | None = None
     """Which shapes viewers show and hide together: by custom, 2 is what is seen and 3 is what is touched."""
 
@@ -142,10 +144,31 @@ class ObservedClosure:
     X_AF: Pose | None = None
     X_BF: Pose | None = None
     axis: Vector3 | None = None
+    points: tuple[Vector3, Vector3] | None = None
+    """The point [m] of either link that is held on that of the other, in the frames of the links."""
+    axes: tuple[Vector3, Vector3] | None = None
+    """The direction of either link that is held along that of the other; None where none is held."""
     residual: float | None = None
     """Worst distance [m] over the mechanism's range between what the closure holds together."""
     angle_error: float | None = None
     """Worst deviation [rad or m] over the range of the engine's closed configuration from the reference's."""
+
+    @classmethod
+    def of_frames(
+        cls, name: str, kind: str, ends: tuple[str, str], frames: tuple[Pose, Pose], axis: Vector3 | None
+    ) -> "ObservedClosure":
+        """A closure that is given by a frame on either link.
+
+        Args:
+            name: Its name.
+            kind: A :class:`stepbot.model.JointKind` value, or the format's word.
+            ends: The links.
+            frames: X_AF and X_BF.
+            axis: In the frames; None for kinds that hold none.
+        """
+        points = None if kind == JointKind.PRISMATIC else (frames[0].position, frames[1].position)
+        axes = None if axis is None else (vector3(frames[0].turn(axis)), vector3(frames[1].turn(axis)))
+        return cls(name, kind, *ends, *frames, axis, points, axes)
 
 
 @dataclass(frozen=True)
@@ -159,7 +182,8 @@ class ObservedActuator:
     """An :class:`stepbot.model.ActuatorKind` value, or other words for anything else."""
     kp: float = 0.0
     kv: float = 0.0
-    gear: float = 1.0
+    gear: float | None = 1.0
+    """None where the format has no gears: gains and bounds are those at the joint."""
     control: tuple[float, float] | None = None
     """Lowest and highest input, at the drive."""
     force: tuple[float, float] | None = None

@@ -21,7 +21,7 @@ from ..spatial import Pose, matrix3, turn_inertia, unit, vector3
 from ._gz_plugins import plugin_actuators, plugin_sensors
 from ._sdf_frames import Frames, number_at, read_pose
 from ._sdf_sensors import model_sensors
-from ._sdf_shapes import shapes_of
+from ._sdf_shapes import box_around, shapes_of
 from ._sdf_tree import closing_joints, ends, joints_to_world, read_model
 from .observation import (
     Dynamics,
@@ -111,10 +111,12 @@ def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
         mass,
         X_LI.position,
         matrix3(turn_inertia(X_LI.R, inertia)),
-        seen,
-        touched,
+        box_around(seen),
+        box_around(touched),
         has_visuals=bool(visuals),
         has_collisions=bool(collisions),
+        visuals=seen,
+        collisions=touched,
     )
     return observed, lost + lost_too
 
@@ -188,14 +190,12 @@ def _closure(joint: Element, frames: Frames) -> ObservedClosure:
     """A closing joint; its frame is given in the child, and lies in the parent where it is at q = 0."""
     parent, child = (frames.link_of(name) for name in ends(joint))
     X_MF, axis = frames.X_M(joint.get("name", "")), joint.find("axis")
-    return ObservedClosure(
+    return ObservedClosure.of_frames(
         joint.get("name", ""),
         _kind(joint),
-        parent,
-        child,
-        X_AF=frames.X_M(parent).inverse() @ X_MF,
-        X_BF=frames.X_M(child).inverse() @ X_MF,
-        axis=None if axis is None else vector3(X_MF.inverse().turn(unit(frames.axis(joint, axis)))),
+        (parent, child),
+        (frames.X_M(parent).inverse() @ X_MF, frames.X_M(child).inverse() @ X_MF),
+        None if axis is None else vector3(X_MF.inverse().turn(unit(frames.axis(joint, axis)))),
     )
 
 

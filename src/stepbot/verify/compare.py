@@ -11,7 +11,7 @@ from math import inf, isfinite, nan
 import numpy as np
 
 from ..simulators.observation import Observation, ObservedJoint, ObservedLink, Quantity
-from ..spatial import Array, Vector3, unit
+from ..spatial import Array, angle_between
 from .devices import compare_actuators, compare_sensors
 from .gauge import Gauge
 from .links import link_pairs
@@ -112,18 +112,9 @@ def _compare_axes(gauge: Gauge, reference: Observation, observed: Observation) -
     for a, b in _moving_pairs(reference, observed):
         for words, expected, found in (("axis", a.axis, b.axis), ("second axis", a.axis2, b.axis2)):
             if expected is not None and found is not None:
-                gauge.off(_angle(expected, found), f"{words} of joint '{a.name}'", "rad")
+                gauge.off(angle_between(expected, found), f"{words} of joint '{a.name}'", "rad")
         if a.pitch is not None and b.pitch is not None:
             gauge.near(b.pitch, a.pitch, f"pitch of joint '{a.name}'", "m/rad", abs(a.pitch))
-
-
-def _angle(a: Vector3, b: Vector3) -> float:
-    """Angle [rad] between two directions; not a number where one of them is none."""
-    try:
-        u, v = unit(a), unit(b)
-    except ValueError:
-        return nan
-    return float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
 
 
 def _compare_limits(gauge: Gauge, reference: Observation, observed: Observation) -> None:

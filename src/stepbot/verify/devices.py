@@ -68,16 +68,17 @@ def _compare_actuator(gauge: Gauge, a: ObservedActuator, b: ObservedActuator) ->
     gauge.equal(a.joint == b.joint, f"{who}: on joint '{b.joint}', '{a.joint}' expected")
     gauge.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
     for name in ("gear", "kp", "kv"):
-        expected = getattr(a, name)
-        gauge.near(getattr(b, name), expected, f"{name} of {who}", "SI", abs(expected))
+        expected, seen = getattr(a, name), getattr(b, name)
+        if expected is not None and seen is not None:
+            gauge.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
     for name in ("control", "force"):
         bounds, found = getattr(a, name), getattr(b, name)
         if bounds is None or found is None:
             if bounds is not None and any(map(isfinite, bounds)):
                 gauge.untold.append(f"{name} range")
             continue
-        for side, wanted, seen in zip(("lowest", "highest"), _both_or_none(bounds), _both_or_none(found), strict=True):
-            gauge.near(seen, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
+        for side, wanted, given in zip(("lowest", "highest"), _both_or_none(bounds), _both_or_none(found), strict=True):
+            gauge.near(given, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
 
 
 def _both_or_none(bounds: tuple[float, float]) -> tuple[float, float]:

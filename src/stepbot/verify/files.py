@@ -26,9 +26,10 @@ from .alike import alike
 from .checks import Subject, check_of, checks_without_observation, report_failure
 from .compare import Compared, compare
 from .correspondence import Correspondence
+from .gathering import Gathered, gather
 from .joint_rows import joint_rows
 from .naming import Naming, moved
-from .scouting import Scout
+from .scouting import Scout, in_a_process
 from .telling import told_alike
 
 ENGINE_WARNING = "SB813"
@@ -38,6 +39,19 @@ _PREFERRED = ("mujoco", "reader", "drake", "pybullet", "pinocchio", "yourdfpy")
 """Engines by how much they tell; one that is not named comes after these."""
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """What an engine says without a second one to compare with."""
+_STILL = frozenset(
+    {
+        Quantity.CLOSURES,
+        Quantity.MESHES,
+        Quantity.SHAPES,
+        Quantity.CONTACTS,
+        Quantity.FRAMES,
+        Quantity.ACTUATORS,
+        Quantity.SENSORS,
+        Quantity.INITIAL,
+    }
+)
+"""What two files can be compared in wherever the joints of the first file were when the engines were asked."""
 
 
 def verify_files(
@@ -66,19 +80,14 @@ def verify_files(
         formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
-        asked = _asked(formats, Scout(timeout, memory_limit, start))  # while the engines start
+        asked = ask(formats, Scout(in_a_process(timeout, memory_limit, start)))  # while the engines start
         engines.submit(asked.requests)
         outcomes = engines.results(timeout)
     check_started(required, outcomes, found)
-    by_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in formats}
-    checks: list[Check] = []
-    references = {key: _reference(of_file) for key, of_file in by_file.items()}
-    for key, of_file in by_file.items():
-        checks += _checks_within(key, of_file, references[key], found)
-    checks += _checks_across(references, asked, found)
+    checks = judge(outcomes, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
     notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
-    return Report(tuple(checks), dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table)
+    return Report(checks, dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table)
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:
@@ -109,7 +118,7 @@ def _key(path: Path) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class Asked:
     """What engines are asked about all files."""
 
     requests: Mapping[str, Request]
@@ -122,10 +131,15 @@ class _Asked:
     """The joints of the first file that an engine can load."""
 
 
-def _asked(formats: Mapping[Path, str], scout: Scout) -> _Asked:
+def ask(formats: Mapping[Path, str], scout: Scout, seconds: float = SECONDS) -> Asked:
     """The same poses and motions for all files, in the coordinates of each.
 
     What to ask depends on the joints: one engine per file is asked for them before.
+
+    Args:
+        formats: The files, and what each is written in.
+        scout: Asks that engine.
+        seconds: Length [s] of the passive simulation.
     """
     scouted = {path: seen for path, name in formats.items() if (seen := scout.look(path, name))}
     by = {path: scout.correspondence(next(iter(scouted.values())), other) for path, other in list(scouted.items())[1:]}
@@ -141,12 +155,29 @@ def _asked(formats: Mapping[Path, str], scout: Scout) -> _Asked:
             name,
             configurations=tuple(corresponds.moved(q) for q in drawn),
             rates=tuple(corresponds.moving(q, one) for q, one in zip(drawn, moving, strict=True)),
-            simulate=SECONDS,
+            simulate=seconds,
             balls=names.balls,
             universals=names.universals,
         )
     table = next((joint_rows(one.seen) for one in scouted.values()), ())
-    return _Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
+    return Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
+
+
+def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:
+    """Compare what engines saw: within each file, and file with file.
+
+    Args:
+        outcomes: What came of asking, for all files.
+        asked: What was asked.
+        found: Takes the diagnostics.
+    """
+    by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
+    checks: list[Check] = []
+    for key, of_file in by_file.items():
+        checks += _checks_within(key, of_file, _reference(of_file), found)
+    seen = [ranked for of_file in by_file.values() if (ranked := _ranked(of_file))]
+    checks += _checks_across([gather(ranked) for ranked in seen], asked, found)
+    return tuple(checks)
 
 
 def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:
@@ -173,10 +204,15 @@ def _rank(engine: str) -> int:
     return _PREFERRED.index(engine) if engine in _PREFERRED else len(_PREFERRED)
 
 
+def _ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Those who saw the file, and who tells most first."""
+    seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
+    return sorted(seen, key=lambda outcome: _rank(outcome.engine))
+
+
 def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:
     """What the engine says that tells most."""
-    seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
-    return min(seen, key=lambda outcome: _rank(outcome.engine), default=None)
+    return next(iter(_ranked(outcomes)), None)
 
 
 def _checks_within(
@@ -200,20 +236,30 @@ def _checks_within(
         yield from _reported(subject, results, found)
 
 
-def _checks_across(references: Mapping[str, Outcome | None], asked: _Asked, found: Diagnostics) -> Iterator[Check]:
-    """Every further file against the first, both as the engine sees them that tells most."""
-    seen = {key: outcome for key, outcome in references.items() if outcome is not None}
-    if len(seen) < 2:
-        return
-    (first, reference), *others = seen.items()
-    for key, outcome in others:
-        assert reference.observation is not None
-        assert outcome.observation is not None
-        subject = Subject(key, outcome.format, outcome.engine, f"{first} ({reference.engine})")
-        by = asked.correspondences.get(key, Correspondence(()))
-        pair = told_alike(reference.observation, outcome.observation, by, asked.configurations)
-        pair = alike(*pair)
-        yield from _reported(subject, [one for one in compare(*pair) if one.quantity not in _OWN], found)
+def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
+    """Every further file against the first, and in what the first does not tell against the others before it."""
+    for number, theirs in enumerate(gathered):
+        compared = set(_OWN)
+        for ours in gathered[:number]:
+            first = ours is gathered[0]
+            results = [
+                one
+                for one in _compared_across(ours, theirs, asked, first=first)
+                if one.quantity not in compared and (first or (one.quantity in _STILL and not one.not_run))
+            ]
+            compared |= {one.quantity for one in results if not one.not_run}
+            for one in results:
+                against = f"{ours.key} ({ours.engine(one.quantity)})"
+                subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)
+                yield from _reported(subject, [one], found)
+
+
+def _compared_across(ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool) -> tuple[Compared, ...]:
+    pair = ours.observation, theirs.observation
+    if first:
+        by = asked.correspondences.get(theirs.key, Correspondence(()))
+        pair = told_alike(*pair, by, asked.configurations)
+    return compare(*alike(*pair))
 
 
 def _reported(subject: Subject, results: Iterable[Compared], found: Diagnostics) -> Iterator[Check]:

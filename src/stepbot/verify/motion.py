@@ -1,10 +1,12 @@
 """Comparison of what moves: poses, equations of motion, closures."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..dynamics import GRAVITY
 from ..simulators.observation import Observation, ObservedClosure
-from ..spatial import Array
+from ..spatial import Array, angle_between, vector3
 from ..sums import exact_sum
 from .gauge import Gauge
 from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
@@ -110,16 +112,14 @@ def compare_closures(gauge: Gauge, reference: Observation, observed: Observation
 
 def _turned(closure: ObservedClosure) -> ObservedClosure:
     """The same closure, told from its other end."""
-    return ObservedClosure(
-        closure.name,
-        closure.kind,
-        closure.link_b,
-        closure.link_a,
-        closure.X_BF,
-        closure.X_AF,
-        closure.axis,
-        closure.residual,
-        closure.angle_error,
+    return replace(
+        closure,
+        link_a=closure.link_b,
+        link_b=closure.link_a,
+        X_AF=closure.X_BF,
+        X_BF=closure.X_AF,
+        points=closure.points and closure.points[::-1],
+        axes=closure.axes and closure.axes[::-1],
     )
 
 
@@ -135,6 +135,7 @@ def _compare_closure(
         gauge.off(X.distance_to(Y)[1], f"{name}, frame on link {side}", "rad")
     if ours.axis is not None and found.axis is not None:
         gauge.off(float(np.linalg.norm(np.subtract(ours.axis, found.axis))), f"axis of {name}", "rad")
+    _compare_held(gauge, name, ours, found)
     # A loop that the CAD cannot close has no exact answer, and each solver spreads the gap in its own way.
     own = ours.residual or 0.0
     reach = max((float(np.linalg.norm(X.p)) for X in (ours.X_AF, ours.X_BF) if X is not None), default=0.0)
@@ -144,3 +145,20 @@ def _compare_closure(
         allowed = Tolerance(DRIVEN_ANGLE.get(engine, gauge.tolerance.absolute), relative=10.0)
         where = f"following joints of {name}"
         gauge.off(found.angle_error, where, "rad or m", own / (reach or 1.0), tolerance=allowed)
+
+
+def _compare_held(gauge: Gauge, name: str, ours: ObservedClosure, found: ObservedClosure) -> None:
+    """The points and the axes that a closure holds together; which way along it an axis points makes no other one."""
+    if ours.points is None or found.points is None:
+        return
+    for side, expected, seen in zip("ab", ours.points, found.points, strict=True):
+        gauge.off(float(np.linalg.norm(np.subtract(seen, expected))), f"{name}, point on link {side}", "m")
+    wrong = f"{name} holds " + ("no axis" if ours.axes else "an axis that is not in the robot")
+    gauge.equal((ours.axes is None) == (found.axes is None), wrong)
+    if ours.axes is None or found.axes is None:
+        return
+    lengths = [np.linalg.norm(axes[0]) / np.linalg.norm(axes[1]) for axes in (ours.axes, found.axes)]
+    gauge.off(abs(float(lengths[1] - lengths[0])), f"{name}, points on its axis", "of their distance")
+    way = 1.0 if np.dot(ours.axes[0], found.axes[0]) > 0.0 else -1.0
+    for side, axis, other in zip("ab", ours.axes, found.axes, strict=True):
+        gauge.off(angle_between(axis, vector3(way * np.array(other))), f"{name}, axis on link {side}", "rad")

@@ -1,11 +1,11 @@
 """Looks at files before they are compared: which joints they have, and how these correspond from file to file."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..isolation import RemoteError, Start, Worker, WorkerDied
-from ..simulators import engines_for
+from ..simulators import Engine, engines_for
 from ..simulators.observation import Observation, Request
 from ..spatial import Pose
 from .bounds import without_stand_ins
@@ -17,6 +17,30 @@ _SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
 """Engines in the order in which they are asked for the joints: those that read mimics first."""
 
 
+Observe = Callable[[Engine, Request], Observation | None]
+"""Asks an engine; None where it fails: it is asked again later, and its failure reported then."""
+
+
+def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) -> Observe:
+    """Asks engines, each in a process of its own.
+
+    Args:
+        timeout: Seconds that an engine may take.
+        memory_limit: Address space [bytes]; None for no limit.
+        start: What starts the process; None to start a new interpreter.
+    """
+
+    def observe(engine: Engine, request: Request) -> Observation | None:
+        with Worker(f"{engine.__name__}:observe", memory_limit=memory_limit, start=start) as worker:
+            try:
+                seen: Observation = worker.submit(request).result(timeout)
+            except (RemoteError, WorkerDied):
+                return None
+            return seen
+
+    return observe
+
+
 @dataclass(frozen=True, eq=False)
 class Scouted:
     """What the first engine sees of a file that can load it; what the others say of it is asked later."""
@@ -25,30 +49,24 @@ class Scouted:
     """With the poses of the links where all joints are at 0."""
     asked: Request
     naming: Naming
-    engine: str
-    """Its module."""
+    engine: Engine
 
 
 @dataclass(frozen=True)
 class Scout:
     """Asks one engine about a file."""
 
-    timeout: float
-    """[s]."""
-    memory_limit: int | None = None
-    """Address space [bytes]; None for no limit."""
-    start: Start | None = None
-    """What starts its process; None to start a new interpreter."""
+    observe: Observe
 
     def look(self, path: Path, written_in: str) -> Scouted | None:
         """What there is in a file; None where no engine can tell."""
         asked = Request(str(path.resolve()), written_in, configurations=({},), simulate=0.0)
         for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
             if engine.available() is None:
-                seen = self._observe(engine.__name__, asked)
+                seen = self.observe(engine, asked)
                 if seen is not None:
                     seen = without_stand_ins(seen)
-                    return Scouted(seen, asked, naming(seen), engine.__name__)
+                    return Scouted(seen, asked, naming(seen), engine)
         return None
 
     def correspondence(self, first: Scouted, other: Scouted) -> Correspondence:
@@ -75,19 +93,11 @@ class Scout:
             balls=scouted.naming.balls,
             universals=scouted.naming.universals,
         )
-        seen = self._observe(scouted.engine, request)
+        seen = self.observe(scouted.engine, request)
         if seen is None or len(seen.poses) != 1 + len(names):
             return None
         moved = dict(zip(names, seen.poses[1:], strict=True))
         return [_chain(edge, scouted.naming, seen.poses[0], moved) for edge in edges]
-
-    def _observe(self, engine: str, request: Request) -> Observation | None:
-        with Worker(f"{engine}:observe", memory_limit=self.memory_limit, start=self.start) as worker:
-            try:
-                seen: Observation = worker.submit(request).result(self.timeout)
-            except (RemoteError, WorkerDied):  # the engine is asked again later, and its failure reported there
-                return None
-            return seen
 
 
 def _chain(edge: Edge, naming: Naming, at_zero: Mapping[str, Pose], moved: Mapping[str, Mapping[str, Pose]]) -> Chain:

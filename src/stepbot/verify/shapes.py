@@ -1,5 +1,6 @@
 """Comparison of what links show and touch with: its extent, its names and colours, and which links touch."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,8 +10,13 @@ from .gauge import Gauge
 from .links import link_pairs
 from .tolerances import COLOR
 
-_RENAMED = "_geom"
-"""What a name ends in, before a number, where a format wants visuals and collisions named apart."""
+_RENAMED = re.compile(r"_geom(_\d+)?$")
+"""What a name ends in where a format wants visuals and collisions named apart."""
+
+
+def plain_name(name: str) -> str:
+    """The name of a shape, without what a format adds to it."""
+    return _RENAMED.sub("", name)
 
 
 def compare_meshes(gauge: Gauge, reference: Observation, observed: Observation) -> None:
@@ -27,6 +33,27 @@ def compare_meshes(gauge: Gauge, reference: Observation, observed: Observation) 
                 gauge.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
             elif expected is not None:
                 gauge.untold.append(f"{side} boxes")
+            _compare_boxes(gauge, f"{side} {{}} of link '{a.name}'", getattr(a, f"{side}s"), getattr(b, f"{side}s"))
+
+
+def _compare_boxes(
+    gauge: Gauge,
+    where: str,
+    expected: Sequence[ObservedShape] | None,
+    found: Sequence[ObservedShape] | None,
+) -> None:
+    """The box around each shape, where both sides have as many; the number of shapes is compared with their names."""
+    if expected is None or found is None or len(expected) != len(found):
+        return
+    for number, (a, b) in enumerate(zip(expected, found, strict=True), start=1):
+        if a.bounds is not None and b.bounds is not None:
+            off = float(np.abs(np.subtract(b.bounds, a.bounds)).max())
+            diagonal = float(np.linalg.norm(np.subtract(a.bounds[1], a.bounds[0])))
+            gauge.off(off, f"box of {where.format(_called(a, number))}", "m", diagonal)
+
+
+def _called(shape: ObservedShape, number: int) -> str:
+    return f"'{shape.name}'" if shape.name else str(number)
 
 
 def _compare_presence(gauge: Gauge, a: ObservedLink, b: ObservedLink, side: str) -> None:
@@ -55,10 +82,9 @@ def _compare_series(
 ) -> None:
     gauge.equal(len(expected) == len(found), f"{where.format('shapes')}: {len(found)}, {len(expected)} expected")
     for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
-        which = where.format(f"'{a.name}'" if a.name else str(number))
+        which = where.format(_called(a, number))
         if a.name is not None and b.name is not None:
-            same = a.name == b.name or b.name.startswith(f"{a.name}{_RENAMED}")
-            gauge.equal(same, f"{which}: named '{b.name}'")
+            gauge.equal(a.name in (b.name, plain_name(b.name)), f"{which}: named '{b.name}'")
         if a.rgba is not None and b.rgba is not None:
             _compare_colors(gauge, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:

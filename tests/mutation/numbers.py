@@ -1,0 +1,176 @@
+"""Changing one number of a file at a time, and which changes are large enough to be another robot."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from stepbot.simulators.observation import Quantity
+from stepbot.spatial import Pose, angle_between
+from stepbot.verify.tolerances import COLOR, TOLERANCES
+
+from .removal import kind_of, path_of
+
+PART = 0.01
+"""What is added to a number, as a part of it, where its sign is not turned."""
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_WHOLE = re.compile(r"(group|contype|conaffinity|count|resolution|width|height|samples)$")
+"""What holds whole numbers: one more or one less, or the other sign."""
+_NO_NUMBERS = re.compile(r"(.*@(name|version|filename|file|type|key|class|mesh))$")
+_ANY = TOLERANCES[Quantity.DYNAMICS]
+_POSES, _SHAPES = TOLERANCES[Quantity.POSES].absolute, TOLERANCES[Quantity.MESHES].absolute
+_ANGLE = TOLERANCES[Quantity.AXES].absolute
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Numbers that stand together in an attribute or an element."""
+
+    path: str
+    kind: str
+    element: int
+    """Number of the element in the file."""
+    attribute: str
+    """Empty for the text of the element."""
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Change:
+    """One number of a file, changed."""
+
+    path: str
+    """Where it is: tags down from the root, with names where elements have them."""
+    kind: str
+    """``element`` or ``element@attribute``, with the tag of the element above, for tables."""
+    old: str
+    new: str
+    content: bytes
+    """The file with it."""
+
+
+def changes(content: bytes, seed: str) -> Iterator[Change]:
+    """Every number but zeros, in an order drawn at random: one part in a hundred more, or the other sign.
+
+    What is below the tolerance of its quantity, and so the same robot, is left out.
+    """
+    random = Random(seed)
+    top = etree.fromstring(content)
+    every = [(slot, index) for slot in _slots(top) for index, word in enumerate(slot.words) if float(word)]
+    random.shuffle(every)
+    for slot, index in every:
+        old = slot.words[index]
+        new = _other(slot, old, random)
+        words = (*slot.words[:index], new, *slot.words[index + 1 :])
+        if not _is_another(top, slot, words):
+            continue
+        changed = etree.fromstring(content)
+        element = _elements(changed)[slot.element]
+        if slot.attribute:
+            element.set(slot.attribute, " ".join(words))
+        else:
+            element.text = " ".join(words)
+        yield Change(slot.path, slot.kind, old, new, etree.tostring(changed, encoding="UTF-8", xml_declaration=True))
+
+
+def _other(slot: Slot, old: str, random: Random) -> str:
+    value = float(old)
+    if random.random() < 0.5:
+        return repr(-value) if "." in old or "e" in old.lower() else str(-int(value))
+    if _WHOLE.search(slot.kind):
+        return str(int(value) + 1)
+    return repr(value * (1.0 + PART))
+
+
+def _elements(top: Any) -> list[Any]:
+    return [element for element in top.iter() if isinstance(element.tag, str)]
+
+
+def _slots(top: Any) -> Iterator[Slot]:
+    for number, element in enumerate(_elements(top)):
+        given = [("", element.text or ""), *element.attrib.items()]
+        for attribute, text in given:
+            words = tuple(text.split())
+            kind = f"{kind_of(element)}@{attribute}" if attribute else kind_of(element)
+            if words and not _NO_NUMBERS.match(kind) and all(_NUMBER.fullmatch(word) for word in words):
+                where = f"{path_of(element)}@{attribute}" if attribute else path_of(element)
+                yield Slot(where, kind, number, attribute, words)
+
+
+def _is_another(top: Any, slot: Slot, words: Sequence[str]) -> bool:
+    """Whether a change is beyond the tolerance of the quantity that the numbers belong to."""
+    old, new = ([float(word) for word in side] for side in (slot.words, words))
+    off = max(abs(a - b) for a, b in zip(old, new, strict=True))
+    kind = slot.kind
+    if re.search(r"inertia(/i..|@i..)$|fullinertia$|diaginertia$", kind):
+        return off > TOLERANCES[Quantity.INERTIA].allowed(_largest_moment(top, slot))
+    if re.search(r"inertial/(pose|origin@xyz)$|inertial@pos$", kind):
+        return off > TOLERANCES[Quantity.COM].allowed(_size(top, slot))
+    if re.search(r"(rgba|ambient|diffuse|specular|emissive)$", kind):
+        return off > COLOR.allowed(0.0)
+    if re.search(r"(axis2?/xyz|axis2?@xyz|@axis)$", kind):
+        return angle_between(old, new) > _ANGLE
+    if kind.endswith("@quat"):
+        return _turned(Pose.from_quaternion(_four(old)), Pose.from_quaternion(_four(new)))
+    if kind.endswith("@rpy"):
+        return _turned(Pose.from_xyz_rpy((0.0, 0.0, 0.0), old), Pose.from_xyz_rpy((0.0, 0.0, 0.0), new))
+    if kind.endswith("/pose"):
+        moved = max(abs(a - b) for a, b in zip(old[:3], new[:3], strict=True))
+        X, Y = (Pose.from_xyz_rpy(side[:3], side[3:]) for side in (old, new))
+        return moved > _length(kind) or _turned(X, Y)
+    if re.search(r"(@pos|@xyz)$", kind):
+        return off > _length(kind)
+    if re.search(r"(box|cylinder|sphere|capsule)[/@]|geom@size|mesh[/@]scale", kind):
+        return off > _SHAPES
+    return off > _ANY.allowed(max(map(abs, old)))
+
+
+def _length(kind: str) -> float:
+    """How far [m] something may be moved."""
+    shape = re.search(r"(visual|collision)/(pose|origin)|geom@pos", kind)
+    return _SHAPES if shape else _POSES
+
+
+def _turned(X: Pose, Y: Pose) -> bool:
+    return X.distance_to(Y)[1] > _ANGLE
+
+
+def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
+    w, x, y, z = values
+    return w, x, y, z
+
+
+def _inertial(top: Any, slot: Slot) -> Any:
+    element = _elements(top)[slot.element]
+    return next(one for one in (element, *element.iterancestors()) if one.tag == "inertial")
+
+
+def _moments(inertial: Any) -> list[float]:
+    """All that stands in an inertial of moments and products of inertia."""
+    texts = [inertial.get("fullinertia") or inertial.get("diaginertia") or ""]
+    for inertia in inertial.findall("inertia"):
+        texts += [*inertia.attrib.values(), *(one.text or "" for one in inertia)]
+    return [float(word) for text in texts for word in text.split()]
+
+
+def _largest_moment(top: Any, slot: Slot) -> float:
+    return max(map(abs, _moments(_inertial(top, slot))))
+
+
+def _size(top: Any, slot: Slot) -> float:
+    """The size [m] of a link as the tolerance of its centre of mass has it: distance or radius of gyration."""
+    inertial = _inertial(top, slot)
+    mass = float(inertial.get("mass") or inertial.findtext("mass") or inertial.find("mass").get("value"))
+    text = inertial.get("pos") or inertial.findtext("pose")
+    text = text if text is not None else inertial.find("origin").get("xyz")
+    distance = float(np.linalg.norm([float(word) for word in text.split()][:3]))
+    inertia = inertial.find("inertia")
+    if inertia is None:
+        diagonal = _moments(inertial)[:3]
+    else:
+        diagonal = [float(inertia.get(name) or inertia.findtext(name)) for name in ("ixx", "iyy", "izz")]
+    return max(distance, float(np.sqrt(max(sum(diagonal), 0.0) / (2.0 * mass)))) if mass else distance
