@@ -52,7 +52,8 @@ class Commands(Group):
 @click.command(
     cls=Commands,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit codes: 0 clean, 1 findings, 2 could not run (bad option, missing file, missing package).",
+    epilog="Example: stepbot convert arm.robot.yaml -o arm\n\n"
+    "Exit codes: 0 clean, 1 findings, 2 could not run (bad option, missing file, missing package).",
 )
 @click.version_option(stepbot.__version__, prog_name="stepbot")
 def application() -> None:

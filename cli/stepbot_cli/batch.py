@@ -38,7 +38,9 @@ def _cores(text: str) -> int:
     return int(text)
 
 
-@click.command(cls=Command, short_help="Convert and verify many robots.")
+@click.command(
+    cls=Command, short_help="Convert and verify many robots.", epilog="Example: stepbot batch robots/ -o out -j 4"
+)
 @click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Gets a folder per robot."

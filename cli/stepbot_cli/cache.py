@@ -10,7 +10,7 @@ from .sizes import in_words
 from .terminal import write_json, write_result
 
 
-@click.group(cls=Group, short_help="Show or clear the results that are kept.")
+@click.group(cls=Group, short_help="Show or clear the results that are kept.", epilog="Example: stepbot cache info")
 def command() -> None:
     """Results are kept by the content of everything that they depend on, so a stale one is never used.
 
@@ -19,7 +19,9 @@ def command() -> None:
     """
 
 
-@command.command("info", cls=Command, short_help="Where the cache is, and how large.")
+@command.command(
+    "info", cls=Command, short_help="Where the cache is, and how large.", epilog="Example: stepbot cache info --json"
+)
 @folder_option
 @json_option
 def info(cache: Path | None, as_json: bool) -> int:
@@ -37,7 +39,7 @@ def info(cache: Path | None, as_json: bool) -> int:
     return 0
 
 
-@command.command("clear", cls=Command, short_help="Remove all that is kept.")
+@command.command("clear", cls=Command, short_help="Remove all that is kept.", epilog="Example: stepbot cache clear")
 @folder_option
 @json_option
 def clear(cache: Path | None, as_json: bool) -> int:

@@ -41,7 +41,11 @@ class CheckCommand(Command):
         return super().parse_args(ctx, joined)
 
 
-@click.command(cls=CheckCommand, short_help="Check sidecars without writing anything.")
+@click.command(
+    cls=CheckCommand,
+    short_help="Check sidecars without writing anything.",
+    epilog="Example: stepbot check --step arm.robot.yaml",
+)
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
 @click.option(
     "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."

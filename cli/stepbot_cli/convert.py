@@ -40,7 +40,11 @@ strict_option = click.option("--strict", is_flag=True, help="Turn warnings, and 
 no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
 
 
-@click.command(cls=Command, short_help="Write and verify URDF, SDFormat and MJCF.")
+@click.command(
+    cls=Command,
+    short_help="Write and verify URDF, SDFormat and MJCF.",
+    epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm",
+)
 @click.argument("sidecar", type=click.Path(path_type=Path))
 @click.option(
     "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one that SIDECAR names."

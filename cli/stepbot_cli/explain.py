@@ -13,7 +13,7 @@ from .terminal import write_result
 WIDTH = 100
 
 
-@click.command(cls=Command, short_help="Say what a diagnostic code means.")
+@click.command(cls=Command, short_help="Say what a diagnostic code means.", epilog="Example: stepbot explain SB301")
 @click.argument("code", required=False)
 def command(code: str | None) -> int:
     """Say what a diagnostic CODE means, why it matters, and how to fix it.

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from stepbot.writers import Writer
 
 
-@click.command(cls=Command, short_help="List the formats that can be written.")
+@click.command(
+    cls=Command, short_help="List the formats that can be written.", epilog="Example: stepbot formats --json"
+)
 @json_option
 def command(as_json: bool) -> int:
     """List the formats that can be written, and what each of them cannot say."""

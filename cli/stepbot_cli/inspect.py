@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from .inspection_rows import Choice
 
 
-@click.command(cls=Command, short_help="Show what a STEP file holds.")
+@click.command(
+    cls=Command,
+    short_help="Show what a STEP file holds.",
+    epilog="Example: stepbot inspect arm.step --between base forearm",
+)
 @click.argument("step", metavar="STEP", type=click.Path(path_type=Path))
 @click.option(
     "--features", is_flag=True, help="List the axis lines of each component, with the origin that means each."

@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 WIDTH = 100
 
 
-@click.group(cls=Group, short_help="List, show or export the robots that come with stepbot.")
+@click.group(
+    cls=Group,
+    short_help="List, show or export the robots that come with stepbot.",
+    epilog="Example: stepbot library export ur5e -o ur5e",
+)
 def command() -> None:
     """Robots that come with stepbot, each a STEP file, a sidecar and a page that tells where every number is from.
 
@@ -30,7 +34,7 @@ def command() -> None:
     """
 
 
-@command.command("list", cls=Command, short_help="Name all robots.")
+@command.command("list", cls=Command, short_help="Name all robots.", epilog="Example: stepbot library list")
 @json_option
 def list_(as_json: bool) -> int:
     """Print the name of every robot, and what it is."""
@@ -44,7 +48,7 @@ def list_(as_json: bool) -> int:
     return 0
 
 
-@command.command("show", cls=Command, short_help="Show one robot.")
+@command.command("show", cls=Command, short_help="Show one robot.", epilog="Example: stepbot library show ur5e")
 @click.argument("name")
 @json_option
 def show(name: str, as_json: bool) -> int:
@@ -65,7 +69,12 @@ def show(name: str, as_json: bool) -> int:
     return 0
 
 
-@command.command("export", cls=Command, short_help="Write one robot in the formats you want.")
+@command.command(
+    "export",
+    cls=Command,
+    short_help="Write one robot in the formats you want.",
+    epilog="Example: stepbot library export four_bar -f mjcf -o four_bar",
+)
 @click.argument("name")
 @format_option
 @click.option(

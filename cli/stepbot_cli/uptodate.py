@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from stepbot.conversion import Options
 
 
-@click.command(cls=Command, short_help="Check that written files are what would be written now.")
+@click.command(
+    cls=Command,
+    short_help="Check that written files are what would be written now.",
+    epilog="Example: stepbot uptodate arm.robot.yaml -o arm",
+)
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
 @click.option(
     "-o",

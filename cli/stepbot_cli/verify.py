@@ -16,7 +16,11 @@ from .table import show_table
 from .terminal import Display, show_diagnostics, write_json
 
 
-@click.command(cls=Command, short_help="Compare what engines see in robot files, anyone's.")
+@click.command(
+    cls=Command,
+    short_help="Compare what engines see in robot files, anyone's.",
+    epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco",
+)
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @require_option

@@ -1,7 +1,13 @@
 """Exit codes, streams and what is shown of faults, for all commands alike."""
 
 import json
+import os
+import shlex
+import shutil
+import subprocess
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 
 import click
 import pytest
@@ -46,6 +52,53 @@ def test_every_command_has_help(name: str, capsys: pytest.CaptureFixture[str]) -
     code, out, _ = run(capsys, name, "-h")
     assert code == 0
     assert out.startswith(f"Usage: stepbot {name} ")
+
+
+def commands(group: click.Group, *above: str) -> Iterator[tuple[str, ...]]:
+    """All commands, and those below them."""
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        yield (*above, name)
+        below = group.get_command(context, name)
+        if isinstance(below, click.Group):
+            yield from commands(below, *above, name)
+
+
+@pytest.mark.parametrize("names", [(), *commands(application.application)], ids=" ".join)
+def test_every_help_has_an_example(names: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    """The example is of this command, has arguments that the command takes, and is not broken over lines."""
+    code, out, _ = run(capsys, *names, "--help")
+    assert code == 0
+    (example,) = [line.strip() for line in out.splitlines() if line.strip().startswith("Example: ")]
+    words = shlex.split(example.removeprefix("Example: ").partition(" > ")[0])
+    assert tuple(words[: 1 + len(names)]) == ("stepbot", *names)
+    group: click.Command = application.application
+    context = click.Context(group, info_name="stepbot")
+    words = words[1:]
+    while isinstance(group, click.Group):
+        found = group.get_command(context, words.pop(0))
+        assert found is not None
+        group = found
+    group.make_context("example", words)
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shell_completion(shell: str) -> None:
+    """Each shell gets its script, and with it the names of commands, as the documentation says."""
+    stepbot_script = Path(sys.executable).with_name("stepbot")
+    if not stepbot_script.exists():
+        pytest.skip("no console script beside the interpreter")
+    if shell == "bash" and shutil.which("bash") is None:
+        pytest.skip("no bash, whose version click looks at")
+    environment = {**os.environ, "_STEPBOT_COMPLETE": f"{shell}_source"}
+    script = subprocess.run([stepbot_script], env=environment, capture_output=True, text=True, check=True).stdout
+    assert f"_STEPBOT_COMPLETE={shell}_complete" in script
+    if shell == "bash":
+        environment |= {"_STEPBOT_COMPLETE": "bash_complete", "COMP_WORDS": "stepbot con", "COMP_CWORD": "1"}
+        answer = subprocess.run([stepbot_script], env=environment, capture_output=True, text=True, check=True).stdout
+        assert answer.split() == ["plain,convert"]
+    page = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    assert f"_STEPBOT_COMPLETE={shell}_source stepbot" in page
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
