@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepbot.diagnostics import did_you_mean
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
 from .columns import aligned
 from .command import Command, Group, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import working_options
-from .terminal import Display, write_json, write_result
+from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.conversion import Options
@@ -84,6 +84,11 @@ def show(name: str, as_json: bool) -> int:
     metavar="DIR",
     help="Folder for the files.  [default: named like the robot, in the current folder]",
 )
+@click.option(
+    "--source",
+    is_flag=True,
+    help="Write the STEP and the sidecar themselves, to change and convert, and no robot files.",
+)
 @no_verify_option
 @working_options
 @json_option
@@ -93,16 +98,48 @@ def export(
     name: str,
     formats: tuple[str, ...],
     output: Path | None,
+    source: bool,
     no_verify: bool,
     as_json: bool,
     display: Display,
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
     robot = _found(name)
+    if source:
+        if formats or no_verify:
+            raise click.UsageError("--source writes what robot files are made from: leave out --format and --no-verify")
+        return _export_source(robot, output or Path(robot.short_name), as_json=as_json, display=display)
     options = replace(
         options, output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
     )
     return run_conversion(robot.sidecar, options, as_json=as_json, display=display)
+
+
+def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, display: Display) -> int:
+    """Write the drawing, the sidecar and its schema; where another file of such a name is there, nothing is written."""
+    files, found = robot.source(), Diagnostics()
+    help = ["-o DIR names another folder"]
+    for name, content in files.items():
+        path = folder / name
+        if path.exists() and not (path.is_file() and path.read_bytes() == content):
+            found.add("SB004", "is there already, and is another file", Span(path.as_posix()), help=help)
+    if not found.has_errors:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for name, content in files.items():
+                (folder / name).write_bytes(content)
+        except OSError as error:
+            found.add(
+                "SB004", f"cannot write: {error.strerror or error}", Span(str(error.filename or folder)), help=help
+            )
+    if as_json:
+        written = [] if found.has_errors else sorted(files)
+        write_json({"output": folder.as_posix(), "files": written, "diagnostics": found, "exit_code": found.exit_code})
+    elif found.has_errors:
+        show_diagnostics(found, display)
+    else:
+        write_result("\n".join((folder / name).as_posix() for name in files))
+    return found.exit_code
 
 
 def _found(name: str) -> "LibraryRobot":

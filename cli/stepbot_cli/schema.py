@@ -1,9 +1,14 @@
-"""``stepbot schema``: the JSON Schema of the sidecar."""
+"""``stepbot schema``: the JSON Schema of the sidecar, and how an editor is told of it."""
+
+import json
 
 import click
 
 from .command import Command
 from .terminal import write_result
+
+FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
+"""What sidecars are called."""
 
 
 @click.command(
@@ -11,8 +16,15 @@ from .terminal import write_result
     short_help="Print the JSON Schema of the sidecar.",
     epilog="Example: stepbot schema > robot-1.schema.json",
 )
-def command() -> int:
+@click.option("--vscode", is_flag=True, help="Print the settings that make VS Code use it for every sidecar.")
+def command(vscode: bool) -> int:
     """Print the JSON Schema of the sidecar, for editors and scripts."""
+    if vscode:
+        from stepbot.library import schema_file
+
+        settings = {"yaml.schemas": {schema_file().as_uri(): list(FILES)}}
+        write_result(json.dumps(settings, indent=2, ensure_ascii=False))
+        return 0
     from stepbot.sidecar.schema import schema_text
 
     write_result(schema_text())

@@ -10,6 +10,9 @@ from pathlib import Path
 _PACKAGE = Path(__file__).resolve().parent
 _PLACES = (_PACKAGE / "robots", _PACKAGE.parents[1] / "robot_library")
 """In an installed package; in a checkout."""
+SCHEMA = "robot-1.schema.json"
+"""Name of the file with the JSON Schema of sidecars."""
+_SCHEMA_LINE = "# yaml-language-server: $schema="
 _SIDECAR = ".robot.yaml"
 _FACTS = re.compile(r"^(\d+ links?, .*\bkg)$", re.MULTILINE)
 _PICTURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
@@ -44,6 +47,13 @@ class LibraryRobot:
         """What is said of it: sources of its numbers, licence, joints, links, verification; Markdown."""
         return self.folder / "README.md"
 
+    def source(self) -> dict[str, bytes]:
+        """Its drawing, its sidecar and the schema that the sidecar names, by the names that they have in one folder."""
+        lines = self.sidecar.read_text(encoding="utf-8").splitlines(keepends=True)
+        text = "".join(f"{_SCHEMA_LINE}{SCHEMA}\n" if line.startswith(_SCHEMA_LINE) else line for line in lines)
+        files = {self.step.name: self.step.read_bytes(), self.sidecar.name: text.encode()}
+        return {**files, SCHEMA: schema_file().read_bytes()}
+
     def overview(self) -> str:
         """The first paragraph of its page, on one line."""
         paragraphs = self._text().split("\n\n")[1:]
@@ -67,6 +77,11 @@ class LibraryRobot:
 
     def _text(self) -> str:
         return self.page.read_text(encoding="utf-8")
+
+
+def schema_file() -> Path:
+    """The JSON Schema of sidecars, as a file: in an installed package, or in a checkout."""
+    return next(path for place in _PLACES if (path := place.parent / "schemas" / SCHEMA).exists())
 
 
 def library_robots() -> tuple[LibraryRobot, ...]:

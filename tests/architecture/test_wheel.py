@@ -1,6 +1,7 @@
 """The wheel has what it must, and nothing else."""
 
 import os
+import posixpath
 import subprocess
 import sys
 import venv
@@ -40,7 +41,8 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
         if file.suffix == ".py" or file.name == "py.typed"
     }
     content = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    assert {name for name in content if not name.startswith("stepbot/robots/")} == modules
+    data = ("stepbot/robots/", "stepbot/schemas/")
+    assert {name for name in content if not name.startswith(data)} == modules
     assert {"stepbot/py.typed", "stepbot_cli/py.typed"} <= content
 
 
@@ -52,6 +54,19 @@ def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile)
     assert content == {f"stepbot/robots/{file.relative_to(library).as_posix()}" for file in kept}
     assert wheel.filename is not None
     assert Path(wheel.filename).stat().st_size < LARGEST
+
+
+def test_sidecars_in_the_wheel_point_to_their_schema(wheel: zipfile.ZipFile) -> None:
+    """The first line of each sidecar leads to the schema in the wheel, as it does in a checkout."""
+    names = set(wheel.namelist())
+    sidecars = [name for name in names if name.endswith(".robot.yaml")]
+    assert sidecars
+    for name in sidecars:
+        first = wheel.read(name).decode().partition("\n")[0]
+        target = first.removeprefix("# yaml-language-server: $schema=")
+        assert posixpath.normpath(posixpath.join(posixpath.dirname(name), target)) in names, (name, first)
+    schema = (ROOT / "schemas" / "robot-1.schema.json").read_bytes()
+    assert wheel.read("stepbot/schemas/robot-1.schema.json") == schema
 
 
 @pytest.mark.long
@@ -75,6 +90,10 @@ def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
     shown = run("stepbot", "library", "show", "ur5e")
     assert str(tmp_path / "venv") in shown
     assert "shoulder_pan_joint" in shown
+    run("stepbot", "library", "export", "arm2", "--source", "-o", ".")
+    run("stepbot", "convert", "arm2.robot.yaml", "--no-verify", "--no-cache")
+    assert (tmp_path / "arm2" / "arm2.urdf").is_file()
+    assert "robots/robot-1" not in run("stepbot", "schema", "--vscode")
     told = run("stepbot", "library", "export", "four_bar", "-f", "mjcf", "-o", "four_bar", "--no-cache")
     assert "files in four_bar" in told
     assert (tmp_path / "four_bar" / "four_bar.xml").is_file()

@@ -1,7 +1,9 @@
 """``stepbot library``: the robots that come with stepbot."""
 
 import json
+from fnmatch import fnmatch
 from pathlib import Path
+from urllib.request import url2pathname
 
 import pytest
 
@@ -39,6 +41,45 @@ def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) 
     run = stepbot("library", "show", name)
     assert (run.code, run.out) == (2, "")
     assert remedy in " ".join(run.err.split())
+
+
+def test_export_of_the_source(
+    stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
+) -> None:
+    """The STEP and the sidecar, which converts and names a schema beside it; what somebody has changed is kept."""
+    monkeypatch.chdir(tmp_path)
+    run = stepbot("library", "export", "arm2", "--source")
+    assert (run.code, run.err) == (0, "")
+    assert run.out.split() == ["arm2/arm2.step", "arm2/arm2.robot.yaml", "arm2/robot-1.schema.json"]
+    original = robot_library / "stepbot_arm2"
+    assert (tmp_path / "arm2" / "arm2.step").read_bytes() == (original / "arm2.step").read_bytes()
+    sidecar = tmp_path / "arm2" / "arm2.robot.yaml"
+    text = sidecar.read_text(encoding="utf-8")
+    first, _, rest = text.partition("\n")
+    assert first == "# yaml-language-server: $schema=robot-1.schema.json"
+    assert rest == (original / "arm2.robot.yaml").read_text(encoding="utf-8").partition("\n")[2]
+    assert (tmp_path / "arm2" / "robot-1.schema.json").read_text(encoding="utf-8") == stepbot("schema").out
+    assert stepbot("check", "--step", "arm2/arm2.robot.yaml").code == 0
+    assert stepbot("library", "export", "arm2", "--source").code == 0, "the same again is no conflict"
+    sidecar.write_text(text + "# mine\n", encoding="utf-8")
+    (tmp_path / "arm2" / "arm2.step").unlink()
+    run = stepbot("library", "export", "arm2", "--source")
+    assert run.code == 2
+    assert "arm2/arm2.robot.yaml: error[SB004]" in run.out + run.err
+    assert sidecar.read_text(encoding="utf-8").endswith("# mine\n")
+    assert not (tmp_path / "arm2" / "arm2.step").exists()
+    assert stepbot("library", "export", "arm2", "--source", "-f", "urdf").code == 2
+    document = json.loads(stepbot("library", "export", "arm2", "--source", "-o", "b", "--json").out)
+    assert document["files"] == ["arm2.robot.yaml", "arm2.step", "robot-1.schema.json"]
+
+
+def test_settings_of_an_editor_point_to_the_schema(stepbot: Stepbot) -> None:
+    """`schema --vscode` names a file that exists and holds the schema, and patterns that match sidecars."""
+    settings = json.loads(stepbot("schema", "--vscode").out)["yaml.schemas"]
+    ((uri, patterns),) = settings.items()
+    path = Path(url2pathname(uri.removeprefix("file://")))
+    assert path.read_text(encoding="utf-8") == stepbot("schema").out
+    assert all(any(fnmatch(name, pattern) for pattern in patterns) for name in ("arm.robot.yaml", "robot.yml"))
 
 
 def test_export_writes_what_was_asked_for(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

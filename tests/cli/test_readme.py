@@ -1,5 +1,6 @@
 """The README is right: its example runs, and prints what it shows."""
 
+import json
 import os
 import re
 import shlex
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.library import library_robot
 from stepbot_cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,7 +27,6 @@ def blocks(language: str) -> list[str]:
 def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path) -> Path:
     """The example's folder: the STEP that it names, and the sidecar that it shows."""
     (sidecar,) = blocks("yaml")
-    shutil.copy(robot_library / "stepbot_arm2" / "arm2.step", tmp_path)
     (tmp_path / "arm.robot.yaml").write_text(sidecar, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
@@ -43,7 +44,7 @@ def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None
     """Every command of the example ends well, and the files that the text names are there."""
     commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("stepbot ")]
     names = [command.split()[1] for command in commands]
-    assert names == ["inspect", "check", "convert", "library", "library", "library", "batch", "uptodate"]
+    assert names == ["library", "inspect", "check", "convert", "library", "library", "library", "batch", "uptodate"]
     for command in commands:
         code = main(shlex.split(command)[1:])
         captured = capsys.readouterr()
@@ -57,6 +58,7 @@ def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None
 @pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 def test_rule_in_a_makefile(example: Path) -> None:
     """The rule converts where its stamp is older than the input, also from the cache, and then no more."""
+    shutil.copy(library_robot("arm2").step, example)
     (rule,) = blocks("make")
     command = f"{shlex.quote(sys.executable)} -m stepbot_cli convert --no-verify"
     (example / "Makefile").write_text(rule.replace("stepbot convert", command), encoding="utf-8")
@@ -70,6 +72,21 @@ def test_rule_in_a_makefile(example: Path) -> None:
     os.utime(example / "arm" / ".stepbot.json", (1e9, 1e9))  # older than all input: nothing else has changed
     assert is_made()
     assert not is_made()
+
+
+def test_what_a_core_install_does_not_prove_of_sdformat(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Beside stepbot's own parser only PyBullet confirms SDFormat, and not what the README names; Drake would."""
+    shutil.copy(library_robot("arm2").step, example)
+    assert main(["convert", "arm.robot.yaml", "-f", "sdf"]) == 0, capsys.readouterr().err
+    checks = json.loads((example / "arm" / "report.json").read_bytes())["checks"]
+    confirmed: dict[str, set[str]] = {}
+    for check in checks:
+        if check["format"] == "sdf" and check["status"] == "passed":
+            confirmed.setdefault(check["engine"], set()).add(check["quantity"])
+    apart = {"inertia", "mass matrix", "mimic", "frames", "actuators"}
+    assert apart - {"mimic", "actuators"} <= confirmed["reader"]
+    assert confirmed.get("pybullet", set()).isdisjoint(apart)
+    assert set(confirmed) <= {"reader", "pybullet", "drake", "libsdformat"}
 
 
 def test_fault_looks_as_shown(example: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -288,4 +288,13 @@ CODES = (
         "What was accepted once may be corrected since; a rule that is left would hide the next such finding.",
         "Remove the entry. A finding that sums up several places is covered by an entry at the top of the sidecar only.",
     ),
+    Code(
+        "SB143",
+        "warning",
+        "density beyond that of any material",
+        "A density is more than 25000 kg/m^3; osmium, the densest element, has 22590.",
+        "The unit is likely another one: 2700 g/cm^3 is a thousand times aluminium, and so is the mass of the robot.",
+        "Write the density in the unit of the data sheet: `2700 kg/m^3` or `2.7 g/cm^3`. Where a solid stands for something "
+        "heavier, give its `mass`.",
+    ),
 )

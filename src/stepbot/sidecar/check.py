@@ -7,7 +7,7 @@ from .device_rules import check_drives, check_sensors
 from .ignored import check_ignored
 from .joint_rules import check_joints
 from .located import Sidecar
-from .magnitudes import check_magnitudes, check_weights_as_forces
+from .magnitudes import check_densities, check_magnitudes, check_weights_as_forces
 from .mechanics import check_closures, check_mimics
 from .names import check_names
 from .references import check_references
@@ -23,12 +23,13 @@ _CHECKS = (
     check_drives,
     check_sensors,
     check_magnitudes,
+    check_densities,
     check_weights_as_forces,
 )
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report what does not fit together: SB126, SB128, SB130 to SB141 and SB450 to SB462."""
+    """Report what does not fit together: SB126, SB128, SB130 to SB141, SB143 and SB450 to SB462."""
     local, complete = BoundedDiagnostics(), True
     try:
         for check in _CHECKS:

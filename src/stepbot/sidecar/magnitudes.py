@@ -1,11 +1,12 @@
 """Values whose unit is likely another one: plain numbers far from what robots have, torques in kg.cm."""
 
+import re
 from collections.abc import Iterator
 from math import isfinite
 
 from ..diagnostics import Diagnostics
 from ..model import JointKind
-from ..units import FORCE, TORQUE, UnitError, read_quantity
+from ..units import DENSITY, FORCE, TORQUE, UnitError, read_quantity
 from .joint_settings import joint_settings, settings_of
 from .located import Sidecar
 from .subjects import subject
@@ -18,6 +19,9 @@ _MOST_ROTATION = 6.5
 _MOST_METRES = 10.0
 _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
+_DENSEST = 25_000.0
+"""[kg/m^3]: osmium has 22590."""
+_LEADING_NUMBER = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?")
 _EFFORTS = ("effort", "friction")
 _LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
 
@@ -53,6 +57,22 @@ def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
             message = f"{subject(keys)}: '{text}' is taken as {quantity.taken_as}, which is {quantity.value:.6g} N*m"
             help = [f"write `{quantity.taken_as}`, and the note is gone"]
             found.add("SB140", message, sidecar.span(*keys), help=help)
+
+
+def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB143 for densities beyond those of all materials, such as 2700 g/cm^3."""
+    for keys, scalar in _scalars(sidecar.root, ()):
+        if keys[-1] != "density" or isinstance(scalar.value, bool) or scalar.value is None:
+            continue
+        try:
+            density = read_quantity(scalar.text, DENSITY).value
+        except UnitError:  # reported where the value was read
+            continue
+        if density > _DENSEST:
+            number = _LEADING_NUMBER.match(scalar.text)
+            help = [f"if kg/m^3 is meant, write `{number[0]} kg/m^3`"] if number and float(number[0]) < _DENSEST else []
+            message = f"{subject(keys)}: {density:g} kg/m^3 is denser than any material"
+            found.add("SB143", message, sidecar.span(*keys), help=help or ["gold has 19300 kg/m^3, 19.3 g/cm^3"])
 
 
 def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
