@@ -106,8 +106,7 @@ def _details(row: JointRow, *, verbose: bool) -> Iterator[str]:
     if row.evidence.doubt:
         yield f"weak: {row.evidence.doubt}"
     if verbose:
-        if row.evidence.sides:
-            yield f"found as {row.evidence.text}"
+        yield from (f"{_face(side)}: {side.component}" for side in row.evidence.sides)
         yield from map(rival_words, row.evidence.rivals)
 
 

@@ -33,7 +33,8 @@ def test_verbose_names_components_and_rivals() -> None:
     """With `--verbose` the components and the other lines are listed, with how far these are behind."""
     lines = joint_lines([SHOULDER], 200, verbose=True)
     assert lines[4:] == [
-        "    found as axis that link 'base' and link 'arm' share",
+        "    shaft of radius 10 mm: base/pin",
+        "    bore of radius 10.05 mm: arm/hub",
         "    other line (touch), 50 % as wide: [0, 0.6, 0.8] through [0, 20, 30] mm, radius 5, 3 mm",
     ]
 

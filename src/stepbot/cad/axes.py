@@ -96,7 +96,7 @@ class AxisLine:
     radii: tuple[float, ...]
     """Radii [m] of the faces, each once, the widest first."""
     weight: float
-    """What decides between lines [m]: the widest radius; of a mate, the smaller of both sides' widest."""
+    """What decides between lines [m]: the widest radius; of a mate, the smaller one of the two faces that tell most."""
     components: tuple[int, ...]
     """Indices of the components whose faces it carries."""
     faces: tuple[LineFace, ...] = ()
@@ -345,10 +345,10 @@ def _mate(faces: AxisFaces, rows_a: Indices, rows_b: Indices) -> AxisLine:
     center, direction = _carrier(faces, rows)
     (low_a, high_a), (low_b, high_b) = (_extent(faces, side, center, direction) for side in (rows_a, rows_b))
     middle = 0.5 * (max(low_a, low_b) + min(high_a, high_b))
-    weight = min(float(faces.radii[rows_a].max()), float(faces.radii[rows_b].max()))
-    line = _axis_line(faces, rows, center, direction, middle, weight)
     met = meeting(*(_spans(faces, side, center, direction) for side in (rows_a, rows_b)))
     sides = _line_face(faces, rows_a[met.rows[0]]), _line_face(faces, rows_b[met.rows[1]])
+    weight = min(side.radius for side in sides)
+    line = _axis_line(faces, rows, center, direction, middle, weight)
     return replace(line, faces=sides, basis=met.basis, overlap=met.overlap)
 
 

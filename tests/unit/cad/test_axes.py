@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -160,10 +161,13 @@ def test_cones_do_not_mate() -> None:
     assert axes.mates(a, b) == ()
 
 
-def test_weight_is_the_smaller_of_both_widest() -> None:
-    """A wide flange against a thin pin weighs the pin."""
+def test_weight_is_that_of_the_faces_that_meet() -> None:
+    """A wide flange against a thin pin weighs the pin; wide rims that do not fit add nothing to a pin in its bore."""
     a, b = _two([_face((0, 0, 0), radius=20), _face((0, 0, 0), radius=2)], [_face((0, 0, 0), radius=3)])
     assert axes.mates(a, b)[0].weight == pytest.approx(3 * MM)
+    pin, rim = replace(_face((0, 0, 0), radius=2), bore=False), replace(_face((0, 0, 0), radius=30), bore=False)
+    a, b = _two([pin, rim], [_face((0, 0, 0), radius=2.1), rim])
+    assert axes.mates(a, b)[0].weight == pytest.approx(2 * MM)
 
 
 def _bolt_circle(center: float, bolt: float) -> list[AxisFace]:
