@@ -20,14 +20,17 @@ import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .diagnostics import Diagnostics, Span, StepbotError
+from .folder_lock import LOCK, FolderInUse, locked
 
 MANIFEST = ".stepbot.json"
 _STAGING = ".stepbot-"
 _ABANDONED_AFTER = 24 * 3600.0
 """Age [s] from which a staging folder belongs to a run that was killed."""
+_LONGEST_WAIT = 60.0
+"""For another run that writes into the same folder [s]."""
 _NEVER_IN_NAMES = frozenset("\\\0")
 _NEVER_IN_WINDOWS_NAMES = frozenset('<>:"|?*')
 
@@ -73,12 +76,15 @@ def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | N
     made: list[Path] = []
     try:
         _make_folders(folder, made)
-        staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
-        try:
-            _check_case(files, staging, folder)
-            _write(files, folder, staging, made, _from_folder(sidecar, folder))
-        finally:
-            shutil.rmtree(staging, ignore_errors=True)
+        with locked(folder, _LONGEST_WAIT):
+            staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
+            try:
+                _check_case(files, staging, folder)
+                _write(files, folder, staging, made, _from_folder(sidecar, folder))
+            finally:
+                shutil.rmtree(staging, ignore_errors=True)
+    except FolderInUse as error:
+        _refuse(folder, str(error), "wait until it is done, or choose another folder with -o")
     except (OSError, StepbotError) as error:
         for path_made in reversed(made):
             _remove_if_empty(path_made)
@@ -89,11 +95,21 @@ def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | N
 
 def discard(folder: Path) -> None:
     """Remove what an earlier run wrote into a folder; what was changed since, or is not of stepbot, stays."""
+    try:
+        with locked(folder, _LONGEST_WAIT):
+            _discard(folder)
+    except FolderInUse as error:
+        _refuse(folder, str(error), "wait until it is done, or choose another folder with -o")
+    except OSError:  # there is no such folder
+        return
+
+
+def _discard(folder: Path) -> None:
     for needs in _read_manifest(folder).values():
         for path, digest in needs.items():
-            _remove_stale(folder / path, digest)
+            _remove_stale(folder, path, digest)
     try:
-        if {path.name for path in folder.iterdir()} == {MANIFEST}:
+        if {path.name for path in folder.iterdir()} - {LOCK} == {MANIFEST}:
             (folder / MANIFEST).unlink()
             _remove_if_empty(folder)
     except OSError:  # there is no such folder
@@ -103,9 +119,9 @@ def discard(folder: Path) -> None:
 def sidecars_of(folder: Path) -> dict[str, str]:
     """For each file at the top of an output folder the way from the folder to its sidecar, where the list has it."""
     try:
-        sidecars = json.loads((folder / MANIFEST).read_bytes())["sidecars"]
+        sidecars = _listed(folder)["sidecars"]
         return {str(name): str(sidecar) for name, sidecar in sidecars.items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
 
 
@@ -148,7 +164,7 @@ def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[P
     (staging / MANIFEST).write_bytes(_manifest_bytes(after, sidecars))
     _move(list(changed), folder, staging)
     for path, digest in stale.items():
-        _remove_stale(folder / path, digest)
+        _remove_stale(folder, path, digest)
     (staging / MANIFEST).touch()  # the stamp of this run: make compares it with the input
     (staging / MANIFEST).replace(folder / MANIFEST)
     _remove_abandoned(folder, staging)
@@ -223,13 +239,18 @@ def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
 def _read_manifest(folder: Path) -> Manifest:
     """What earlier runs wrote here; empty where there is no list, or none that can be read: then nothing is removed."""
     try:
-        files = json.loads((folder / MANIFEST).read_bytes())["files"]
+        files = _listed(folder)["files"]
         return {
             str(name): {str(path): str(digest) for path, digest in needs.items() if _is_below(str(path))}
             for name, needs in files.items()
         }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
+
+
+def _listed(folder: Path) -> Any:
+    """The list of an output folder as it is; empty where it is no file: a pipe or a device would never end."""
+    return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
 
 
 def _stale(before: Manifest, after: Manifest) -> dict[str, str]:
@@ -238,9 +259,14 @@ def _stale(before: Manifest, after: Manifest) -> dict[str, str]:
     return {path: digest for needs in before.values() for path, digest in needs.items() if path not in needed}
 
 
-def _remove_stale(target: Path, digest: str) -> None:
+def _remove_stale(folder: Path, path: str, digest: str) -> None:
+    target = folder / path
     try:
-        if not target.is_symlink() and hashlib.sha256(target.read_bytes()).hexdigest() == digest:
+        if (
+            target.is_file()
+            and _link_in(path, folder) is None
+            and hashlib.sha256(target.read_bytes()).hexdigest() == digest
+        ):
             target.unlink()
             _remove_if_empty(target.parent)
     except OSError:  # it is gone, or in use: a mesh too many harms nobody
@@ -265,7 +291,7 @@ def _is_below(path: str) -> bool:
         bool(path)
         and not PurePosixPath(path).is_absolute()
         and all(part not in ("", ".", "..") and never.isdisjoint(part) for part in parts)
-        and parts[0] != MANIFEST
+        and parts[0] not in (MANIFEST, LOCK)
         and not parts[0].startswith(_STAGING)
     )
 
@@ -273,6 +299,16 @@ def _is_below(path: str) -> bool:
 def _check_path(path: str, folder: Path) -> None:
     if not _is_below(path):
         _refuse(folder, f"'{path}' cannot be the name of a file here", "choose another name in the sidecar")
+    parent = path.rpartition("/")[0]
+    if parent and (link := _link_in(parent, folder)) is not None:
+        _refuse(folder, f"'{link}' is a symbolic link: files would be written elsewhere", f"remove '{link}'")
+
+
+def _link_in(path: str, folder: Path) -> str | None:
+    """The part of a path below ``folder`` that is a symbolic link, and so leads elsewhere."""
+    parts = PurePosixPath(path).parts
+    heads = ("/".join(parts[: number + 1]) for number in range(len(parts)))
+    return next((head for head in heads if (folder / head).is_symlink()), None)
 
 
 def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 from stepbot.diagnostics import StepbotError
 from stepbot.output import MANIFEST, discard, write_atomically
 
+POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes in folders")
 ARM = {"arm.urdf": b"urdf", "arm.xml": b"mjcf", "meshes/a.obj": b"a", "meshes/b.obj": b"b"}
 
 
@@ -188,6 +189,100 @@ Path.replace = replace
 new = {"arm.urdf": b"new", "arm.xml": b"new", "meshes/a.obj": b"new", "meshes/c.obj": b"new"}
 output.write_atomically(new, Path(sys.argv[1]))
 """
+
+
+@POSIX
+def test_linked_folders_are_not_written_through(tmp_path: Path) -> None:
+    """A folder of meshes that is a link elsewhere is refused, and nothing behind it is written or removed."""
+    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    write_atomically(ARM, out)
+    (out / "meshes").rename(elsewhere)
+    (out / "meshes").symlink_to(elsewhere)
+    before = contents(elsewhere)
+    with pytest.raises(StepbotError, match="SB004"):
+        write_atomically({"arm.urdf": b"new", "meshes/new.obj": b"new"}, out)
+    write_atomically({"arm.urdf": b"new", "arm.xml": b"new"}, out)
+    discard(out)
+    assert contents(elsewhere) == before
+
+
+@POSIX
+def test_list_that_never_ends(tmp_path: Path) -> None:
+    """A pipe or a deeply nested text in the place of the list is no list, and is replaced."""
+    os.mkfifo(tmp_path / MANIFEST)
+    write_atomically(ARM, tmp_path)
+    assert (tmp_path / MANIFEST).is_file()
+    (tmp_path / MANIFEST).write_bytes(b'{"files": ' + b"[" * 1_000_000)
+    write_atomically(ARM, tmp_path)
+    assert contents(tmp_path) == ARM
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from stepbot.output import write_atomically
+folder, name = Path(sys.argv[1]), sys.argv[2]
+print("ready", flush=True)
+sys.stdin.readline()
+for number in range(20):
+    write_atomically({f"{name}.urdf": b"%d" % number, f"{name}/{number}.obj": b"mesh of %d" % number}, folder)
+"""
+
+
+def test_concurrent_runs_into_one_folder(tmp_path: Path) -> None:
+    """The list knows the files of all of them, and no mesh is left that nothing needs."""
+    names = [f"robot{number}" for number in range(4)]
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", WRITER, str(tmp_path), name], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        for name in names
+    ]
+    for run in runs:
+        assert run.stdout is not None
+        assert run.stdout.readline() == b"ready\n"
+    for run in runs:
+        assert run.stdin is not None
+        run.stdin.write(b"go\n")
+        run.stdin.flush()
+    for run in runs:
+        run.communicate()
+    assert [run.returncode for run in runs] == [0] * len(runs)
+    listed = json.loads((tmp_path / MANIFEST).read_bytes())["files"]
+    assert sorted(listed) == [f"{name}.urdf" for name in names]
+    assert contents(tmp_path) == {
+        **{f"{name}.urdf": b"19" for name in names},
+        **{f"{name}/19.obj": b"mesh of 19" for name in names},
+    }
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from stepbot.folder_lock import locked
+with locked(Path(sys.argv[1]), 1.0):
+    print("locked", flush=True)
+    time.sleep(600)
+"""
+
+
+def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others fail after some time and change nothing; once it has died, they write."""
+    write_atomically(ARM, tmp_path)
+    monkeypatch.setattr("stepbot.output._LONGEST_WAIT", 0.2)
+    with subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b"locked\n"
+        try:
+            for action in (lambda: write_atomically({"arm.urdf": b"new"}, tmp_path), lambda: discard(tmp_path)):
+                with pytest.raises(StepbotError, match="SB004") as caught:
+                    action()
+                assert "another process" in str(caught.value)
+            assert contents(tmp_path) == ARM
+        finally:
+            holder.kill()
+    write_atomically({"arm.urdf": b"new"}, tmp_path)
+    assert (tmp_path / "arm.urdf").read_bytes() == b"new"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no SIGKILL on Windows")

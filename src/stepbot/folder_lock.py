@@ -1,0 +1,67 @@
+"""One writer at a time in a folder, across processes; the system releases the lock of a process that dies."""
+
+import contextlib
+import errno
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+LOCK = ".stepbot.lock"
+"""File that is locked on Windows, where folders cannot be."""
+_POLL = 0.02
+_TAKEN = (errno.EAGAIN, errno.EACCES, errno.EDEADLK)
+
+
+class FolderInUse(Exception):
+    """Another process kept the lock for too long."""
+
+
+@contextlib.contextmanager
+def locked(folder: Path, seconds: float) -> Iterator[None]:
+    """Hold the lock of a folder that exists.
+
+    File systems without locks, such as some network ones, are used without.
+
+    Args:
+        folder: The folder.
+        seconds: How long to wait for another process.
+
+    Raises:
+        FolderInUse: The other process is not done after that time.
+        OSError: The folder cannot be opened.
+    """
+    descriptor = _opened(folder)
+    try:
+        deadline = time.monotonic() + seconds
+        while not _take(descriptor):
+            if time.monotonic() > deadline:
+                raise FolderInUse(f"another process has been writing into {folder} for {seconds:g} s")
+            time.sleep(_POLL)
+        yield
+    finally:
+        os.close(descriptor)  # which releases it
+        if sys.platform == "win32":
+            with contextlib.suppress(OSError):  # another process has it open
+                (folder / LOCK).unlink()
+
+
+def _opened(folder: Path) -> int:
+    return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT) if sys.platform == "win32" else os.open(folder, os.O_RDONLY)
+
+
+def _take(descriptor: int) -> bool:
+    """Whether the lock is taken now, or the file system has none."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno not in _TAKEN
+    return True
