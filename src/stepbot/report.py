@@ -1,8 +1,7 @@
 """What was proven, and what not: one row for each format and engine, and everything as ``report.json``.
 
 The report is deterministic: no times, no folders of this machine, infinite limits as null. Its schema is
-``schemas/report-1.schema.json``. :func:`robot_part` is what the same input gives on every machine; the rest tells of
-the proof, which depends on the engines that are installed.
+``schemas/report-1.schema.json``.
 """
 
 import json
@@ -235,24 +234,6 @@ def _joint_row(row: JointRow) -> Json:
         ],
         "doubt": found.doubt,
     }
-
-
-_OF_PROOF = ("generator", "summary", "engines", "checks", "notes")
-_OF_ROBOT = ("SB1", "SB2", "SB3", "SB4", "SB5", "SB6", "SB7")
-"""Ranges of codes that come of the input alone, and not of engines or of the installation."""
-
-
-def robot_part(document: Json) -> Json:
-    """What of a report comes of the input alone, whichever engines and version of stepbot have made it.
-
-    Raises:
-        AttributeError, KeyError, TypeError: The document is no report.
-    """
-    kept = {key: value for key, value in document.items() if key not in _OF_PROOF}
-    kept["diagnostics"] = [one for one in kept["diagnostics"] if one["code"].startswith(_OF_ROBOT)]
-    if kept["robot"] is not None:
-        kept["robot"] = {key: value for key, value in kept["robot"].items() if key != "overlaps"}
-    return kept
 
 
 def _check(check: Check) -> Json:

@@ -51,9 +51,13 @@ def test_says_what_is_expected(folder: Path, tmp_path: Path, monkeypatch: pytest
     assert text == expected.read_text(encoding="utf-8")
 
 
+NEEDS_A_WHOLE_RUN = {"SB142"}
+"""Whether a rule of `ignore_findings` is unused is known only after everything else."""
+
+
 def test_each_code_has_a_folder() -> None:
     """No code is without a sidecar that draws it."""
-    assert {folder.name[:5] for folder in FOLDERS} == set(CODES)
+    assert {folder.name[:5] for folder in FOLDERS} == set(CODES) - NEEDS_A_WHOLE_RUN
 
 
 @pytest.mark.parametrize("folder", [f for f in FOLDERS if not (f / "make.py").exists()], ids=lambda folder: folder.name)
