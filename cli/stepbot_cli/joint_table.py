@@ -6,6 +6,7 @@ from shutil import get_terminal_size
 
 from stepbot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
+from .columns import cells
 from .render import printable
 from .terminal import write_result
 
@@ -38,8 +39,14 @@ def joint_lines(rows: Sequence[JointRow], width: int, *, verbose: bool = False) 
         mark = "?" if row.evidence.doubt else " "
         name = printable(row.name) or "(unnamed)"
         kind = f"{row.kind} closure" if row.is_closure else row.kind
-        lines += _wrapped(f"{mark} {name}: {kind}, {printable(row.parent)} -> {printable(row.child)}", width)
-        for text in _details(row, verbose=verbose):
+        head = f"{mark} {name}: {kind}, {printable(row.parent)} -> {printable(row.child)}"
+        place, *details = _details(row, verbose=verbose)
+        if not verbose and cells(f"{head}, {printable(place)}") <= width:
+            head = f"{head}, {printable(place)}"
+        else:
+            details.insert(0, place)
+        lines += _wrapped(head, width)
+        for text in details:
             lines += _wrapped(printable(text), width, _INDENT)
     weak = [printable(row.name) for row in rows if row.evidence.doubt]
     if weak:

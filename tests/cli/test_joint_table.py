@@ -23,8 +23,7 @@ def test_a_joint_in_words() -> None:
     """Type, both links, axis and origin, and the faces with their radii and their length in common."""
     assert joint_lines([SHOULDER], 80) == [
         "Joints, as drawn, in the frame of the STEP:",
-        "  shoulder: revolute, base -> arm",
-        "    axis -z through [0, 0, 102] mm",
+        "  shoulder: revolute, base -> arm, axis -z through [0, 0, 102] mm",
         "    shaft of radius 10 mm in bore of radius 10.05 mm, 18 mm engaged",
     ]
 
@@ -43,9 +42,8 @@ def test_weak_evidence_is_marked() -> None:
     """A joint on weak evidence has a mark, the reason, and a place in the last line."""
     doubted = replace(FIT, basis=Basis.TOUCH, overlap=-0.2 * MM, doubt="they do not fit")
     lines = joint_lines([SHOULDER, replace(SHOULDER, name="elbow", evidence=doubted)], 80)
-    assert lines[4:] == [
-        "? elbow: revolute, base -> arm",
-        "    axis -z through [0, 0, 102] mm",
+    assert lines[3:] == [
+        "? elbow: revolute, base -> arm, axis -z through [0, 0, 102] mm",
         "    shaft of radius 10 mm and bore of radius 10.05 mm, 0.2 mm apart",
         "    weak: they do not fit",
         "? 1 of 2 on weak evidence: elbow",
@@ -75,8 +73,10 @@ def test_joints_without_axis_and_closures() -> None:
     ball = replace(SHOULDER, kind="ball", axis=None, is_closure=True)
     universal = replace(SHOULDER, kind="universal", axis2=(1.0, 0.0, 0.0))
     lines = joint_lines([ball, universal], 80)
-    assert lines[1:3] == ["  shoulder: ball closure, base -> arm", "    at [0, 0, 102] mm"]
-    assert lines[5] == "    axis -z and +x through [0, 0, 102] mm"
+    assert lines[1] == "  shoulder: ball closure, base -> arm, at [0, 0, 102] mm"
+    assert lines[3] == "  shoulder: universal, base -> arm, axis -z and +x through [0, 0, 102] mm"
+    lines = joint_lines([ball, universal], 60)
+    assert lines[4:6] == ["  shoulder: universal, base -> arm", "    axis -z and +x through [0, 0, 102] mm"]
 
 
 @pytest.mark.parametrize("width", [20, 60, 61, 79])
@@ -101,7 +101,7 @@ def test_check_convert_and_verify_agree(stepbot: Stepbot, tmp_path: Path) -> Non
     assert [(row["name"], row["basis"]) for row in table] == [(name, "fit") for name in names]
     out = tmp_path / "arm2"
     converted = stepbot("convert", str(at_zero), "--step", step, "-o", str(out), "-f", "urdf", "--no-verify")
-    assert "shoulder: revolute, base -> upper_arm\n    axis +z through [0, 0, 102] mm\n" in converted.out
+    assert "shoulder: revolute, base -> upper_arm, axis +z through [0, 0, 102] mm\n" in converted.out
     assert json.loads((out / "report.json").read_text(encoding="utf-8"))["joint_table"] == table
     verified = json.loads(stepbot("verify", "--json", str(out / "arm2.urdf")).out)["report"]["joint_table"]
     seen = {row["name"]: row for row in verified}

@@ -1,0 +1,78 @@
+"""docs/first-hour.md: what it shows is what a stranger's terminal shows."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "first-hour.md"
+STEP = "low_cost_robot_follower.step"
+SIDECAR = "follower.robot.yaml"
+COLUMNS = 100
+LINES = 2 * 55
+"""Two screens."""
+
+pytestmark = pytest.mark.slow
+
+
+def blocks(kind: str) -> list[str]:
+    """The fenced blocks of a kind."""
+    return re.findall(rf"^```{kind}\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+
+
+def session() -> list[tuple[list[str], list[str]]]:
+    """Arguments of each command, and the lines that it prints."""
+    found = []
+    for block in blocks("console"):
+        command, *lines = block.splitlines()
+        prompt, program, *arguments = command.split()
+        assert (prompt, program) == ("$", "stepbot")
+        found.append((arguments, lines))
+    return found
+
+
+def test_fits_two_screens() -> None:
+    """Inspect, sidecar, check and convert: all that is typed and printed."""
+    lines = [line for kind in ("console", "yaml") for block in blocks(kind) for line in block.splitlines()]
+    assert [arguments[0] for arguments, _ in session()] == ["inspect", "check", "convert"]
+    assert len(lines) <= LINES
+    assert max(map(len, lines)) <= COLUMNS
+
+
+def test_session(corpus: Path, tmp_path: Path) -> None:
+    """Each command prints the page's lines; of the proof, which engines are installed may differ."""
+    shutil.copy(corpus / STEP, tmp_path)
+    (sidecar,) = blocks("yaml")
+    (tmp_path / SIDECAR).write_text(sidecar, encoding="utf-8")
+    environment = {**os.environ, "COLUMNS": str(COLUMNS), "STEPBOT_NO_CACHE": "1"}
+    for arguments, shown in session():
+        run = subprocess.run(
+            [sys.executable, "-m", "stepbot_cli", *arguments],
+            cwd=tmp_path,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            check=False,
+        )
+        assert run.returncode == 0, run.stdout
+        assert comparable(run.stdout.splitlines()) == comparable(shown)
+
+
+def comparable(lines: list[str]) -> list[str]:
+    """The lines up to the proof; of the proof format, file and result, and that nothing failed."""
+    heads = [number for number, line in enumerate(lines) if line.split()[:2] == ["format", "file"]]
+    if not heads:
+        return lines
+    (head,) = heads
+    proof, counts = lines[head:], "\n".join(lines[head:])
+    results = [
+        " ".join(re.split(r"  +", line.strip())[:3]) for line in proof if re.search(r"  (passed|failed)  ", line)
+    ]
+    (failed,) = re.findall(r"(\d+)\s+failed", counts)
+    formats = [result for result in results if not result.startswith("robot")]
+    return [*lines[:head], *formats, f"{failed} failed"]
