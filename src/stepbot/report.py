@@ -174,7 +174,7 @@ def _reasons(not_run: list[Check]) -> str:
 def report_bytes(report: Report, diagnostics: Iterable[Diagnostic]) -> bytes:
     """``report.json``: UTF-8, indented, one newline at the end."""
     text = json.dumps(report_document(report, diagnostics), indent=2, ensure_ascii=False, allow_nan=False)
-    return (text + "\n").encode("utf-8")
+    return (text + "\n").encode("utf-8", "backslashreplace")
 
 
 def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:

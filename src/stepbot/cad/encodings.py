@@ -90,15 +90,24 @@ def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found:
     return declared
 
 
+def _is_unicode(path: Path) -> bool:
+    """Whether the kernel, which takes names in UTF-8, can open a file by its name."""
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 @contextmanager
 def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
-    """The path of a file with the same text in UTF-8; the same file where it is that already.
+    """The path of a file with the same text in UTF-8; the same file where it is that already, and its name is UTF-8.
 
     Args:
         path: The file.
         encoding: As :func:`check_encoding` tells.
     """
-    if encoding in _PLAIN:
+    if encoding in _PLAIN and _is_unicode(path):
         yield path
         return
     # The kernel's own tables know few code pages, and take the backslash in the second byte of a GBK character for the

@@ -83,7 +83,7 @@ def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[A
     components = content.tree.components
     stated = content.stated if options.geometry else []
     assembly = Assembly(
-        source=Path(path).name,
+        source=Path(path).name.encode("utf-8", "backslashreplace").decode(),
         schema=part21.header.schema,
         originating_system=part21.header.originating_system,
         unit=content.unit.name,
