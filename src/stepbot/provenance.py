@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from math import ceil, floor, log10
 
 from .build.weigh import weigh
 from .cad.assembly import Assembly, VolumeProperties
@@ -34,10 +35,17 @@ def measured_bodies(
                 mesh=mesh.unit_density if mesh is not None else None,
                 exact=body.exact.unit_density if body.exact is not None else None,
                 deviation=mesh.deviation_from(body.exact)[0] if mesh is not None and body.exact is not None else None,
+                error=_shown(body.exact_error) if body.exact is not None and body.exact_error else None,
                 written=weighing.method or body.defect or f"a {body.kind} weighs nothing",
             )
         )
     return tuple(found)
+
+
+def _shown(error: float) -> float:
+    """One digit, rounded up: the others differ between processors."""
+    size = 10.0 ** floor(log10(error))
+    return float(f"{ceil(error / size - 1e-6) * size:.0e}")
 
 
 def emitted_names(robot: Robot) -> dict[str, str]:

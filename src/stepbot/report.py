@@ -98,9 +98,11 @@ class MeasuredBody:
     mesh: MassProperties | None
     """By trimesh, on the written mesh."""
     exact: MassProperties | None
-    """By the geometry kernel, on the exact solid."""
+    """By integration over the exact solid."""
     deviation: float | None
     """The largest relative difference between the two, of volume, centre and inertia."""
+    error: float | None
+    """Estimated relative error of ``exact``; None where there is no exact solid, or no estimate."""
     written: str
     """Which of the two the files carry, and why."""
 
@@ -381,6 +383,7 @@ def _body(body: MeasuredBody) -> Json:
         "mesh": None if body.mesh is None else _mass(body.mesh),
         "exact": None if body.exact is None else _mass(body.exact),
         "deviation": _number(body.deviation),
+        "error": _number(body.error),
         "written": body.written,
     }
 

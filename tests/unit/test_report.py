@@ -93,7 +93,7 @@ def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validat
     given = MassSource("arm/motor", 0.1, 0.0, "parts rule 'motor'", "given")
     robot = two_link_arm()
     links = (replace(robot.links[0], mass_sources=(source, given), components=("arm/upper",)), *robot.links[1:])
-    body = MeasuredBody("upper", 2, MassProperties.of(1e-4, (0, 0, 0), [[0] * 3] * 3), None, None, "mesh")
+    body = MeasuredBody("upper", 2, MassProperties.of(1e-4, (0, 0, 0), [[0] * 3] * 3), None, None, None, "mesh")
     report = Report(
         (PASSED,),
         robot=replace(robot, links=links),

@@ -1,13 +1,14 @@
 """Whose volume, centre of mass and inertia each body gets: the mesh's, by trimesh, or the exact solid's.
 
 ``auto`` takes the mesh where it agrees with the solid within a thousandth, else the exact value; ``mesh`` takes the
-finest mesh there is; ``exact`` takes the solid. Where only one of them encloses a volume, that is taken.
+finest mesh there is; ``exact`` takes the solid. Where only one of them encloses a volume, that is taken. A solid on
+which no two ways to integrate agree gets neither.
 """
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..cad.assembly import Assembly, Body, BodyKind, VolumeProperties
+from ..cad.assembly import CERTAIN, Assembly, Body, BodyKind, VolumeProperties
 from ..sidecar.document import MassMode
 from .binder import Binder, listed
 from .reading import MASS_TOLERANCE
@@ -57,14 +58,16 @@ def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: C
 
 
 def report_weightless(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
-    """Report components without a volume: surfaces weigh nothing, but a solid should."""
+    """Report components without mass properties: surfaces have none, but a solid should."""
     surfaces: dict[int, list[int]] = {}
     broken: dict[int, list[int]] = {}
+    uncertain: dict[int, list[int]] = {}
     for index in sorted(components):
         number = binder.assembly.components[index].body
         if weighings[number].properties is None:
-            solid = binder.assembly.bodies[number].kind is BodyKind.SOLID
-            (broken if solid else surfaces).setdefault(number, []).append(index)
+            body = binder.assembly.bodies[number]
+            group = uncertain if _is_uncertain(body) else broken if body.kind is BodyKind.SOLID else surfaces
+            group.setdefault(number, []).append(index)
     source, span = binder.assembly.source, binder.span(("links",))
     if surfaces:
         count = sum(map(len, surfaces.values()))
@@ -75,6 +78,18 @@ def report_weightless(binder: Binder, weighings: Sequence[Weighing], components:
             span,
             help=("where one stands for something heavy, give its link an `inertial` with mass, com and inertia",),
             notes=_bodies(binder, surfaces),
+        )
+    if uncertain:
+        count = sum(map(len, uncertain.values()))
+        what = f"mass properties of {count} solids do" if count > 1 else "mass properties of one solid do"
+        binder.found.add(
+            "SB516",
+            f"{source}: {what} not converge",
+            span,
+            help=(
+                "repair them in the CAD, ignore them in `parts`, or give the link an `inertial` with com and inertia",
+            ),
+            notes=_bodies(binder, uncertain),
         )
     if broken:
         count = sum(map(len, broken.values()))
@@ -100,7 +115,14 @@ def _bodies(binder: Binder, components: Mapping[int, list[int]]) -> tuple[str, .
     return listed(tuple(notes))
 
 
+def _is_uncertain(body: Body) -> bool:
+    """Whether there are exact mass properties that nothing confirms."""
+    return body.exact is not None and body.exact_error > CERTAIN
+
+
 def _weigh(body: Body, measure: VolumeProperties | None, mode: MassMode) -> Weighing:
+    if _is_uncertain(body):
+        return Weighing(None)
     exact = body.exact
     mesh = body.refined or measure if mode is MassMode.MESH else measure
     if exact is None or mesh is None:

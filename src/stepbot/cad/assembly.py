@@ -17,6 +17,8 @@ from ..mesh import TriMesh
 from ..model import MassProperties, Rgba
 from ..spatial import IDENTITY, Pose, Vector3, join_bounds
 
+CERTAIN = 1e-3
+"""Relative error of mass properties up to which they are known."""
 ROOT_PATH = "."
 """Path of the root of the assembly."""
 
@@ -133,6 +135,8 @@ class Body:
     """Why the body is not watertight or has no volume, for people; empty when all is well."""
     exact: VolumeProperties | None = None
     """From the exact B-rep; None where there is no volume."""
+    exact_error: float = 0.0
+    """Estimated relative error of ``exact``; 0 where there is no estimate, above :data:`CERTAIN` it is unconfirmed."""
     refined: VolumeProperties | None = None
     """By trimesh from the measuring mesh of ``ReadOptions.refine_mass_to``; None when it was not asked for."""
     axis_faces: tuple[AxisFace, ...] = ()

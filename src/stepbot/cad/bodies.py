@@ -11,10 +11,11 @@ from OCP.TopExp import TopExp_Explorer
 
 from ..mesh import TriMesh
 from ..model import Rgba
-from .assembly import AxisFace, Body, BodyKind, MeshTolerance, VolumeProperties
+from .assembly import CERTAIN, AxisFace, Body, BodyKind, MeshTolerance, VolumeProperties
 from .axis_faces import axis_faces
+from .certainty import estimated
 from .crossing import share_within
-from .exact import has_rational_faces, integrate, integrate_adaptively, surface_area, volume_properties
+from .exact import integrate, surface_area, volume_properties
 from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
 from .parting import parted
@@ -25,12 +26,8 @@ from .stitching import Stitched, is_watertight, merged_by_position
 from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted
 from .triangles import faces_of, faceted_faces
 
-_DOUBTFUL = 1e-3
-"""Share by which the volumes of mesh and exact shape may differ before rational faces are integrated anew."""
 _ROUNDING = 1e-12
 """Volume over area^1.5 below which there is no volume."""
-_AGREEMENT = 2e-4
-"""Share within which both integrations say the same."""
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
@@ -70,6 +67,7 @@ class _Work:
     kind: BodyKind
     healed: Healed
     exact: VolumeProperties | None = None
+    exact_error: float = 0.0
     area: float = 0.0
     findings: list[Finding] = field(default_factory=list)
 
@@ -144,6 +142,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
         )
     if result.missing:
         faces = f"{len(result.missing)} of its faces" if len(result.missing) > 1 else "one of its faces"
+        _estimate(work, result, is_closed=False)
         return work.say("SB601", f"the mesher leaves {faces} without triangles")
     if work.kind != BodyKind.SOLID:
         return "encloses no volume: faces without a solid"
@@ -153,6 +152,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
             "SB602", f"{result.mesh.open_edges} of its edges belong to one face only: it encloses no volume"
         )
     if not watertight:
+        _estimate(work, result, is_closed=False)
         return work.say("SB604", "edges of its mesh do not each join two faces")
     if work.exact is None or _is_nothing(work.exact, result.mesh):
         work.exact = None
@@ -164,30 +164,24 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
             "repair it in CAD, or give its mass in the sidecar",
             "a body of thin walls may need a finer `mesh`",
         )
-    if _doubt(work.exact, result.mesh) > _DOUBTFUL and has_rational_faces(faces_of(work.healed.shape)):
-        work.exact = _second_opinion(work.exact, work.healed.shape)
-    if _doubt(work.exact, result.mesh) > result.volume_tolerance:
-        volumes = (result.mesh.signed_volume, work.exact.volume * MILLIMETRES_PER_METRE**3)
-        work.say("SB605", "its mesh encloses {:.6g} mm^3, its exact shape {:.6g} mm^3".format(*volumes))
-    return ""
+    return _estimate(work, result, is_closed=True)
 
 
-def _second_opinion(plain: VolumeProperties, shape: object) -> VolumeProperties:
-    """The adaptive integration where it says that the plain one is wrong; where both agree the plain one is better."""
-    adaptive = volume_properties(integrate_adaptively(shape))
-    if adaptive is None or abs(adaptive.volume - plain.volume) < _AGREEMENT * plain.volume:
-        return plain
-    return adaptive
+def _estimate(work: _Work, result: Tessellation, *, is_closed: bool) -> str:
+    """Make sure of the exact mass properties; what is wrong with them, for people."""
+    if work.exact is None:
+        return ""
+    estimate = estimated(work.healed.shape, work.exact, result, is_closed=is_closed)
+    work.exact, work.exact_error = estimate.properties, min(estimate.error, 1.0)
+    if estimate.error <= CERTAIN:
+        return ""
+    volumes = ", ".join(f"{volume * MILLIMETRES_PER_METRE**3:.6g} mm^3 by {way}" for way, volume in estimate.opinions)
+    return work.say("SB605", f"its mass properties do not converge: {volumes or 'nothing to compare with'}")
 
 
 def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:
     """Whether a volume is no more than what rounding leaves of surfaces that cancel each other."""
     return bool(exact.volume * MILLIMETRES_PER_METRE**3 < _ROUNDING * mesh.area**1.5)
-
-
-def _doubt(exact: VolumeProperties, mesh: Stitched) -> float:
-    """Share by which the volume of a closed mesh is off the exact one."""
-    return abs(mesh.signed_volume / MILLIMETRES_PER_METRE**3 - exact.volume) / exact.volume
 
 
 def _body(
@@ -200,7 +194,10 @@ def _body(
     faces: tuple[AxisFace, ...],
 ) -> Body:
     face_colors, colors = _colored(work.source.face_colors, work.healed.origin, stitched)
-    return Body(work.kind, mesh, face_colors, colors, watertight, defect, work.exact, refined, faces, work.area)
+    return Body(
+        *(work.kind, mesh, face_colors, colors, watertight, defect),
+        *(work.exact, work.exact_error, refined, faces, work.area),
+    )
 
 
 def _triangles_only(source: BodySource, shape: object) -> ReadBody:

@@ -46,6 +46,10 @@ class Fineness:
         """Both tolerances times a factor."""
         return Fineness(self.deflection * factor, self.angle * factor)
 
+    def scaled_by_square(self, factor: float) -> "Fineness":
+        """The angle times a factor, the deflection times its square; the error of a mesh then scales by the square."""
+        return Fineness(self.deflection * factor**2, self.angle * factor)
+
 
 @dataclass(frozen=True, eq=False)
 class Tessellation:

@@ -139,4 +139,14 @@ CODES = (
         "Add the material to `materials` under the name that it has in the STEP, with its density, or give the part a "
         "density in `parts`.",
     ),
+    Code(
+        "SB516",
+        "error",
+        "mass properties that do not converge",
+        "No two ways to integrate over a solid agree to a thousandth: the kernel's integration, stepbot's own, and ever finer "
+        "meshes.",
+        "Each of these numbers may be wrong by more than a thousandth, and engines would confirm whichever is written.",
+        "Repair the solid in the CAD (faces that cross themselves, gaps between faces), ignore it in `parts`, or give its link "
+        "an `inertial` with com and inertia.",
+    ),
 )

@@ -38,10 +38,11 @@ CODES = (
     Code(
         "SB605",
         "warning",
-        "mesh far from the solid",
-        "The volume of a body's mesh and that of its exact shape differ by more than the tolerance can explain.",
-        "The body may be invalid, for example a face that crosses itself, and then neither number is sure.",
-        "Repair the body in CAD, try a smaller tolerance under `mesh`, or give its mass in the sidecar.",
+        "mass properties that do not converge",
+        "The kernel's integration over a solid, stepbot's own, and ever finer meshes differ by more than a thousandth.",
+        "The solid may be invalid, for example a face that crosses itself; its mass properties are not known, and no robot is "
+        "built of it (SB516).",
+        "Repair the solid in CAD, ignore it, or give its link an `inertial` with com and inertia.",
     ),
     Code(
         "SB606",

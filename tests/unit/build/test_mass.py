@@ -437,6 +437,22 @@ def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> No
     assert _masses(built(shop, tmp_path, "    mass: mesh\n" + ONE))["a"] == pytest.approx(exact, rel=1e-4)
 
 
+@pytest.mark.parametrize("mode", ["auto", "mesh", "exact"])
+def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Whichever values are asked for, an uncertain solid has none, unless its link has an inertial of its own."""
+    shop = Workshop()
+    shop.box("a", density=1000)
+    object.__setattr__(shop.bodies[0], "exact_error", 0.04)
+    object.__setattr__(shop.bodies[0], "defect", "its mass properties do not converge")
+    build(shop, tmp_path, f"    mass: {mode}\n" + ONE, found)
+    faults = [fault for fault in found if fault.code == "SB516"]
+    assert [fault.severity for fault in faults] == ["error"]
+    assert faults[0].notes == ("a: its mass properties do not converge",)
+    given = "    links: {base: {rest: true, inertial: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}}}\n"
+    robot = built(shop, tmp_path, f"    mass: {mode}\n" + given)
+    assert _mass(robot.root).mass == 1.0
+
+
 def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Where the mesh encloses nothing the exact solid is taken and the reason told; a closed tessellation is enough."""
     shop = Workshop()
