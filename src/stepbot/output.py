@@ -233,7 +233,9 @@ def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
 def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
     known = {name: sidecar for name, sidecar in sidecars.items() if sidecar}
     document = {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
-    return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode()
+    return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode(
+        "utf-8", "backslashreplace"
+    )
 
 
 def _read_manifest(folder: Path) -> Manifest:
