@@ -71,6 +71,7 @@ hostile: install  ## harm stepbot in every way that tests/hostile knows, and wri
 mutation: install  ## remove everything from every file, one at a time, and write docs/mutation.md; hours
 	$(BIN)/python -m pip install --quiet -e '.[verify]'
 	$(BIN)/python -m tests.mutation.page
+	$(BIN)/python -m tests.mutation.changed
 
 library: install  ## draw, convert, verify and render every robot of the library, and write its pages
 	$(BIN)/python -m pip install --quiet -e '.[draw,verify]'

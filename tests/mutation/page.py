@@ -16,6 +16,8 @@ from .removal import UNREAD
 from .trial import Verdict, verdicts
 
 PAGE = Path(__file__).parents[2] / "docs" / "mutation.md"
+CHANGED = "\n## Changed numbers\n"
+"""Heading of the section that :mod:`tests.mutation.changed` writes, at the end of the page."""
 
 CORE = {"urdf": ("yourdfpy", "mujoco", "pybullet"), "mjcf": ("mujoco",), "sdf": ("pybullet",)}
 """Engines of the core install, those first that answer soonest. The readers of stepbot's own do not count."""
@@ -127,7 +129,8 @@ def main() -> int:
     of_each = parser.parse_args().of_each
     with tempfile.TemporaryDirectory() as folder:
         found = list(verdicts(ROBOTS, ALL, Path(folder), of_each))
-    PAGE.write_text(page(found, of_each), encoding="utf-8", newline="\n")
+    _, heading, changed = PAGE.read_text(encoding="utf-8").partition(CHANGED)
+    PAGE.write_text(page(found, of_each) + heading + changed, encoding="utf-8", newline="\n")
     missed = [f"{row.title} by {row.engines}" for row in ROWS if share(row, found) < row.wanted]
     sys.stderr.write("".join(f"missed: {one}\n" for one in missed))
     return 1 if missed else 0

@@ -81,3 +81,29 @@ def reason_for(format_: str, kind: str, *, core: bool) -> str:
         if re.fullmatch(pattern, kind):
             return reason
     raise KeyError(f"{format_}: {kind}")
+
+
+_CHANGES = {
+    "mjcf": (
+        (r"body/site@quat", "how the site of a point is turned, which holds nothing"),
+        (r"default/geom@(group|contype|conaffinity)", "groups of shapes, which MJCF alone has"),
+        (r"body/joint@armature", "armature, which MJCF alone has: there is nothing to compare it with"),
+        (r"keyframe/key@(qpos|ctrl)", "the keyframe, which MJCF alone has; what drives hold in it is not compared"),
+        (r"sensor/.*@interval", "the rate of encoders, which the other formats do not have"),
+        (r"body/joint@damping", "damping of a ball joint, which SDFormat does not have"),
+    ),
+    "sdf": (),
+    "urdf": (),
+}
+
+
+def reason_for_change(format_: str, kind: str) -> str:
+    """The reason why a change of a kind of number goes unnoticed, as it stands in a table.
+
+    Raises:
+        KeyError: Nobody has looked for one yet.
+    """
+    for pattern, reason in _CHANGES[format_]:
+        if re.fullmatch(pattern, kind):
+            return reason
+    raise KeyError(f"{format_}: {kind}")

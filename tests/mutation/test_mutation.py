@@ -2,23 +2,30 @@
 
 import os
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
+from tests.devices import equipped
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without, write
 
+from .changed import LIBRARY, WANTED, library_builds, section
+from .changed import OF_EACH as OF_EACH_OF_LIBRARY
+from .changes import changes
 from .judge import Judge, question
 from .page import ALL, CORE, PAGE, ROWS, page, share
 from .reasons import reason_for
 from .removal import removals
+from .siblings import FORMATS, Noticed, trials
 from .trial import Flawed, verdicts
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="engines crash here, in forks of this process")
 
 SLICE = ("two_link_arm",)
 OF_EACH = 12
+OF_EACH_CHANGED = 8
 OF_EACH_LONG = 4
 """Of each file; all of them, some 14,000, take hours: `make mutation`."""
 
@@ -98,6 +105,53 @@ def test_everything_is_noticed(tmp_path: Path) -> None:
     found = list(verdicts(ROBOTS, ALL, tmp_path, OF_EACH_LONG))
     assert page(found, None)
     assert {f"{row.title} by {row.engines}": share(row, found) for row in ROWS if share(row, found) < row.wanted} == {}
+
+
+def test_changes_are_beyond_the_tolerance() -> None:
+    """Zeros, directions that only change their length, and what the tolerance of the quantity takes in are left out."""
+    text = (
+        b'<robot name="r"><link name="a"><inertial><origin xyz="0.1 1e-12 0"/><mass value="2"/>'
+        b'<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="1e-11" ixz="1e-3" iyz="0"/></inertial></link>'
+        b'<joint name="j" type="revolute"><axis xyz="0 0 1"/><limit upper="1e9"/></joint></robot>'
+    )
+    found = {one.path.rpartition("/")[2] + one.old: one for one in changes(text, "seed")}
+    expected = {"inertia@ixx0.1", "inertia@iyy0.1", "inertia@izz0.1", "inertia@ixz1e-3", "mass@value2", "origin@xyz0.1"}
+    assert expected == {name for name in found if not name.startswith(("axis", "limit"))}
+    assert all(float(one.new) < 0.0 for name, one in found.items() if name.startswith(("axis", "limit")))
+    mass = found["mass@value2"]
+    assert mass.kind == "inertial/mass@value"
+    assert f'value="{mass.new}"'.encode() in mass.content
+    assert [one.content for one in changes(text, "seed")] == [one.content for one in changes(text, "seed")]
+
+
+@pytest.mark.slow
+@pytest.mark.pybullet
+@pytest.mark.mujoco
+def test_changed_numbers_are_noticed(tmp_path: Path) -> None:
+    """One number in one of three files, by `verify` and by the conversion: at least 97 %, and a reason for the rest."""
+    for engine in ("yourdfpy", "mujoco", "pybullet"):
+        skip_without(engine)
+    robots = {"equipped": equipped, "two_link_arm": ROBOTS["two_link_arm"]}
+    found = list(trials(robots, tmp_path, OF_EACH_CHANGED))
+    assert len(found) == len(robots) * len(FORMATS) * OF_EACH_CHANGED
+    _assert_noticed(found)
+
+
+@pytest.mark.long
+def test_changed_numbers_of_the_library_are_noticed(tmp_path: Path) -> None:
+    """Three hundred of them, in robots with sensors, keyframes, mimics, loops and ball joints."""
+    for engine in ("yourdfpy", "mujoco", "pybullet"):
+        skip_without(engine)
+    found = list(trials(library_builds(LIBRARY), tmp_path, OF_EACH_OF_LIBRARY))
+    assert len(found) >= 300
+    _assert_noticed(found)
+
+
+def _assert_noticed(found: Sequence[Noticed]) -> None:
+    assert section(found, "command")  # every survivor has a reason
+    for by in ("by_verify", "by_conversion"):
+        lost = [f"{one.format}: {one.change.path} {one.change.old}" for one in found if not getattr(one, by)]
+        assert 1.0 - len(lost) / len(found) >= WANTED, lost
 
 
 def test_the_page_is_there() -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isfinite
+from math import inf, isfinite
 
 from ..model import ActuatorKind, Mimic
 from ..simulators.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
@@ -29,7 +29,7 @@ def alike(a: Observation, b: Observation) -> tuple[Observation, Observation]:
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
-    return _with_common_frames(*_with_common_gears(a, b))
+    return _with_common_frames(*_with_common_views(*_with_common_gears(a, b)))
 
 
 def _without_world(observation: Observation) -> Observation:
@@ -150,6 +150,21 @@ def _with_common_gears(a: Observation, b: Observation) -> tuple[Observation, Obs
     a, b = (
         side if side.actuators is None else replace(side, actuators=tuple(map(_at_joint, side.actuators)))
         for side in sides
+    )
+    return a, b
+
+
+def _with_common_views(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+    """Both without the range of sensors that see without end in one file: some formats want a number there."""
+    endless = {sensor.name for side in (a, b) for sensor in side.sensors or () if sensor.farthest == inf}
+    a, b = (
+        side
+        if side.sensors is None
+        else replace(
+            side,
+            sensors=tuple(replace(one, farthest=None) if one.name in endless else one for one in side.sensors),
+        )
+        for side in (a, b)
     )
     return a, b
 

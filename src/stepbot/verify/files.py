@@ -131,7 +131,7 @@ class Asked:
     """The joints of the first file that an engine can load."""
 
 
-def ask(formats: Mapping[Path, str], scout: Scout, seconds: float = SECONDS) -> Asked:
+def ask(formats: Mapping[Path, str], scout: Scout, *, count: int = CONFIGURATIONS, seconds: float = SECONDS) -> Asked:
     """The same poses and motions for all files, in the coordinates of each.
 
     What to ask depends on the joints: one engine per file is asked for them before.
@@ -139,13 +139,14 @@ def ask(formats: Mapping[Path, str], scout: Scout, seconds: float = SECONDS) -> 
     Args:
         formats: The files, and what each is written in.
         scout: Asks that engine.
+        count: Number of random configurations.
         seconds: Length [s] of the passive simulation.
     """
     scouted = {path: seen for path, name in formats.items() if (seen := scout.look(path, name))}
     by = {path: scout.correspondence(next(iter(scouted.values())), other) for path, other in list(scouted.items())[1:]}
     joints = moved(one.naming for one in scouted.values())
-    drawn = _clear_of_locks(configurations(joints, CONFIGURATIONS, SEED), by.values())
-    moving = [(_followed(v, by.values()), _followed(a, by.values())) for v, a in rates(joints, CONFIGURATIONS, SEED)]
+    drawn = _clear_of_locks(configurations(joints, count, SEED), by.values())
+    moving = [(_followed(v, by.values()), _followed(a, by.values())) for v, a in rates(joints, count, SEED)]
     requests = {}
     for path, name in formats.items():
         corresponds = by.get(path, Correspondence(()))

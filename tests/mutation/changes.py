@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from stepbot.lowering import UNLIMITED
 from stepbot.simulators.observation import Quantity
 from stepbot.spatial import Pose, angle_between
 from stepbot.verify.tolerances import COLOR, TOLERANCES
@@ -106,6 +107,8 @@ def _is_another(top: Any, slot: Slot, words: Sequence[str]) -> bool:
     old, new = ([float(word) for word in side] for side in (slot.words, words))
     off = max(abs(a - b) for a, b in zip(old, new, strict=True))
     kind = slot.kind
+    if all(a == b or min(abs(a), abs(b)) >= UNLIMITED for a, b in zip(old, new, strict=True)) and min(new) > 0.0:
+        return False  # a number that stands for no limit, before and after
     if re.search(r"inertia(/i..|@i..)$|fullinertia$|diaginertia$", kind):
         return off > TOLERANCES[Quantity.INERTIA].allowed(_largest_moment(top, slot))
     if re.search(r"inertial/(pose|origin@xyz)$|inertial@pos$", kind):
