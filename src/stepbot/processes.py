@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from .import_path import safe_import_path
+from .temporary import run_folder
 
 T = TypeVar("T")
 
@@ -97,6 +98,7 @@ def worker_environment() -> dict[str, str]:
         "PYTHONPATH": os.pathsep.join(paths),
         "PYTHONSAFEPATH": "1",  # packages start interpreters of their own when they are imported
         "PYTHONIOENCODING": "utf-8",
+        "TMPDIR": str(run_folder()),  # they are killed, and remove nothing then
         "MUJOCO_GL": "disable",  # nothing is drawn: no OpenGL to look for, and none to fail
     }
     return {**os.environ, **one_thread, **own}

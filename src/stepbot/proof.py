@@ -12,6 +12,7 @@ from .model import Robot
 from .output import write_atomically
 from .report import Report
 from .simulators.memory import Memory
+from .temporary import run_folder
 from .verify import Provers, Written, verify
 from .warmup import started_server
 from .writers import joined, main_file, writer_of
@@ -47,7 +48,7 @@ class Proof:
             found: Receives SB8xx and SB9xx.
         """
         options = self._options
-        with TemporaryDirectory(prefix="stepbot-") as folder:
+        with TemporaryDirectory(dir=run_folder()) as folder:
             place = Path(folder)
             write_atomically(joined(files), place)
             written = {name: Written(place / main_file(one, writer_of(name)), one) for name, one in lowered.items()}

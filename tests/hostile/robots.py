@@ -20,7 +20,7 @@ class Versions:
     folder: Path
     """Where ``old.robot.yaml``, ``new.robot.yaml`` and their STEP are; both call the robot by one name."""
     old: dict[str, bytes]
-    """Files of the output, hidden ones too."""
+    """Files of the output, but for the list of what stepbot wrote, which is stamped by each run."""
     new: dict[str, bytes]
     cache: Path
     """A cache that holds the geometry of the STEP, and nothing of what was made of it."""
@@ -34,14 +34,19 @@ class Versions:
             (output / name).write_bytes(content)
 
     def torn(self, output: Path) -> list[str]:
-        """Files that are neither of the old version nor of the new one; those being written and the list aside."""
+        """Files that are neither of the old version nor of the new one; those being written aside."""
         return [
             f"'{name}' is neither the old file nor the new one"
-            for name, content in snapshot(output).items()
+            for name, content in files_in(output).items()
             if not name.startswith(_STAGING)
             and name != MANIFEST
             and content not in (self.old.get(name), self.new.get(name))
         ]
+
+
+def files_in(output: Path) -> dict[str, bytes]:
+    """What is in an output folder, hidden files too, but for the list of what stepbot wrote."""
+    return {name: content for name, content in snapshot(output).items() if name != MANIFEST}
 
 
 def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:
@@ -68,6 +73,6 @@ def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:
         )
         assert ended.code == 0, ended.text
         assert not ended.left, ended.left
-        written[version], seconds = snapshot(output), ended.seconds
+        written[version], seconds = files_in(output), ended.seconds
     shutil.rmtree(cache)
     return Versions(folder, written["old"], written["new"], folder / "geometry", seconds)

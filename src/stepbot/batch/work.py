@@ -11,6 +11,7 @@ from ..cache import Cache, default_folder, file_digest
 from ..conversion import Conversion, Options
 from ..diagnostics import Diagnostic, Diagnostics, Span
 from ..incremental import conversion_key, produce
+from ..temporary import run_folder
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def carry_out_parcel(parcel: Parcel) -> Work:
         return Work({}, tuple(found))
     from .. import pipeline
 
-    with TemporaryDirectory(prefix="stepbot-") as folder:
+    with TemporaryDirectory(dir=run_folder()) as folder:
         sidecar = _put(Path(folder) / "sidecar", parcel.sidecar, parcel.text)
         step = _put(Path(folder) / "step", parcel.step, parcel.geometry)
         # Whole conversions are known by their paths, geometry and observations by content alone: those are found again.
