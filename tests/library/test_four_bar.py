@@ -199,7 +199,8 @@ def test_every_check_that_an_engine_can_make_has_passed(four_bar: Conversion) ->
     """The table on the terminal has a line per file and engine, none failed, and reasons for all that did not run."""
     summary = four_bar.report["summary"]
     assert summary["failed"] == 0
-    assert f"{summary['passed']} passed, 0 failed, {summary['not_run']} not run" in four_bar.run.out
+    assert f"{summary['passed']} passed" in four_bar.run.out
+    assert f"0 failed, {summary['not_run']} not run" in four_bar.run.out
     for check in four_bar.report["checks"]:
         assert check["status"] in ("passed", "not run"), check
         assert check["why"] or check["status"] == "passed", check
