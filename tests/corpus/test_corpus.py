@@ -99,7 +99,7 @@ def test_mass_properties(
 
 @each(READABLE)
 def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: Path) -> None:
-    """Bit for bit what GProp says of a plain reading; where that is wrong, what ever finer meshes tend to."""
+    """Simple solids as GProp has them, bit for bit; others as near as the estimated error says, or better by meshes."""
     plain = plain_solids(corpus / file.name)
     known = {solid.volume for solid in plain}
     bodies = [body for body in assembly_of(file, read).bodies if body.kind == BodyKind.SOLID]
@@ -108,7 +108,12 @@ def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: 
         assert body.exact is not None
         if body.exact.volume not in known:
             other = min(plain, key=lambda solid: abs(solid.volume - body.exact.volume))  # type: ignore[union-attr]
-            assert_better(body.exact.unit_density, other)
+            assert body.exact_error > 1e-9
+            apart = abs(other.volume / body.exact.volume - 1)
+            if apart > 1e-4:
+                assert_better(body.exact.unit_density, other)
+            else:
+                assert apart <= body.exact_error
 
 
 def assert_better(ours: MassProperties, plain: PlainSolid) -> None:
