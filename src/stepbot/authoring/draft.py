@@ -1,0 +1,175 @@
+"""What inference drafts: links, joints and closures as plain data, each with its evidence and a score.
+
+Lengths are in metres and angles in radians, points and directions in the frame of the assembly. Paths are canonical
+component paths, as `inspect` prints them.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from ..model import JointKind
+from ..spatial import ZERO3, Vector3
+
+SURE = 0.8
+"""Score from which a joint needs no review."""
+CHOSEN = 0.5
+"""Score from which a joint is drafted; below it is written as a comment."""
+
+
+@dataclass(frozen=True)
+class Confidence:
+    """How strong the evidence is."""
+
+    score: float
+    """From 0 to 1; a rank set on known assemblies, not a probability."""
+    evidence: tuple[str, ...] = ()
+    """One fact each: ``shaft of r 4 mm in a bore of r 4.05 mm, 12 mm engaged``."""
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it needs no review."""
+        return self.score >= SURE
+
+    @property
+    def is_chosen(self) -> bool:
+        """Whether it is strong enough to be drafted."""
+        return self.score >= CHOSEN
+
+
+class OriginForm(StrEnum):
+    """The keys under ``origin`` that inference writes."""
+
+    MATE = "mate"
+    AXIS_OF = "axis_of"
+    XYZ = "xyz"
+
+
+@dataclass(frozen=True)
+class OriginSnippet:
+    """What to write under ``origin``."""
+
+    form: OriginForm
+    paths: tuple[str, ...] = ()
+    """Two components for ``mate``, one for ``axis_of``, none for ``xyz``."""
+    radius: float | None = None
+    """Selects the line by its radius [m]; None where it needs no selection by radius."""
+    near: Vector3 | None = None
+    """Selects the line by a point near it [m]; None where it needs none."""
+    xyz: Vector3 = ZERO3
+    """Position [m], where ``form`` is ``xyz``."""
+    rpy: Vector3 = ZERO3
+    """Roll, pitch and yaw [rad], where ``form`` is ``xyz``."""
+
+
+@dataclass(frozen=True)
+class DraftLimits:
+    """Limits of a joint and the reason for them."""
+
+    lower: float
+    """[rad] or [m]."""
+    upper: float
+    """[rad] or [m]."""
+    why: str
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another reading of the same place: a line that `init` writes as a comment."""
+
+    type: JointKind
+    a: str
+    """Path of one component."""
+    b: str
+    """Path of the other."""
+    confidence: Confidence
+    point: Vector3 | None = None
+    """On the axis [m], or the centre of a ball; None where there is none."""
+    direction: Vector3 | None = None
+    """Unit direction of the axis; None for a ball."""
+
+
+@dataclass(frozen=True)
+class DraftLink:
+    """A link and the components that move as one with it."""
+
+    name: str
+    parts: tuple[str, ...]
+    """Paths that claim all of it; the nearest claim wins, so a subassembly and a part of it may go to two links."""
+    confidence: Confidence
+    rest: bool = False
+    """Whether it takes everything that no other link claims; ``parts`` may then be empty."""
+    components: tuple[int, ...] = ()
+    """Indices of all its components with a body."""
+
+
+@dataclass(frozen=True)
+class DraftConnection:
+    """What a joint and a closure have in common."""
+
+    name: str
+    type: JointKind
+    origin: OriginSnippet
+    axis: str | Vector3
+    """Along the frame that ``origin`` gives: ``z``, ``-z``, or a unit vector; ``z`` where the type has no axis."""
+    point: Vector3
+    """On the axis [m]; the centre of a ball or a universal joint."""
+    direction: Vector3 | None
+    """Unit direction of the axis in the assembly; None for a ball or a fixed joint."""
+    confidence: Confidence
+    parts: tuple[str, str]
+    """Paths of the two components whose faces tell most."""
+    alternatives: tuple[Alternative, ...] = ()
+    review: str = ""
+    """What to look at; empty where the draft needs no review."""
+
+    @property
+    def is_reviewed(self) -> bool:
+        """Whether its line carries a REVIEW mark."""
+        return bool(self.review) or not self.confidence.is_sure
+
+
+@dataclass(frozen=True)
+class DraftJoint(DraftConnection):
+    """A joint of the tree."""
+
+    parent: str = ""
+    """Name of a link."""
+    child: str = ""
+    """Name of a link."""
+    axis2: str | Vector3 | None = None
+    """Second axis of a universal joint, as ``axis``."""
+    direction2: Vector3 | None = None
+    """The same in the assembly."""
+    limits: DraftLimits | None = None
+    pitch: float | None = None
+    """Of a screw [m per turn]; None where nothing in the drawing gives it."""
+
+
+@dataclass(frozen=True)
+class DraftClosure(DraftConnection):
+    """A joint that closes a loop."""
+
+    link_a: str = ""
+    link_b: str = ""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A drafted robot."""
+
+    robot: str
+    root: str
+    """Name of the link that stands."""
+    links: tuple[DraftLink, ...]
+    """The root first."""
+    joints: tuple[DraftJoint, ...] = ()
+    """In the order of the tree: a parent's joint before those of its children."""
+    closures: tuple[DraftClosure, ...] = ()
+    offered: tuple[Alternative, ...] = ()
+    """Axes that were seen and not drafted, the strongest first."""
+    without_density: tuple[str, ...] = ()
+    """Materials (or ``""`` for parts without one) whose parts have no density in the STEP."""
+    equal_density: float = 0.0
+    """Density [kg/m^3] that all of several parts share, which a CAD program writes by default; 0 where they differ."""
+    notes: tuple[str, ...] = ()
+    """Further facts for people: what is in no link, what could not be told."""
