@@ -111,4 +111,13 @@ CODES = (
         "It would turn about one axis only.",
         "Give `axis2` a direction at right angles to `axis`.",
     ),
+    Code(
+        "SB463",
+        "warning",
+        "limits to be filled in",
+        "A joint has `limits: todo`, as `stepbot init` writes it: neither it nor `joint_defaults` says how far it moves.",
+        "The joint moves without bounds: in URDF a revolute joint becomes continuous, and a prismatic one gets limits of "
+        "+-1e9 m. A planner would turn it through its own cables.",
+        "Replace `todo` by `{lower: ..., upper: ...}`, or give a joint that turns without end `type: continuous`.",
+    ),
 )

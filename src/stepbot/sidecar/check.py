@@ -29,7 +29,7 @@ _CHECKS = (
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report what does not fit together: SB126, SB128, SB130 to SB141, SB143 and SB450 to SB462."""
+    """Report what does not fit together: SB126, SB128, SB130 to SB141, SB143 and SB450 to SB463."""
     local, complete = BoundedDiagnostics(), True
     try:
         for check in _CHECKS:

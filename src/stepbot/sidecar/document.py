@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool
 from ..model import Base, JointKind
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
-from .motion import DynamicsSection, LimitsSection
+from .motion import DynamicsSection, JointLimits, LimitsSection
 from .origins import (
     AutoOrigin,
     AxisOrigin,
@@ -199,8 +199,8 @@ class JointSection(Section):
     """Axis in the joint's frame, `z` when left out; the normal of a planar joint."""
     axis2: AxisVector | None = None
     """Second axis of a universal joint, in the joint's frame."""
-    limits: LimitsSection = LimitsSection()
-    """Bounds of position, speed and effort."""
+    limits: JointLimits = LimitsSection()
+    """Bounds of position, speed and effort; `todo` while they are unknown: no bounds, and a warning."""
     dynamics: DynamicsSection = DynamicsSection()
     """Damping, friction, spring and armature."""
     mimic: MimicSection | None = None

@@ -36,7 +36,7 @@ _TOLERANCE = 1e-9
 
 
 def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report, joint by joint, SB121, SB125, SB137, SB138, SB455 to SB457 and SB462."""
+    """Report, joint by joint, SB121, SB125, SB137, SB138, SB455 to SB457, SB462 and SB463."""
     for name, joint in sidecar.document.joints.items():
         settings = joint_settings(sidecar.document, name)
         _check_keys(sidecar, name, joint, settings, found)
@@ -61,6 +61,9 @@ def _check_keys(
             help = [f"joints that have it: {', '.join(kinds)}"]
             message = f"joint '{name}': a {joint.type} joint has no '{key}'"
             found.add("SB137", message, sidecar.key_span("joints", name, key), help=help)
+    if joint.limits == "todo" and "lower" not in settings_of(joint.type):
+        message = f"joint '{name}': a {joint.type} joint has no position limits, so they cannot be `todo`"
+        found.add("SB137", message, sidecar.span("joints", name, "limits"), help=["remove `limits: todo`"])
     for field, setting in settings.items():
         if field not in settings_of(joint.type):
             keys = ".".join(map(str, setting.keys[2:]))
@@ -119,7 +122,12 @@ def _check_limits(
     lower, upper = settings.get("lower"), settings.get("upper")
     who = f"joint '{name}'"
     missing = [field for field in ("lower", "upper") if field not in settings]
-    if joint.type in _NEED_LIMITS and missing:
+    if joint.limits == "todo":
+        if missing:
+            message = f"{who}: limits are `todo`: the joint has no {' and no '.join(missing)} limit"
+            help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
+            found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
+    elif joint.type in _NEED_LIMITS and missing:
         help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
         if joint.type is JointKind.REVOLUTE:
             help.append("a joint that turns without end is `type: continuous`")

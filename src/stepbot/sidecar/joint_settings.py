@@ -125,6 +125,8 @@ def _take(
 ) -> None:
     """Add what ``source`` sets and ``found`` has not; only fields in ``known``, where that is given."""
     for key, section in (("limits", source.limits), ("dynamics", source.dynamics)):
+        if section == "todo":
+            continue
         for field in type(section).model_fields:
             value: JointValue | None = getattr(section, field)
             if value is not None and field not in found and (known is None or field in known):

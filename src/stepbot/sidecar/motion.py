@@ -1,5 +1,9 @@
 """How a joint moves: its bounds, and the passive forces in it."""
 
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Tag
+
 from .quantities import (
     JointBound,
     JointDamping,
@@ -24,6 +28,18 @@ class LimitsSection(Section):
     """Highest torque or force [N m or N]."""
     velocity: JointSpeed | None = None
     """Highest speed [rad/s or m/s]."""
+
+
+def _limits_form(value: Any) -> str:
+    """The word ``todo``, or a mapping."""
+    return "<word>" if isinstance(value, str) else "<limits>"
+
+
+JointLimits = Annotated[
+    Annotated[Literal["todo"], Tag("<word>")] | Annotated[LimitsSection, Tag("<limits>")],
+    Discriminator(_limits_form),
+]
+"""The limits of a joint, or `todo` as long as they are not known."""
 
 
 class DynamicsSection(Section):

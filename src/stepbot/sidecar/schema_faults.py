@@ -173,6 +173,9 @@ def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
     if keys[-1] in ("origin", "frame"):
         form = "'auto' or a mapping, such as {axis_of: \"...\"}"
         return _Fault("SB123", f"an origin is {form}, not {_shown(value)}", _auto_hint(keys, value))
+    if keys[-1] == "limits":
+        help = ("write {lower: ..., upper: ...}, or `todo` while they are unknown",)
+        return _Fault("SB123", f"must be a mapping or `todo`, not {_shown(value)}", help)
     if not isinstance(value, Scalar):
         return _Fault("SB122", f"must be one of {_words(error)}, not {_shown(value)}")
     if keys[-1] == "auto":

@@ -122,6 +122,8 @@ TURNS = "type: continuous"
         ("type: revolute, limits: {lower: inf, upper: inf}", TURNS, ["SB456"]),
         ("type: revolute, limits: {lower: 1e-3, upper: 1}", TURNS, ["SB457"]),
         ("type: revolute, limits: {lower: -1, upper: 1}, zero: 1.0000000001", TURNS, []),
+        ("type: revolute, limits: todo", "type: prismatic, limits: todo", ["SB463", "SB463"]),
+        ("type: fixed, limits: todo", TURNS, ["SB137"]),
         ("type: screw, pitch: 2 mm/rev, limits: {upper: 10 rev}", TURNS, []),
         ("type: screw, pitch: 0", TURNS, ["SB125"]),
         ("type: universal, axis: z, axis2: x, limits: {effort: 1 N*m}", TURNS, []),
@@ -161,6 +163,13 @@ def test_defaults_fill_limits() -> None:
     """Limits that a default gives need not be repeated."""
     text = JOINT.format(elbow="type: revolute", wrist=TURNS)
     assert codes(text) == ["SB455"]
+    assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
+
+
+def test_defaults_fill_limits_that_are_to_do() -> None:
+    """`limits: todo` warns as long as neither the joint nor a default has both bounds."""
+    text = JOINT.format(elbow="type: revolute, limits: todo", wrist=TURNS)
+    assert codes(text + "joint_defaults: {'*': {limits: {upper: 1, effort: 2}}}\n") == ["SB463"]
     assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
 
 
