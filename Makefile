@@ -10,7 +10,7 @@ JOBS := auto --dist loadgroup
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
-.PHONY: help install demo test test-long format lint types contracts generate fresh check hostile mutation library \
+.PHONY: help install demo test test-long format lint types contracts generate fresh check wheels hostile mutation library \
 	benchmarks build all lock clean
 .DEFAULT_GOAL := help
 
@@ -65,6 +65,9 @@ fresh: install  ## check that what is generated is up to date
 
 check: lint types contracts fresh  ## all that needs no test run
 
+wheels: install  ## try the wheel in every Python from 3.11 to 3.14 that is found, those of pyenv too
+	$(BIN)/python .ci/wheels.py
+
 hostile: install  ## harm stepbot in every way that tests/hostile knows, and write docs/reliability.md; hours
 	$(BIN)/python -m tests.hostile --page
 
@@ -83,7 +86,7 @@ benchmarks: install  ## run every benchmark once on something small; docs/perfor
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check test test-long library benchmarks build  ## everything, but for the hours of hostile and mutation
+all: check wheels test test-long library benchmarks build  ## everything, but for the hours of hostile and mutation
 
 lock: install  ## pin again what is installed on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt

@@ -1,6 +1,8 @@
 """What every test may ask for: a collector that is read, the real assemblies, the robots of the library."""
 
+import importlib.util
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,6 +20,31 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.g
 """Workers import functions of the tests, and nothing from the current folder unless it is named here."""
 CORPUS = Path(os.environ.get("STEPBOT_CORPUS", ROOT.parent / "shared" / "corpus"))
 CORPUS_ABSENT = f"real STEP assemblies are absent: no folder {CORPUS} (set STEPBOT_CORPUS)"
+
+PYBULLET_ABSENT = (
+    f"PyBullet is not installed: it has no wheel for Python {sys.version_info[0]}.{sys.version_info[1]} on this system "
+    "(`pip install stepbot[pybullet]` compiles it)"
+)
+PORTABLE = (
+    "unit/build/test_fits.py",
+    "unit/build/test_joints.py",
+    "unit/build/test_mass.py",
+    "unit/cache/",
+    "unit/cad/test_parallel.py",
+    "unit/solids/",
+    "unit/test_dynamics.py",
+    "unit/test_forkserver.py",
+    "unit/test_isolation.py",
+    "unit/test_kinematics.py",
+    "unit/test_measure.py",
+    "unit/test_mesh.py",
+    "unit/test_spatial.py",
+    "unit/test_sums.py",
+    "unit/test_verify.py",
+    "conformance/",
+    "cli/test_application.py",
+)
+"""What `make wheels` runs in each Python: processes, types at run time, numbers, bytes, engines."""
 
 # How long an example takes depends on what else the machine does.
 settings.register_profile("unhurried", settings(), deadline=None)
@@ -63,18 +90,32 @@ def robot_library() -> Path:
     return ROOT / "robot_library"
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that `make wheels` runs."""
+    for item in items:
+        if item.path.relative_to(ROOT / "tests").as_posix().startswith(PORTABLE):
+            item.add_marker("portable")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip what needs PyBullet where it is not installed."""
+    if item.get_closest_marker("pybullet") and importlib.util.find_spec("pybullet") is None:
+        pytest.skip(PYBULLET_ABSENT)
+
+
 def pytest_report_header() -> str:
     """Say at the top whether the real assemblies are there."""
     return f"corpus: {CORPUS}" if CORPUS.is_dir() else f"corpus: ABSENT, {CORPUS_ABSENT}"
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say once more at the end what was not tested for want of the corpus."""
-    skipped = [
-        report
+    """Say once more at the end what was not tested for want of the corpus or of PyBullet."""
+    told = [
+        str(report.longrepr[2])
         for report in terminalreporter.getreports("skipped")
-        if isinstance(report.longrepr, tuple) and CORPUS_ABSENT in report.longrepr[2]
+        if isinstance(report.longrepr, tuple)
     ]
-    if skipped:
-        terminalreporter.section("not tested", yellow=True)
-        terminalreporter.line(f"{len(skipped)} tests skipped: {CORPUS_ABSENT}", yellow=True)
+    for reason in (CORPUS_ABSENT, PYBULLET_ABSENT):
+        if count := sum(reason in one for one in told):
+            terminalreporter.section("not tested", yellow=True)
+            terminalreporter.line(f"{count} tests skipped: {reason}", yellow=True)

@@ -1,0 +1,51 @@
+"""Find the Pythons of this machine that stepbot supports: on PATH, and those of pyenv, which often are not."""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+SUPPORTED = ((3, 11), (3, 12), (3, 13), (3, 14))
+_ASK = "import ensurepip, sys, venv; print(*sys.version_info[:3])"
+"""What an interpreter must be able to do: make virtual environments with pip in them."""
+
+
+def found_pythons() -> dict[tuple[int, int], tuple[Path, str]]:
+    """For each supported Python that is there its interpreter and its full version: the newest of each, in order."""
+    newest: dict[tuple[int, int], tuple[tuple[int, ...], Path]] = {}
+    for path in _candidates():
+        version = _version(path)
+        if version[:2] in SUPPORTED and version > newest.get(version[:2], ((), path))[0]:
+            newest[version[0], version[1]] = version, path
+    return {short: (path, ".".join(map(str, version))) for short, (version, path) in sorted(newest.items())}
+
+
+def _candidates() -> Iterator[Path]:
+    for major, minor in SUPPORTED:
+        if on_path := shutil.which(f"python{major}.{minor}"):
+            yield Path(on_path)
+    for name in ("python3", "python"):
+        if on_path := shutil.which(name):
+            yield Path(on_path)
+    for root in dict.fromkeys(_pyenv_roots()):
+        yield from sorted(root.glob("versions/*/bin/python"))
+
+
+def _pyenv_roots() -> Iterator[Path]:
+    if root := os.environ.get("PYENV_ROOT"):
+        yield Path(root)
+    if pyenv := shutil.which("pyenv"):
+        run = subprocess.run([pyenv, "root"], capture_output=True, text=True, check=False)
+        if run.returncode == 0:
+            yield Path(run.stdout.strip())
+    yield Path.home() / ".pyenv"
+
+
+def _version(python: Path) -> tuple[int, ...]:
+    """Its version; empty where it does not run, as a shim of pyenv for a version that is not selected."""
+    try:
+        run = subprocess.run([python, "-c", _ASK], capture_output=True, text=True, check=False, timeout=60)
+    except OSError:
+        return ()
+    return tuple(map(int, run.stdout.split())) if run.returncode == 0 else ()
