@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 SUPPORTED = ((3, 11), (3, 12), (3, 13), (3, 14))
-_ASK = "import ensurepip, sys, venv; print(*sys.version_info[:3])"
+_ASK = "import ensurepip, sys, venv; print(*sys.version_info[:3], sys.executable)"
 """What an interpreter must be able to do: make virtual environments with pip in them."""
 
 
@@ -15,7 +15,7 @@ def found_pythons() -> dict[tuple[int, int], tuple[Path, str]]:
     """For each supported Python that is there its interpreter and its full version: the newest of each, in order."""
     newest: dict[tuple[int, int], tuple[tuple[int, ...], Path]] = {}
     for path in _candidates():
-        version = _version(path)
+        version, path = _asked(path)
         if version[:2] in SUPPORTED and version > newest.get(version[:2], ((), path))[0]:
             newest[version[0], version[1]] = version, path
     return {short: (path, ".".join(map(str, version))) for short, (version, path) in sorted(newest.items())}
@@ -42,10 +42,13 @@ def _pyenv_roots() -> Iterator[Path]:
     yield Path.home() / ".pyenv"
 
 
-def _version(python: Path) -> tuple[int, ...]:
-    """Its version; empty where it does not run, as a shim of pyenv for a version that is not selected."""
+def _asked(python: Path) -> tuple[tuple[int, ...], Path]:
+    """Its version, and where it really is; no version where it does not run, as a shim that is not selected."""
     try:
         run = subprocess.run([python, "-c", _ASK], capture_output=True, text=True, check=False, timeout=60)
     except OSError:
-        return ()
-    return tuple(map(int, run.stdout.split())) if run.returncode == 0 else ()
+        return (), python
+    if run.returncode != 0:
+        return (), python
+    *version, executable = run.stdout.strip().split(" ", 3)
+    return tuple(map(int, version)), Path(executable)

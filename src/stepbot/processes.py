@@ -15,6 +15,8 @@ from .import_path import safe_import_path
 from .temporary import run_folder
 
 T = TypeVar("T")
+NO_FORK = "STEPBOT_NO_FORK"
+"""Variable that, set to anything, has stepbot start every process as a new interpreter."""
 
 _PR_SET_PDEATHSIG = 1
 _THREAD_NUMBERS = (
@@ -61,8 +63,11 @@ if hasattr(os, "register_at_fork"):
 
 
 def can_fork() -> bool:
-    """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it."""
-    return hasattr(os, "fork") and sys.platform != "darwin"
+    """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it.
+
+    With :data:`NO_FORK` every system does without, as macOS and Windows must.
+    """
+    return hasattr(os, "fork") and sys.platform != "darwin" and not os.environ.get(NO_FORK)
 
 
 def thread_count() -> int:

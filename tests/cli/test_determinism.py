@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot
+from stepbot.processes import NO_FORK
+from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot, stepbot
 
 pytestmark = pytest.mark.slow
 
@@ -29,7 +30,7 @@ def assert_same_bytes(one: Path, other: Path) -> None:
 def test_other_seed_core_folder_and_paths(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """On one core, in ASCII, with another hash seed and time zone, elsewhere, all paths absolute: the same bytes."""
+    """On one core, in ASCII, with other hash seed, time zone and home, elsewhere, by absolute paths: the same bytes."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_arm2")
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     one_core = "import os, runpy, sys\n" + (
@@ -42,6 +43,8 @@ def test_other_seed_core_folder_and_paths(
         "TZ": "Asia/Tokyo",
         "PYTHONIOENCODING": "ascii",
         "COLUMNS": "60",
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "HOME": str(tmp_path / "some where"),
     }
     elsewhere = tmp_path / "some where"
     elsewhere.mkdir()
@@ -93,6 +96,15 @@ def test_other_locale_and_relative_paths(
     )
     assert run.returncode == 0, run.stderr.decode()
     assert_same_bytes(first.folder, tmp_path / "out" / "here")
+
+
+def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> None:
+    """Every process a new interpreter, as on macOS and Windows: the same bytes, proof included."""
+    first = first_run(tmp_path_factory, robot_library, "stepbot_four_bar")
+    sidecar = robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
+    run = stepbot("convert", sidecar, "-o", "out", cwd=tmp_path, changes={NO_FORK: "1"})
+    assert run.code == 0, run.err
+    assert_same_bytes(first.folder, tmp_path / "out")
 
 
 @pytest.mark.parametrize("robot", ["stepbot_diff_drive", "stepbot_upper_body"])

@@ -2,7 +2,8 @@
 
 A forked process shares what its parent has read; nothing is sent to it but numbers of inputs. Each takes the next
 number from a pipe, says so, and writes its results to a file of its own; when it dies, or is stopped because it takes
-too long, the parent knows over which input. Where there is no fork, the function runs in this process.
+too long, the parent knows over which input. Where there is no fork, the function runs in this process, which
+:mod:`stepbot.cad.attempts` watches.
 """
 
 import ctypes
@@ -19,6 +20,7 @@ from typing import BinaryIO, Generic, TypeVar
 
 from ..cores import core_count
 from ..processes import can_fork, end_with_parent
+from .attempts import Attempt
 
 T = TypeVar("T")
 
@@ -97,6 +99,7 @@ def run(
     processes: int | None = None,
     failures: tuple[type[Exception], ...] = (),
     seconds: float = 0.0,
+    attempt: Attempt | None = None,
 ) -> dict[int, T | Died | Raised]:
     """Call ``function`` for every number of ``order``, the first ones first.
 
@@ -106,10 +109,11 @@ def run(
         processes: How many to use; None for one per core.
         failures: Errors that are a result: given back as :class:`Raised`, where others end the program.
         seconds: Processor time [s] that one input may take, where processes can be forked; 0 for any.
+        attempt: What stops and names an input that ends its process, where none is forked.
     """
     count = min(processes if processes is not None else core_count(), len(order))
     if not can_fork() or (count < 2 and not seconds):
-        return {number: _call(function, number, failures) for number in order}
+        return {number: _call_here(function, number, failures, attempt) for number in order}
     _give_back_freed_memory()
     results: dict[int, T | Died | Raised | _Bug] = {}
     left = list(order)
@@ -148,6 +152,17 @@ def _call(function: Callable[[int], T], number: int, failures: tuple[type[Except
         return function(number)
     except failures as error:
         return Raised(type(error).__name__, str(error))
+
+
+def _call_here(
+    function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...], attempt: Attempt | None
+) -> T | Died | Raised:
+    if attempt is None:
+        return _call(function, number, failures)
+    if (reason := attempt.reason(number)) is not None:
+        return Died(reason)
+    with attempt.at(number):
+        return _call(function, number, failures)
 
 
 def _work(

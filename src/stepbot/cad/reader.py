@@ -6,13 +6,17 @@ assembly = reading.finish(found)            waits; None where errors are in ``fo
 
 import ctypes.util
 import re
+import tempfile
+import time
+from dataclasses import dataclass
 from pathlib import Path
 
-from ..diagnostics import Diagnostics, Span
+from ..diagnostics import Diagnostic, Diagnostics, Span
 from ..isolation import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
 from . import KERNEL
 from .assembly import Assembly, ReadOptions
-from .part21 import check_step
+from .attempts import BODY_SECONDS, Attempt
+from .part21 import Part21, check_step
 
 __all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
 
@@ -23,11 +27,29 @@ _NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC
 _MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
 
 
+@dataclass(frozen=True)
+class _Order:
+    """What the kernel's process is asked to do."""
+
+    path: Path
+    part21: Part21
+    options: ReadOptions
+    memory_limit: int | None
+    folder: "tempfile.TemporaryDirectory[str]"
+    """Where that process says which body it is at."""
+
+    def submit(self, worker: Worker, attempt: Attempt) -> Worker:
+        return worker.submit(str(self.path), str(self.path), self.part21, self.options, attempt)
+
+
 class Reading:
     """A STEP file that is being read."""
 
-    def __init__(self, worker: Worker | None, place: str, found: Diagnostics) -> None:
-        self._worker, self._place, self._found = worker, place, found
+    def __init__(self, worker: Worker | None, order: _Order | None, place: str, found: Diagnostics) -> None:
+        self._worker, self._order, self._place, self._found = worker, order, place, found
+        if order is not None and worker is not None:
+            self._attempt = Attempt(order.folder.name, BODY_SECONDS)
+            order.submit(worker, self._attempt)
 
     @property
     def pid(self) -> int | None:
@@ -48,7 +70,7 @@ class Reading:
         if self._worker is None:
             return None
         try:
-            assembly, diagnostics = self._worker.result(timeout)
+            assembly, diagnostics = self._result(time.monotonic() + timeout)
         except WorkerDied as death:
             _report_death(death, self._place, found)
             return None
@@ -57,7 +79,7 @@ class Reading:
                 raise
             return None
         finally:
-            self._worker = None
+            self.close()
         found.extend(diagnostics)
         return _read_only(assembly) if assembly is not None else None
 
@@ -66,6 +88,26 @@ class Reading:
         if self._worker is not None:
             self._worker.close()
             self._worker = None
+        if self._order is not None:
+            self._order.folder.cleanup()
+
+    def _result(self, deadline: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
+        """What the kernel's process answers, or another one that leaves out the bodies that ended those before."""
+        assert self._worker is not None
+        assert self._order is not None
+        while True:
+            try:
+                answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(
+                    max(deadline - time.monotonic(), 0.0)
+                )
+            except WorkerDied as death:
+                again = self._attempt.after(death.reason) if time.monotonic() < deadline else None
+                if again is None:
+                    raise
+                self._attempt = again
+                self._worker = self._order.submit(Worker(KERNEL, memory_limit=self._order.memory_limit), again)
+            else:
+                return answer
 
 
 def start_reading(
@@ -85,12 +127,13 @@ def start_reading(
     try:
         part21 = check_step(path, place, found, options.encoding)
         if part21 is not None:
-            return Reading(worker.submit(str(path), place, part21, options), place, found)
+            folder = tempfile.TemporaryDirectory(prefix="stepbot-", ignore_cleanup_errors=True)
+            return Reading(worker, _Order(path, part21, options, memory_limit, folder), place, found)
     except BaseException:  # Ctrl-C: nobody will wait for the process
         worker.close()
         raise
     worker.close()
-    return Reading(None, place, found)
+    return Reading(None, None, place, found)
 
 
 def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:

@@ -23,6 +23,7 @@ from ..measure import prepare as prepare_measuring
 from ..mesh import TriMesh
 from ..processes import thread_count
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
+from .attempts import BODY_SECONDS, Attempt
 from .bodies import BodyRequest, Finding, ReadBody, read_body
 from .claims import definition_tolerances
 from .comparison import Stated, compare
@@ -45,9 +46,6 @@ from .subjects import Subjects
 from .tree import Tree, grow
 from .validation import read_statements
 
-_BODY_SECONDS = 120.0
-"""Processor time that a body may take; a large one takes a few seconds."""
-
 
 @dataclass(frozen=True, eq=False)
 class _Content:
@@ -62,7 +60,9 @@ class _Content:
     """Kinematic mechanisms that the file describes."""
 
 
-def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
+def read(
+    path: str, place: str, part21: Part21, options: ReadOptions, attempt: Attempt | None = None
+) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
     """Read a STEP file.
 
     Args:
@@ -70,6 +70,7 @@ def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[A
         place: What diagnostics call it.
         part21: What its text told already.
         options: What to compute.
+        attempt: What names a body over which this process ends, where bodies have no processes of their own.
 
     Returns:
         The assembly, None where there is none, and what there is to say about the file.
@@ -79,7 +80,7 @@ def read(path: str, place: str, part21: Part21, options: ReadOptions) -> tuple[A
     if content is None:
         return None, tuple(found)
     bodies = _Bodies(content, place, found)
-    made = bodies.make(options)
+    made = bodies.make(options, attempt)
     components = content.tree.components
     stated = content.stated if options.geometry else []
     assembly = Assembly(
@@ -197,9 +198,9 @@ class _Bodies:
             if content.definitions[definition].has_spare_curves:
                 self._report_curves(content.definitions[definition])
 
-    def make(self, options: ReadOptions) -> dict[tuple[int, int], Body]:
+    def make(self, options: ReadOptions, attempt: Attempt | None) -> dict[tuple[int, int], Body]:
         """Each body once, by the number of its definition and its own in that."""
-        made = self._make(options) if options.geometry else map(_outline, self._sources)
+        made = self._make(options, attempt) if options.geometry else map(_outline, self._sources)
         return dict(zip(self._number, made, strict=True))
 
     def variants(self, made: Mapping[tuple[int, int], Body]) -> tuple[Body, ...]:
@@ -208,7 +209,7 @@ class _Bodies:
             variant(made[v.definition, v.body], is_mirrored=v.is_mirrored, scale=v.scale) for v in self._variants
         )
 
-    def _make(self, options: ReadOptions) -> list[Body]:
+    def _make(self, options: ReadOptions, attempt: Attempt | None) -> list[Body]:
         tolerances = definition_tolerances(
             self._components, [self._number[v.definition, v.body] for v in self._variants], options
         )
@@ -223,8 +224,8 @@ class _Bodies:
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
         # Processes with threads cannot fork safely: then this one makes all bodies.
-        processes, seconds = (None, _BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
-        results = run(make, order, processes=processes, failures=KERNEL_ERRORS, seconds=seconds)
+        processes, seconds = (None, BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
+        results = run(make, order, processes=processes, failures=KERNEL_ERRORS, seconds=seconds, attempt=attempt)
         bodies = []
         for number in range(len(self._sources)):
             result = results[number]
