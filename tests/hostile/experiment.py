@@ -48,4 +48,4 @@ class Experiment:
     long: int
     """Trials of the long form."""
     repaired: tuple[str, ...] = ()
-    """Faults that the experiment found, each repaired, with the test that holds it."""
+    """Faults that the experiment found; each is repaired."""

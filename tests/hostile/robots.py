@@ -45,8 +45,9 @@ class Versions:
 
 
 def files_in(output: Path) -> dict[str, bytes]:
-    """What is in an output folder, hidden files too, but for the list of what stepbot wrote."""
-    return {name: content for name, content in snapshot(output).items() if name != MANIFEST}
+    """What is in an output folder, hidden files too, but for the list of files and for those being written."""
+    files = snapshot(output).items()
+    return {name: content for name, content in files if name != MANIFEST and not name.startswith(_STAGING)}
 
 
 def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:

@@ -84,6 +84,31 @@ class Products:
                 self._below[occurrence.assembly].append(index)
         self._mark(definitions, usages)
 
+    def tree_size(self) -> int:
+        """How many components the tree of all occurrences has; files of a few kilobytes can stand for billions.
+
+        A product that contains itself counts as empty: it is reported elsewhere.
+        """
+        below: dict[int, list[int]] = defaultdict(list)
+        for occurrence in self.occurrences:
+            if min(occurrence.assembly, occurrence.product) >= 0:
+                below[occurrence.assembly].append(occurrence.product)
+        sizes: dict[int, int] = {}
+        roots = set(range(len(self.products))) - {product for products in below.values() for product in products}
+        pending = list(roots)
+        while pending:
+            product = pending[-1]
+            known = product in sizes
+            left = [] if known else [one for one in set(below[product]) if one not in sizes]
+            if not known:
+                sizes[product] = 0  # until all below it are known
+            elif sizes[product] == 0:
+                sizes[product] = 1 + sum(sizes[one] for one in below[product])
+            if known:
+                pending.pop()
+            pending += left
+        return sum(sizes[root] for root in roots)
+
     def product_of(self, mark: str) -> int:
         """Index of the product whose mark a label carries; -1 for a label that the kernel made up."""
         return _number(mark, _PRODUCT)

@@ -119,8 +119,7 @@ def _follow(
         node = pending.pop()
         index = len(nodes)
         if index >= MAX_COMPONENTS:
-            message = f"the assembly has more than {MAX_COMPONENTS} components"
-            found.add("SB215", message, Span(place), help=["export a smaller assembly"])
+            report_too_large(index + 1, place, found)
             return False
         nodes.append(node)
         definition = definitions[node.child.definition]
@@ -131,6 +130,12 @@ def _follow(
             below += [_Node(index, node.child, node.matrix, number) for number in range(len(definition.bodies))]
         pending += reversed(below)
     return True
+
+
+def report_too_large(count: int, place: str, found: Diagnostics) -> None:
+    """Report an assembly of at least ``count`` components, more than are followed."""
+    message = f"the assembly has {count:,} components or more; stepbot reads {MAX_COMPONENTS:,}"
+    found.add("SB215", message, Span(place), help=["export a smaller assembly"])
 
 
 def _add(node: _Node, definitions: Sequence[Definition], materials: Sequence[StepMaterial], growing: _Growing) -> None:

@@ -43,7 +43,7 @@ from .selection import entities, mechanism_count
 from .source import NONE, BodySource, Definition, StepMaterial
 from .step import StepUnreadable, read_model, transfer
 from .subjects import Subjects
-from .tree import Tree, grow
+from .tree import MAX_COMPONENTS, Tree, grow, report_too_large
 from .validation import read_statements
 
 
@@ -132,6 +132,9 @@ def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *,
         return None
     materials = Materials(model.session, place, found)
     products = Products(model.session, take_out=take_out)
+    if products.tree_size() > MAX_COMPONENTS:  # the kernel would follow each of them
+        report_too_large(products.tree_size(), place, found)
+        return None
     correct_operators(model.session)
     definitions = Definitions(transfer(model), products)
     _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
