@@ -15,11 +15,11 @@ from typing import Any
 
 import stepbot
 
-from .closure_snippet import pybullet_snippet
 from .diagnostics import Diagnostic, Diagnostics
 from .joint_table import JointRow
 from .kinematics import initial_configuration, link_poses
 from .model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, MassProperties, Robot, combined
+from .pybullet_loops import LoopConstraint, loop_constraints
 from .sensors import SEEING, Sensor
 from .spatial import Pose
 
@@ -273,7 +273,7 @@ def _robot(report: Report, robot: Robot) -> Json:
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint) for joint in robot.joints],
         "closures": [_closure(closure) for closure in robot.closures],
-        "pybullet": pybullet_snippet(robot),
+        "pybullet": [_loop_constraint(constraint) for constraint in loop_constraints(robot)],
         "frames": [
             {"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF), "source": frame.source}
             for frame in robot.frames
@@ -290,6 +290,15 @@ def _mass(body: MassProperties) -> Json:
 
 def _pose(X: Pose) -> Json:
     return {"xyz": list(X.position), "rpy": list(X.rpy)}
+
+
+def _loop_constraint(constraint: LoopConstraint) -> Json:
+    frames = {
+        name: {"xyz": list(position), "quaternion": list(turn)}
+        for name, (position, turn) in (("frame_a", constraint.frame_a), ("frame_b", constraint.frame_b))
+    }
+    words = {name: getattr(constraint, name) for name in ("closure", "type", "link_a", "link_b")}
+    return {**words, **frames, "axis": list(constraint.axis)}
 
 
 def _link(link: Link) -> Json:

@@ -1,22 +1,24 @@
-"""The snippet of report.json holds loops closed in PyBullet: run as a user would, on the URDF that was written."""
+"""The constraints of report.json hold loops closed in PyBullet: added as a user would, to the URDF that was written."""
 
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from stepbot.closure_snippet import pybullet_snippet
+import stepbot
+from stepbot.diagnostics import Diagnostics
 from stepbot.kinematics import initial_configuration
 from stepbot.loops import closure_gap
 from stepbot.model import Robot
+from stepbot.report import Report, report_document
 from stepbot.simulators.pybullet import body_of
 from tests.closed_mechanisms import delta, sliding_closure, stewart, welded
 from tests.robots import four_bar, two_link_arm
 from tests.simulators.conftest import skip_without, write
 
 
-def _widest_gap(robot: Robot, file: Path, snippet: str) -> float:
-    """How far [m] loops open in half a second of falling sideways, held by the snippet."""
+def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None) -> float:
+    """How far [m] loops open in half a second of falling sideways, held by the constraints of a report or by none."""
     import pybullet as engine
 
     client = engine.connect(engine.DIRECT)
@@ -29,10 +31,8 @@ def _widest_gap(robot: Robot, file: Path, snippet: str) -> float:
         body.set(initial_configuration(robot))
         for joint in body.coordinates.values():
             engine.setJointMotorControl2(loaded, joint, engine.VELOCITY_CONTROL, force=0.0)
-        if snippet:
-            module: dict[str, Any] = {}
-            exec(compile(snippet, "snippet", "exec"), module)
-            assert len(module["close_loops"](loaded)) >= len(robot.closures)
+        if report is not None:
+            assert len(stepbot.close_loops(loaded, report, client)) >= len(robot.closures)
         widest = 0.0
         for _ in range(500):
             engine.stepSimulation()
@@ -51,12 +51,16 @@ def test_it_holds_what_would_fall_apart(build: type, tmp_path: Path) -> None:
     skip_without("pybullet")
     robot: Robot = build()
     file = write(robot, tmp_path).written["urdf"].path
-    held, loose = (_widest_gap(robot, file, snippet) for snippet in (pybullet_snippet(robot), ""))
+    held, loose = (_widest_gap(robot, file, report) for report in (_report(robot), None))
     assert held < 1e-3
     assert loose > 20 * held
     assert loose > 0.02
 
 
 def test_a_tree_needs_none() -> None:
-    """No text where there is nothing to hold."""
-    assert pybullet_snippet(two_link_arm()) == ""
+    """No constraint where there is nothing to hold."""
+    assert _report(two_link_arm())["robot"]["pybullet"] == []
+
+
+def _report(robot: Robot) -> dict[str, Any]:
+    return report_document(Report(robot=robot), Diagnostics())

@@ -1,0 +1,11 @@
+"""``python -m stepbot``: the command line."""
+
+import sys
+from importlib import import_module
+
+from .import_path import restrict_import_path
+
+if __name__ == "__main__":
+    restrict_import_path()  # `python -m` puts the current folder first
+    # By name: the library imports nothing of the command line, this entry point starts it.
+    sys.exit(import_module("stepbot_cli").main())

@@ -1,0 +1,245 @@
+"""The functions that ``import stepbot`` offers; see ``docs/api.md``.
+
+Each of them does what the command of the same name does, and returns what that command prints. None of them prints,
+and none raises for what is wrong with the input: results carry their diagnostics. Whoever prefers exceptions calls
+``result.diagnostics.raise_if_errors()``.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .cache import Cache, default_folder
+from .conversion import Checked, Conversion, Options
+from .diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
+from .isolation import DEFAULT_TIMEOUT
+
+if TYPE_CHECKING:
+    from .pipeline import Inspection
+    from .report import Report
+
+AnyPath = str | PathLike[str]
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """What :func:`check` found."""
+
+    diagnostics: Diagnostics
+    checked: Checked
+    """Numbers of links and joints; the joint table where the STEP was read."""
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What :func:`verify` found."""
+
+    diagnostics: Diagnostics
+    report: "Report"
+
+
+def convert(
+    sidecar: AnyPath,
+    *,
+    output: AnyPath | None = None,
+    formats: Iterable[str] = (),
+    step: AnyPath | None = None,
+    encoding: str = "",
+    verify: bool = True,
+    strict: bool = False,
+    require: Iterable[str] = (),
+    ignore: Iterable[str] = (),
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+    cache: AnyPath | bool = True,
+) -> Conversion:
+    """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
+
+    Args:
+        sidecar: The sidecar.
+        output: Folder for the files; None for a folder beside the current one, named after the sidecar.
+        formats: Names or aliases of formats; empty for the default ones.
+        step: STEP file to read in place of the one that the sidecar names.
+        encoding: Code page of names in the STEP; empty for what the sidecar declares.
+        verify: Whether to load the files in engines and compare what these report.
+        strict: Whether warnings are errors.
+        require: Engines whose absence is an error.
+        ignore: Codes of warnings and notes that are not reported.
+        timeout: Time [s] that the geometry kernel or an engine may take.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+        cache: Folder of the cache; True for the user's, False for none.
+
+    Returns:
+        The files by path relative to ``output``, the report, and the diagnostics. After an error the former files in
+        ``output`` are unchanged.
+
+    Raises:
+        ValueError: There is no format of a name in ``formats``.
+    """
+    from .incremental import convert as convert_unless_unchanged
+
+    path = Path(sidecar)
+    name = path.name.removesuffix(path.suffix).removesuffix(".robot")
+    options = Options(
+        output=Path(output) if output is not None else Path(name),
+        formats=_format_names(formats),
+        step=Path(step) if step is not None else None,
+        encoding=encoding,
+        verify=verify,
+        strict=strict,
+        require=tuple(require),
+        ignore=tuple(ignore),
+        timeout=timeout,
+        memory_limit=memory_limit,
+        cache=_cache(cache),
+    )
+    return convert_unless_unchanged(path, options)
+
+
+def check(
+    sidecar: AnyPath,
+    *,
+    open_step: bool = False,
+    step: AnyPath | None = None,
+    ignore: Iterable[str] = (),
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+    cache: AnyPath | bool = True,
+) -> CheckResult:
+    """Check a sidecar without writing anything: ``stepbot check``.
+
+    Args:
+        sidecar: The sidecar.
+        open_step: Whether to read the STEP too, bind all paths and find all axes.
+        step: STEP file to read in place of the one that the sidecar names.
+        ignore: Codes of warnings and notes that are not reported.
+        timeout: Time [s] that the geometry kernel may take.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+        cache: Folder of the cache; True for the user's, False for none.
+    """
+    from .incremental import check as check_unless_unchanged
+
+    found = Diagnostics()
+    options = Options(
+        output=Path(),
+        step=Path(step) if step is not None else None,
+        ignore=tuple(ignore),
+        timeout=timeout,
+        memory_limit=memory_limit,
+        cache=_cache(cache),
+    )
+    checked = check_unless_unchanged(Path(sidecar), options, found, open_step=open_step or step is not None)
+    return CheckResult(found, checked)
+
+
+def inspect(
+    step: AnyPath,
+    *,
+    encoding: str = "",
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+    cache: AnyPath | bool = True,
+) -> "Inspection":
+    """Read a STEP file, or the one that a sidecar names: ``stepbot inspect``.
+
+    Args:
+        step: STEP file or sidecar.
+        encoding: Code page of names in the STEP; empty for what the sidecar declares.
+        timeout: Time [s] that the geometry kernel may take.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+        cache: Folder of the cache; True for the user's, False for none.
+
+    Returns:
+        The assembly with its components, bodies and axis lines, None after an error; what trimesh measures on each
+        body; and the diagnostics.
+    """
+    from .pipeline import inspect as inspect_step
+
+    options = Options(output=Path(), encoding=encoding, timeout=timeout, memory_limit=memory_limit, cache=_cache(cache))
+    return inspect_step(Path(step), options)
+
+
+def verify(
+    *files: AnyPath,
+    require: Iterable[str] = (),
+    strict: bool = False,
+    ignore: Iterable[str] = (),
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+) -> Verification:
+    """Load URDF, SDFormat and MJCF files in all engines and compare what these report: ``stepbot verify``.
+
+    Args:
+        files: The files, not necessarily written by stepbot; several are compared as one robot.
+        require: Engines whose absence is an error.
+        strict: Whether warnings are errors.
+        ignore: Codes of warnings and notes that are not reported.
+        timeout: Time [s] that an engine may take.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+    """
+    from .verify import verify_files
+
+    found = Diagnostics()
+    found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
+    report = verify_files(
+        [Path(file) for file in files], found, require=require, timeout=timeout, memory_limit=memory_limit
+    )
+    if strict:
+        found.make_strict()
+    return Verification(found, report)
+
+
+def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0) -> list[int]:
+    """Hold the closures of a robot in PyBullet, which reads them from no file.
+
+    Args:
+        body: Id that ``pybullet.loadURDF`` returned. Its joints must be at positions that close the loops.
+        report: ``report.json`` of the robot, as a path or as the document that it holds.
+        client: Id that ``pybullet.connect`` returned.
+
+    Returns:
+        Ids of the constraints; none for a robot without closures.
+
+    Raises:
+        KeyError: The body has no link of a name that a closure refers to.
+    """
+    from .pybullet_loops import add_constraints
+
+    document = report if isinstance(report, Mapping) else json.loads(Path(report).read_text(encoding="utf-8"))
+    return add_constraints(body, document["robot"]["pybullet"], client)
+
+
+def _format_names(given: Iterable[str]) -> tuple[str, ...]:
+    names = tuple(given)
+    if not names:
+        return Options.formats
+    from .writers import FORMATS, writer_of
+
+    try:
+        return tuple(dict.fromkeys(writer_of(name).NAME for name in names))
+    except KeyError as error:
+        raise ValueError(f"no format {error}; there are {', '.join(FORMATS)}") from None
+
+
+def _cache(where: AnyPath | bool) -> Cache | None:
+    if where is False:
+        return None
+    return Cache(default_folder() if where is True else Path(where))
+
+
+__all__ = [
+    "CheckResult",
+    "Conversion",
+    "Diagnostic",
+    "Diagnostics",
+    "StepbotError",
+    "Verification",
+    "check",
+    "close_loops",
+    "convert",
+    "inspect",
+    "verify",
+]

@@ -1,0 +1,96 @@
+"""The public functions of the package, and the examples of docs/api.md, run as they stand there."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import stepbot
+from stepbot_cli import main
+from tests.architecture.test_imports import HEAVY
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^## (.*?)\n.*?^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+PRINTED = {
+    "Convert": r"\['arm2.urdf', 'arm2.xml', 'report.json'\]\nshoulder revolute base -> upper_arm\n",
+    "Check": r"5 links, 4 joints\n",
+    "Inspect": r"(?m)^forearm/\S+ \(",
+    "Verify": r"^0 failed$",
+    "Closed loops in PyBullet": r"^1 constraint$",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the robots that the examples use."""
+    folder = tmp_path_factory.mktemp("api")
+    assert main(["library", "export", "arm2", "--source", "-o", str(folder / "arm2")]) == 0
+    assert main(["library", "export", "four_bar", "-o", str(folder / "four_bar"), "--no-verify"]) == 0
+    assert main(["convert", str(folder / "arm2" / "arm2.robot.yaml"), "-o", str(folder / "out"), "--no-verify"]) == 0
+    return folder
+
+
+def test_every_section_has_an_example() -> None:
+    """Each section of the page that shows Python is one that the tests know."""
+    assert [heading for heading, _ in EXAMPLES] == list(PRINTED)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("heading", "code"), EXAMPLES, ids=[heading for heading, _ in EXAMPLES])
+def test_example_runs(heading: str, code: str, folder: Path) -> None:
+    """The example runs, and prints what the page leads to expect."""
+    if "import pybullet" in code:
+        pytest.importorskip("pybullet")
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert run.returncode == 0, run.stderr
+    printed = "\n".join(line for line in run.stdout.splitlines() if not line.startswith("pybullet build time"))
+    assert re.search(PRINTED[heading], printed + "\n" if PRINTED[heading].endswith(r"\n") else printed), run.stdout
+
+
+def test_names_are_listed_and_documented() -> None:
+    """Each public name exists, has a docstring, and every function has its row in the page."""
+    for name in stepbot.__all__:
+        assert getattr(stepbot, name).__doc__, name
+        assert name in dir(stepbot)
+    for name in ("convert", "check", "inspect", "verify", "close_loops"):
+        assert f"| `{name}(" in PAGE
+    with pytest.raises(AttributeError, match="no attribute 'konvert'"):
+        _ = stepbot.konvert  # type: ignore[attr-defined, unused-ignore]
+
+
+def test_import_is_light(tmp_path: Path) -> None:
+    """Importing the package loads nothing heavy, and not even the module of its functions."""
+    program = "import json, sys, stepbot; print(json.dumps(sorted(sys.modules)))"
+    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    modules = set(json.loads(run.stdout))
+    assert not {name.partition(".")[0] for name in modules} & HEAVY
+    assert "stepbot.api" not in modules
+
+
+def test_findings_are_results(tmp_path: Path) -> None:
+    """A faulty sidecar raises nothing: its errors are in the result, and an unknown format is a ValueError."""
+    sidecar = tmp_path / "arm.robot.yaml"
+    sidecar.write_text("version: 1\nrobot: arm\n", encoding="utf-8")
+    result = stepbot.convert(sidecar, output=tmp_path / "out", cache=False)
+    assert result.diagnostics.has_errors
+    assert not (tmp_path / "out").exists()
+    assert stepbot.check(sidecar, cache=False).diagnostics.exit_code == 1
+    with pytest.raises(stepbot.StepbotError):
+        result.diagnostics.raise_if_errors()
+    with pytest.raises(ValueError, match="no format 'urfd'"):
+        stepbot.convert(sidecar, formats=["urfd"])
+
+
+def test_python_minus_m(tmp_path: Path) -> None:
+    """``python -m stepbot`` is the command line, and imports nothing from the current folder."""
+    (tmp_path / "click.py").write_text("raise SystemExit('imported from the current folder')\n", encoding="utf-8")
+    command = [sys.executable, "-m", "stepbot", "--version"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert stepbot.__version__ in run.stdout
