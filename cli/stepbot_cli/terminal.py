@@ -46,7 +46,9 @@ def write_error(text: str) -> None:
 
 def write_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document; diagnostics in it are written out."""
-    write_result(json.dumps(document, indent=2, ensure_ascii=False, default=_plain))
+    text = json.dumps(document, indent=2, ensure_ascii=False, default=_plain)
+    # What JSON lets through may still steer a terminal: U+009B begins an escape sequence, U+202E turns text round.
+    write_result("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,13 @@
 """Colours and progress: on a terminal only."""
 
 import io
+import json
 import sys
 
 import pytest
 
 from stepbot_cli.progress import progress_bar
-from stepbot_cli.terminal import wants_color
+from stepbot_cli.terminal import wants_color, write_json
 
 
 class Terminal(io.StringIO):
@@ -71,3 +72,13 @@ def test_no_progress_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
     with progress_bar() as progress:
         progress("read")
     assert pipe.getvalue() == ""
+
+
+def test_json_cannot_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    """Control and bidi characters in names are escapes in JSON too, and come back as they were."""
+    name = "a\x1b[31m\x9b2J\x7f\u202eb\U000e0001 Ж"
+    write_json({"name": name})
+    out = capsys.readouterr().out
+    assert "".join(c for c in out if not c.isprintable()) == "\n\n\n"
+    assert json.loads(out) == {"name": name}
+    assert "Ж" in out

@@ -182,10 +182,15 @@ def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> It
             numbers = [word for word in words[2:] if word not in ("v", "f")]
             sound = bool(np.isfinite(np.array(numbers, dtype=np.float64)).all())
         else:
-            attributes = [value for element in etree.fromstring(content).iter() for value in element.attrib.values()]
-            sound = not any(word in ("nan", "inf", "-inf") for value in attributes for word in value.split())
+            attributes = [one for element in etree.fromstring(content).iter() for one in element.attrib.items()]
+            sound = not any(_is_unsound(name, key, word) for key, value in attributes for word in value.split())
         if not sound:
             yield f"{name}: {path}: a number that is none"
+
+
+def _is_unsound(name: str, attribute: str, word: str) -> bool:
+    """Whether a word is no number; in MJCF, a range that is open at one end has an infinite one."""
+    return word == "nan" or (word in ("inf", "-inf") and (name, attribute) != ("mjcf", "range"))
 
 
 def unsound(assembly: Assembly) -> Iterator[str]:

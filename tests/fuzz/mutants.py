@@ -132,14 +132,23 @@ def try_all(mutants: Sequence[M], bases: Path, *, jobs: int, runner: str = "test
     for thread in threads:
         thread.start()
     working = jobs
-    while working:
-        ended = done.get()
-        if isinstance(ended, BaseException):
-            raise ended
-        if ended is None:
-            working -= 1
-        else:
-            yield ended
+    try:
+        while working:
+            ended = done.get()
+            if isinstance(ended, BaseException):
+                raise ended
+            if ended is None:
+                working -= 1
+            else:
+                yield ended
+    finally:  # whoever takes no more trials waits for those that are under way
+        with contextlib.suppress(queue.Empty):
+            while True:
+                waiting.get_nowait()
+        for _ in threads:
+            waiting.put(None)
+        for thread in threads:
+            thread.join()
 
 
 def table(trials: Sequence[Trial[Mutant]]) -> str:

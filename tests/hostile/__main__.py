@@ -35,7 +35,8 @@ def trials_of(chosen: Experiment, count: int, seed: int, jobs: int, minutes: flo
     trials: list[Trial] = []
     end = time.monotonic() + 60.0 * minutes
     with tempfile.TemporaryDirectory(prefix=f"hostile-{chosen.name}-") as folder:
-        for trial in chosen.run(Setting(Path(folder).resolve(), seed, count, jobs)):
+        running = chosen.run(Setting(Path(folder).resolve(), seed, count, jobs))
+        for trial in running:
             trials.append(trial)
             if time.monotonic() > end:
                 _say(f"{chosen.name}: stopped after {minutes:g} minutes")
