@@ -84,7 +84,7 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
         return conversion
     found, failed = conversion.diagnostics, failed_output(output)
     try:
-        write_atomically(conversion.files, failed if found.has_errors else output, sidecar)
+        write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)

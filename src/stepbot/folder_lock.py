@@ -19,10 +19,11 @@ class FolderInUse(Exception):
 
 
 @contextlib.contextmanager
-def locked(folder: Path, seconds: float) -> Iterator[None]:
+def locked(folder: Path, seconds: float) -> Iterator[bool]:
     """Hold the lock of a folder that exists.
 
-    File systems without locks, such as some network ones, are used without.
+    Yields:
+        Whether the lock is held: some network file systems have none, and are used without.
 
     Args:
         folder: The folder.
@@ -35,11 +36,11 @@ def locked(folder: Path, seconds: float) -> Iterator[None]:
     descriptor = _opened(folder)
     try:
         deadline = time.monotonic() + seconds
-        while not _take(descriptor):
+        while (taken := _take(descriptor)) is None:
             if time.monotonic() > deadline:
                 raise FolderInUse(f"another process has been writing into {folder} for {seconds:g} s")
             time.sleep(_POLL)
-        yield
+        yield taken
     finally:
         os.close(descriptor)  # which releases it
         if sys.platform == "win32":
@@ -51,8 +52,8 @@ def _opened(folder: Path) -> int:
     return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT) if sys.platform == "win32" else os.open(folder, os.O_RDONLY)
 
 
-def _take(descriptor: int) -> bool:
-    """Whether the lock is taken now, or the file system has none."""
+def _take(descriptor: int) -> bool | None:
+    """True where the lock is taken now, False where the file system has none, None where another process holds it."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -63,5 +64,5 @@ def _take(descriptor: int) -> bool:
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        return error.errno not in _TAKEN
+        return None if error.errno in _TAKEN else False
     return True

@@ -56,7 +56,9 @@ def check_writable(folder: Path) -> None:
         _refuse(folder, f"cannot write {folder}: no right to write in '{nearest}'")
 
 
-def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | None = None) -> None:
+def write_atomically(
+    files: Mapping[str, bytes], folder: Path, sidecar: Path | None = None, found: Diagnostics | None = None
+) -> None:
     """Write all files, or none.
 
     Files at the top of the folder are taken to need all of those in sub-folders; meshes that an earlier run wrote for
@@ -67,6 +69,7 @@ def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | N
         folder: Where to; made where it is missing.
         sidecar: What they were converted from. The list names it where it and ``folder`` are below the current folder;
             no path outside of a project gets into its files.
+        found: Takes the note SB011 where the file system has no locks.
 
     Raises:
         StepbotError: A path is no path below ``folder``, or something cannot be written (SB004); nothing was changed.
@@ -76,7 +79,10 @@ def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | N
     made: list[Path] = []
     try:
         _make_folders(folder, made)
-        with locked(folder, _LONGEST_WAIT):
+        with locked(folder, _LONGEST_WAIT) as is_alone:
+            if not is_alone and found is not None:
+                message = "the file system has no locks: another conversion into this folder would not be noticed"
+                found.add("SB011", message, Span(str(folder)), help=["convert into it one robot after the other"])
             staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
             try:
                 _check_case(files, staging, folder)
@@ -85,12 +91,11 @@ def write_atomically(files: Mapping[str, bytes], folder: Path, sidecar: Path | N
                 shutil.rmtree(staging, ignore_errors=True)
     except FolderInUse as error:
         _refuse(folder, str(error), "wait until it is done, or choose another folder with -o")
-    except (OSError, StepbotError) as error:
-        for path_made in reversed(made):
-            _remove_if_empty(path_made)
-        if isinstance(error, StepbotError):
-            raise
+    except OSError as error:
         _refuse(folder, f"cannot write {error.filename or folder}: {error.strerror or error}")
+    finally:
+        for path_made in reversed(made):  # after an error they are empty
+            _remove_if_empty(path_made)
 
 
 def discard(folder: Path) -> None:

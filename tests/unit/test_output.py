@@ -1,5 +1,6 @@
 """Writing all files of a run or none, and taking away only what an earlier run wrote."""
 
+import errno
 import json
 import os
 import subprocess
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.diagnostics import StepbotError
+from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.output import MANIFEST, discard, write_atomically
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes in folders")
@@ -283,6 +284,37 @@ def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.Monk
             holder.kill()
     write_atomically({"arm.urdf": b"new"}, tmp_path)
     assert (tmp_path / "arm.urdf").read_bytes() == b"new"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="locked in another way on Windows")
+def test_file_system_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The files are written, with a note; with locks there is none."""
+    found = Diagnostics()
+    write_atomically(ARM, tmp_path, found=found)
+    assert not list(found)
+
+    def no_locks(descriptor: int, operation: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", no_locks)
+    write_atomically(ARM, tmp_path / "out", found=found)
+    assert contents(tmp_path / "out") == ARM
+    assert [(one.code, one.severity, one.span.file) for one in found] == [("SB011", "note", str(tmp_path / "out"))]
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
+def test_internal_error_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
+) -> None:
+    """Folders that a run has made go with it, where a bug or Ctrl-C ends it before there is a file."""
+
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("stepbot.output._check_case", fail)
+    with pytest.raises(error):
+        write_atomically(ARM, tmp_path / "a" / "b")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no SIGKILL on Windows")

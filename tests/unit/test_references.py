@@ -92,3 +92,32 @@ def test_include_beside_the_model_is_not_left_out_in_silence(tmp_path: Path, tex
     path.write_text(f'<sdf version="1.9"><model name="m"/>{text}</sdf>', encoding="utf-8")
     with pytest.raises(EngineCannotRead, match="include"):
         read_model(path)
+
+
+@pipes
+def test_linked_description_is_looked_at_where_engines_read_it(tmp_path: Path) -> None:
+    """What a file names is beside the file itself, not beside a link to it."""
+    (tmp_path / "there").mkdir()
+    (tmp_path / "here").mkdir()
+    os.mkfifo(tmp_path / "there" / "pipe.obj")
+    robot = tmp_path / "there" / "robot.urdf"
+    robot.write_text('<robot name="r"><mesh filename="pipe.obj"/></robot>', encoding="utf-8")
+    given = tmp_path / "here" / "robot.urdf"
+    given.symlink_to(robot)
+    (refused,) = refusals(str(given), "urdf")
+    assert (refused.code, refused.file) == ("SB822", str(given))
+
+
+@pipes
+def test_link_to_a_pipe_is_a_pipe(tmp_path: Path) -> None:
+    """Links to pipes and to devices are refused as they are; height fields and skins too."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "a.obj").symlink_to(tmp_path / "pipe")
+    (tmp_path / "b.obj").symlink_to("/dev/zero")
+    for name in ("a.obj", "b.obj", "/dev/zero", "file:///dev/zero"):
+        text = f'<robot name="r"><mesh filename="{name}"/></robot>'
+        assert codes(tmp_path / "robot.urdf", text, "urdf") == ["SB822"], name
+        for element in ("hfield", "skin", "mesh", "texture"):
+            text = f'<mujoco><asset><{element} file="{name}"/></asset></mujoco>'
+            if "://" not in name:
+                assert codes(tmp_path / "robot.xml", text, "mjcf") == ["SB822"], (element, name)

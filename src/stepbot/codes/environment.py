@@ -93,4 +93,13 @@ CODES = (
         "`stepbot COMMAND --help` lists the arguments and options, with an example.",
         could_not_run=True,
     ),
+    Code(
+        "SB011",
+        "note",
+        "output folder cannot be locked",
+        "The file system of the output folder, such as some network ones, has no locks.",
+        "Two conversions into one folder at the same time do not wait for each other, and the list of its files may lose "
+        "those of one: a later run would not remove its old meshes.",
+        "Convert into one folder at a time, or give each robot a folder of its own with `-o`.",
+    ),
 )

@@ -25,5 +25,5 @@ def candidates(uri: str, description: Path) -> Iterator[Path]:
         yield Path(unquote(urlsplit(uri).path))
     else:
         inside = Path(*Path(rest).parts[1:])
-        for folder in description.resolve().parents:
+        for folder in description.absolute().parents:
             yield from (folder / rest, folder / inside)

@@ -114,7 +114,7 @@ def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterato
     for uri in model.iter("uri"):
         mesh = resolve((uri.text or "").strip(), file)
         if mesh is not None:
-            uri.text = mesh.resolve().as_posix()
+            uri.text = mesh.absolute().as_posix()
     top = etree.Element("sdf", {"version": "1.9"})
     etree.SubElement(top, "world", {"name": "default"}).append(model)
     with tempfile.TemporaryDirectory() as folder:

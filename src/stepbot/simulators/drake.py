@@ -252,7 +252,7 @@ def _packages(path: Path) -> dict[str, Path]:
     for name, rest in _URI.findall(path.read_text(encoding="utf-8", errors="replace")):
         file = None if name in found else resolve(f"package://{name}/{rest}", path)
         if file is not None:
-            found[name] = file.resolve().parents[len(Path(rest).parts) - 1]
+            found[name] = file.absolute().parents[len(Path(rest).parts) - 1]
     return found
 
 

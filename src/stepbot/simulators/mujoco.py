@@ -142,7 +142,7 @@ def _urdf_copy(path: Path) -> str:
     for mesh in top.iter("mesh"):
         found = resolve(mesh.get("filename", ""), path)
         if found is not None:
-            mesh.set("filename", found.resolve().as_posix())
+            mesh.set("filename", found.absolute().as_posix())
     extension = top.find("mujoco")
     if extension is None:
         extension = etree.SubElement(top, "mujoco")

@@ -6,7 +6,7 @@ anywhere, since descriptions share them.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ OUTSIDE = "SB821"
 NOT_REGULAR = "SB822"
 
 _MOST_INCLUDES = 1000
+_CHUNK = 1 << 16
 _SUFFIXED = ("", "right", "left", "up", "down", "front", "back")
 _ATTRIBUTES = ("filename", *(f"file{suffix}" for suffix in _SUFFIXED))
 """Attributes that name files; six of them are the sides of a texture in MJCF."""
@@ -44,7 +45,40 @@ def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
         file: Path of the description.
         written_in: Its format.
     """
-    return tuple(_refusals(Path(file), written_in == "mjcf"))
+    given, main = Path(file), Path(file).resolve()  # engines start from where a link leads
+    return tuple(replace(one, file=_shown(one.file, main, given)) for one in _refusals(main, written_in == "mjcf"))
+
+
+def _shown(file: str, main: Path, given: Path) -> str:
+    """What the user would call a file."""
+    path = Path(file)
+    if path == main:
+        return str(given)
+    return str(given.parent / path.relative_to(main.parent)) if path.is_relative_to(main.parent) else file
+
+
+def first_element(path: Path) -> Element:
+    """The first element of an XML file, read no further than that; its document type comes with it.
+
+    Raises:
+        XMLSyntaxError: The file is not XML.
+        OSError: It cannot be read.
+    """
+    from lxml import etree
+
+    parser = etree.XMLPullParser(events=("start",), resolve_entities=False, no_network=True)
+    with path.open("rb") as file:  # lxml itself opens no file whose name is not UTF-8
+        while chunk := file.read(_CHUNK):
+            fault = None
+            try:
+                parser.feed(chunk)
+            except etree.XMLSyntaxError as error:  # it may be behind the first element
+                fault = error
+            for _, element in parser.read_events():
+                return element
+            if fault is not None:
+                raise fault
+    return parser.close()
 
 
 def declares_entities(root: Element) -> bool:
@@ -54,7 +88,7 @@ def declares_entities(root: Element) -> bool:
 
 
 def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
-    pending, seen = [main], {main.resolve()}
+    pending, seen = [main], {main}
     while pending:
         path = pending.pop()
         root = _parsed(path)
@@ -85,12 +119,10 @@ def _parsed(path: Path) -> Element | None:
     from lxml import etree
 
     try:
-        with path.open("rb") as file:
-            for _, element in etree.iterparse(file, events=("start",), resolve_entities=False, no_network=True):
-                if declares_entities(element):
-                    return element
-                break
-        return etree.parse(str(path), etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
+        first = first_element(path)
+        if declares_entities(first):
+            return first
+        return etree.fromstring(path.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True))
     except (etree.XMLSyntaxError, OSError):
         return None
 

@@ -20,6 +20,8 @@ from ..kinematics import configurations, rates
 from ..model import Link, Robot
 from ..report import Check, Report
 from ..simulators.observation import Quantity, Request
+from ..simulators.openable import openable
+from ..simulators.references import first_element
 from ..simulators.workers import Engines, Fate, Outcome, check_required, check_started
 from .admission import admitted
 from .alike import alike
@@ -98,18 +100,18 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     if not path.is_file():
         found.add("SB001", f"no file '{_key(path)}'", span)
         return None
+    if not path.stat().st_size:
+        found.add("SB814", "the file is empty", span)
+        return None
     try:
-        with path.open("rb") as file:
-            for _, element in etree.iterparse(file, events=("start",), resolve_entities=False, no_network=True):
-                name = _FORMATS.get(str(element.tag))
-                if name is None:
-                    found.add("SB814", f"first element <{element.tag}>, expected one of: {', '.join(_FORMATS)}", span)
-                return name
+        element = first_element(path)
     except etree.XMLSyntaxError as error:
         found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0))
         return None
-    found.add("SB814", "the file is empty", span)
-    return None
+    name = _FORMATS.get(str(element.tag))
+    if name is None:
+        found.add("SB814", f"first element <{element.tag}>, expected one of: {', '.join(_FORMATS)}", span)
+    return name
 
 
 def _key(path: Path) -> str:
@@ -152,7 +154,7 @@ def ask(formats: Mapping[Path, str], scout: Scout, *, count: int = CONFIGURATION
         corresponds = by.get(path, Correspondence(()))
         names = scouted[path].naming if path in scouted else Naming(Robot("", (Link(""),), ()))
         requests[_key(path)] = Request(
-            str(path.resolve()),
+            str(openable(path)),
             name,
             configurations=tuple(corresponds.moved(q) for q in drawn),
             rates=tuple(corresponds.moving(q, one) for q, one in zip(drawn, moving, strict=True)),

@@ -7,6 +7,7 @@ from pathlib import Path
 from ..isolation import RemoteError, Start, Worker, WorkerDied
 from ..simulators import Engine, engines_for
 from ..simulators.observation import Observation, Request
+from ..simulators.openable import openable
 from ..spatial import Pose
 from .bounds import without_stand_ins
 from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
@@ -60,7 +61,7 @@ class Scout:
 
     def look(self, path: Path, written_in: str) -> Scouted | None:
         """What there is in a file; None where no engine can tell."""
-        asked = Request(str(path.resolve()), written_in, configurations=({},), simulate=0.0)
+        asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
         for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
             if engine.available() is None:
                 seen = self.observe(engine, asked)

@@ -1,0 +1,95 @@
+"""Names that are not UTF-8: of the sidecar, the STEP file, folders, the output and files to verify."""
+
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from tests.command_line import Run, convert_once, snapshot, stepbot
+
+BAR = os.fsdecode(b"b\xe4r")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="file names are Unicode there"),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, robot_library: Path) -> Path:
+    """A folder with the four-bar, where every name but that in the sidecar is Latin-1."""
+    folder = tmp_path / os.fsdecode(b"caf\xe9") / "robots"
+    folder.mkdir(parents=True)
+    for number in range(2):
+        source = robot_library / "stepbot_four_bar"
+        (folder / f"{BAR}{number}").mkdir()
+        shutil.copy(source / "four_bar.step", folder / f"{BAR}{number}")
+        shutil.copy(source / "four_bar.robot.yaml", folder / f"{BAR}{number}" / f"{number}{BAR}.robot.yaml")
+    shutil.copy(source / "four_bar.step", folder / f"{BAR}.step")
+    return folder
+
+
+def run(folder: Path, *arguments: str) -> Run:
+    """Run a command that must succeed; that what it prints is UTF-8 is checked as it is read."""
+    done = stepbot(*arguments, cwd=folder)
+    assert done.code == 0, done.err
+    assert "Traceback" not in done.err
+    return done
+
+
+def test_convert_proves_what_it_writes(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """All formats, bytes and checks of all engines are those of another folder; names and lists are UTF-8."""
+    elsewhere = convert_once(tmp_path_factory, "four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml")
+    sidecar, output = f"{BAR}0/0{BAR}.robot.yaml", os.fsdecode(b"o\xfct")
+    document = json.loads(run(folder, "convert", sidecar, "-o", output, "--json").out)
+    assert document["report"]["checks"] == elsewhere.report["checks"]
+    assert document["output"] == output
+    written, expected = snapshot(folder / output), snapshot(elsewhere.folder)
+    assert set(written) == set(expected)
+    for name, content in written.items():
+        assert content.decode("utf-8")
+        if not name.endswith(".json"):
+            assert content == expected[name]
+    run(folder, "uptodate", sidecar, "-o", output)
+    run(folder, "check", "--step", "--", sidecar)
+
+
+def test_batch_and_inspect(folder: Path) -> None:
+    """Every robot is converted and up to date; JUnit and JSON can be read."""
+    told = json.loads(run(folder, "batch", ".", "-o", BAR, "--json", "--no-verify", "--junit", "tests.xml").out)
+    assert told["summary"]["converted"] == 2
+    ET.parse(folder / "tests.xml")
+    for robot in (folder / BAR).glob("*/*.urdf"):
+        ET.parse(robot)
+    run(folder, "uptodate", ".", "-o", f"{BAR}/{{name}}")
+    assert json.loads(run(folder, "inspect", f"{BAR}.step", "--json").out)
+    assert "crank" in run(folder, "inspect", f"{BAR}.step").out
+
+
+def test_verify_gives_engines_names_that_they_can_open(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
+) -> None:
+    """Files and folders of files are verified with their meshes, by the checks of names that are UTF-8."""
+    elsewhere = convert_once(tmp_path_factory, "four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml")
+    suffixes = (".urdf", ".sdf", ".xml")
+    plain = json.loads(run(elsewhere.folder, "verify", *(f"four_bar{one}" for one in suffixes), "--json").out)
+    for file in elsewhere.folder.glob("four_bar.*"):
+        shutil.copy(file, folder / f"{BAR}{file.suffix}")
+        shutil.copy(file, folder)
+    shutil.copytree(elsewhere.folder / "meshes", folder / "meshes")
+    for name in ("four_bar", BAR):
+        files = [f"{name}{one}" for one in suffixes]
+        document = json.loads(run(folder, "verify", *files, "--json", "--junit", "tests.xml").out)
+        checks = json.dumps(document["report"]["checks"])
+        expected = json.dumps(plain["report"]["checks"])
+        assert checks.replace(json.dumps(name)[1:-1], "four_bar") == expected
+        ET.parse(folder / "tests.xml")
+    (folder / "meshes" / "crank.obj").unlink()
+    missing = stepbot("verify", *files, cwd=folder)
+    assert missing.code == 1
+    assert "crank" in missing.err
