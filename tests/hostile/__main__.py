@@ -18,7 +18,7 @@ from pathlib import Path
 from . import page
 from .experiment import Experiment, Setting, Trial
 
-NAMES = ("sidecars", "steps", "kills", "descriptions", "trees")
+NAMES = ("sidecars", "steps", "kills", "caches", "descriptions", "trees")
 """Modules, each with an ``EXPERIMENT``."""
 _REPORT_EVERY = 500
 

@@ -12,7 +12,7 @@ PAGE = ROOT / "docs" / "reliability.md"
 _HEAD = """\
 # Reliability: what was done to stepbot, and what came of it
 
-`make hostile` harms stepbot in the ways below, hundreds or thousands of times each, and wrote the table: trials, how
+`make hostile` harms stepbot in the ways below, as often as the table says, and writes the table: trials, how
 they ended, and how many of them found a fault in that run. `python -m tests.hostile --only NAME` runs one experiment,
 `--seed N` with other random choices; a few trials of each run in every `make test`. A fault is whatever must not come
 of it: a traceback, an internal error (SB901), a hang, an exit code other than 0, 1 and 2, a diagnostic without place or
