@@ -2,7 +2,7 @@
 
     build the wheel
     each Python    install; convert robots; run the tests that are marked `portable`, against what was installed
-    the oldest     once more, with the oldest dependencies that pyproject.toml allows
+    --oldest       the oldest Python once more, with the oldest dependencies that pyproject.toml allows
     all            the same bytes from each: URDF, SDFormat, MJCF, meshes, reports
 
 Prints which Pythons were found and which were not; the exit code is 1 if anything failed in any of them.
@@ -64,8 +64,9 @@ def main() -> int:
     """Do all that; returns the exit code."""
     parser = argparse.ArgumentParser(description="Try the wheel in every supported Python that is found.")
     parser.add_argument("--no-tests", action="store_true", help="install, convert and compare only")
+    parser.add_argument("--oldest", action="store_true", help="try the oldest dependencies too")
     options = parser.parse_args()
-    environments = _environments()
+    environments = _environments(oldest_too=options.oldest)
     shutil.rmtree(BUILD, ignore_errors=True)
     failed = []
     wheel = _built()
@@ -84,7 +85,7 @@ def main() -> int:
     return 1 if failed else 0
 
 
-def _environments() -> list[Environment]:
+def _environments(*, oldest_too: bool) -> list[Environment]:
     pythons = found_pythons()
     for version in SUPPORTED:
         name = f"Python {version[0]}.{version[1]}"
@@ -92,6 +93,8 @@ def _environments() -> list[Environment]:
     if not pythons:
         sys.exit("no supported Python was found")
     found = [Environment(f"Python {full}", path) for path, full in pythons.values()]
+    if not oldest_too:
+        return found
     oldest, full = next(iter(pythons.values()))
     return [*found, Environment(f"Python {full} with oldest dependencies", oldest, _lower_bounds())]
 
