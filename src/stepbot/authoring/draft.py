@@ -141,6 +141,8 @@ class DraftJoint(DraftConnection):
     direction2: Vector3 | None = None
     """The same in the assembly."""
     limits: DraftLimits | None = None
+    zero: float = 0.0
+    """Position [rad] or [m] in which it is drawn, where the file tells."""
     pitch: float | None = None
     """Of a screw [m per turn]; None where nothing in the drawing gives it."""
 

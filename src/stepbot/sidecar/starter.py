@@ -19,8 +19,8 @@ def starter_sidecar(step: Path) -> str:
     return "\n".join(
         (
             "version: 1",
-            f"robot: {_scalar(_robot(step.stem))}",
-            f"step: {_scalar(step.name)}",
+            f"robot: {scalar(robot_name(step.stem))}",
+            f"step: {scalar(step.name)}",
             "defaults: {density: 1000 kg/m^3}  # of parts without a material",
             "links:",
             "  base: {rest: true}  # everything; name the parts of other links below",
@@ -28,11 +28,12 @@ def starter_sidecar(step: Path) -> str:
     )
 
 
-def _robot(stem: str) -> str:
+def robot_name(stem: str) -> str:
     """The name with what no robot's name may hold replaced."""
     return re.sub(r"[\s/<>&\"'\\:*?|.\x00-\x1f\x7f]+", "_", stem).strip("_")[:100] or "robot"
 
 
-def _scalar(text: str) -> str:
+def scalar(text: str) -> str:
+    """A text as a value or key of YAML on one line, without quotes where it needs none."""
     plain = _PLAIN.fullmatch(text) and text.casefold() not in _NOT_TEXTS
-    return text if plain else json.dumps(text, ensure_ascii=False)
+    return text if plain else json.dumps(text, ensure_ascii=not text.isprintable())

@@ -1,0 +1,109 @@
+"""Drafted joints and closures as lines of the sidecar, with their evidence above and other readings below."""
+
+from ..diagnostics import one_line
+from ..model import JointKind
+from ..sidecar.starter import scalar
+from .draft import Alternative, DraftClosure, DraftConnection, DraftJoint
+from .draft_names import DraftNames
+from .origin_text import alternative_origin, origin_text
+from .yaml_lines import angle, axis, comment, flow, millimetres
+
+Entries = list[tuple[str, str]]
+
+_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+_WITH_LIMITS = (JointKind.REVOLUTE, JointKind.PRISMATIC)
+_CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.FIXED)
+
+
+def joint_lines(joint: DraftJoint, name: str, names: DraftNames) -> list[str]:
+    """A joint below ``joints:``; one that is not chosen is fixed, with the guess as a comment beneath."""
+    name, ends = scalar(name), _ends("parent", joint.parent, "child", joint.child, names)
+    guess = [*_typed(joint, ends), *_limits(joint)]
+    if joint.confidence.is_chosen:
+        written, beneath = guess, []
+    else:
+        written, beneath = [("type", "fixed"), *ends, _origin(joint)], [_commented(name, guess, joint)]
+    lines = [*_evidence(joint), f"  {name}:", *(f"    {key}: {value}" for key, value in written), *beneath]
+    return [*lines, *(_alternative(name, ends, other, joint) for other in joint.alternatives)]
+
+
+def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[str]:
+    """A closure below ``closures:``; one that is not chosen, or of a kind that closures do not have, as a comment."""
+    name = scalar(name)
+    ends = _ends("link_a", closure.link_a, "link_b", closure.link_b, names)
+    entries = _typed(closure, ends)
+    if closure.confidence.is_chosen and closure.type in _CLOSING:
+        lines = [f"  {name}:", *(f"    {key}: {value}" for key, value in entries)]
+    else:
+        lines = [_commented(name, entries, closure)]
+    return [*_evidence(closure), *lines, *(_alternative(name, ends, one, closure) for one in closure.alternatives)]
+
+
+def _ends(key_a: str, a: str, key_b: str, b: str, names: DraftNames) -> Entries:
+    return [(key_a, scalar(names.links[a])), (key_b, scalar(names.links[b]))]
+
+
+def _origin(one: DraftConnection) -> tuple[str, str]:
+    return "origin", origin_text(one.origin)
+
+
+def _typed(one: DraftConnection, ends: Entries) -> Entries:
+    """Type, ends, place and axes."""
+    kind, pitch = one.type, one.pitch if isinstance(one, DraftJoint) else None
+    if kind is JointKind.SCREW and pitch is None:  # what is known of it: it turns, and slides
+        kind = JointKind.CYLINDRICAL
+    entries = [("type", kind.value), *ends, _origin(one)]
+    if kind not in _WITHOUT_AXIS and one.axis != "z":
+        entries.append(("axis", axis(one.axis)))
+    if isinstance(one, DraftJoint) and kind is JointKind.UNIVERSAL:
+        entries.append(("axis2", axis(one.axis2 or "x")))
+    if isinstance(one, DraftJoint) and one.zero:
+        entries.append(("zero", millimetres(one.zero) if kind is JointKind.PRISMATIC else angle(one.zero)))
+    if pitch is not None:
+        entries.append(("pitch", f"{millimetres(pitch)}/rev"))
+    return entries
+
+
+def _limits(joint: DraftJoint) -> Entries:
+    if joint.type not in _WITH_LIMITS:
+        return []
+    if joint.limits is None:
+        return [("limits", "todo")]
+    write = angle if joint.type is JointKind.REVOLUTE else millimetres
+    return [("limits", flow([("lower", write(joint.limits.lower)), ("upper", write(joint.limits.upper))]))]
+
+
+def _evidence(one: DraftConnection) -> list[str]:
+    """What speaks for it, and what to look at."""
+    facts = "; ".join(one.confidence.evidence)
+    lines = comment(f"score {one.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
+    if isinstance(one, DraftJoint) and one.limits is not None and one.limits.why:
+        lines += comment(f"limits: {one.limits.why}", 2)
+    reasons = [one.review] if one.review else []
+    if isinstance(one, DraftJoint) and one.type is JointKind.SCREW and one.pitch is None:
+        reasons.append("the pitch of the screw is not known: cylindrical until `type: screw` has its `pitch`")
+    if not reasons and one.is_reviewed:
+        reasons.append("the evidence is weak; compare with the drawing")
+    return [*lines, *(line for reason in reasons for line in comment(f"REVIEW: {reason}", 2))]
+
+
+def _alternative(name: str, ends: Entries, other: Alternative, joint: DraftConnection) -> str:
+    """Another reading of a connection, as a line to put in its place."""
+    same_line = other.point is None or (
+        (other.point, other.direction) == (joint.point, joint.direction) and other.type is not JointKind.BALL
+    )
+    entries: Entries = [("type", other.type.value), *ends]
+    if same_line or other.point is None:
+        entries.append(_origin(joint))
+    else:
+        entries.append(("origin", alternative_origin(other.point, other.direction)))
+    if same_line and other.type not in _WITHOUT_AXIS and joint.axis != "z":
+        entries.append(("axis", axis(joint.axis)))
+    if isinstance(joint, DraftJoint) and other.type in _WITH_LIMITS:
+        entries.append(("limits", "todo"))
+    facts = one_line("; ".join(other.confidence.evidence))
+    return f"  # {name}: {flow(entries)}  # or this, score {other.confidence.score:.2f}{': ' if facts else ''}{facts}"
+
+
+def _commented(name: str, guess: Entries, one: DraftConnection) -> str:
+    return f"  # {name}: {flow(guess)}  # a guess, score {one.confidence.score:.2f}"

@@ -1,0 +1,130 @@
+"""A draft as the text of a sidecar: every guess with its evidence, and a REVIEW mark where the evidence is weak.
+
+What is written passes ``check --step`` and converts as it is. What is less than chosen stands in comments only, as
+lines to uncomment. Same draft, same bytes.
+"""
+
+from collections.abc import Iterable, Sequence
+
+from ..cad.paths import quoted
+from ..model import JointKind
+from ..sidecar.starter import robot_name, scalar
+from .connection_text import closure_lines, joint_lines
+from .densities import typical_density
+from .draft import Alternative, Draft, DraftLink
+from .draft_names import DraftNames, names_of
+from .origin_text import alternative_origin
+from .yaml_lines import comment, listed, number
+
+SCHEMA_FILE = "robot-1.schema.json"
+"""Name of the schema that the first line tells editors of."""
+_DEFAULT_DENSITY = 1000.0
+"""[kg/m^3]; between plastics and light metals, and easy to recognize as a placeholder."""
+_OFFERED = 12
+"""Axes that were seen and not drafted, at most."""
+
+
+def sidecar_text(draft: Draft, step: str, *, schema: str = SCHEMA_FILE) -> str:
+    """The sidecar of a draft.
+
+    Args:
+        draft: What was found.
+        step: Path of the STEP file as the sidecar names it: relative to the sidecar, with forward slashes.
+        schema: Path of the JSON Schema, for editors; empty for no such line.
+
+    Returns:
+        YAML, with a line feed at the end of every line.
+    """
+    names = names_of(draft)
+    lines = [f"# yaml-language-server: $schema={schema}"] if schema else []
+    lines += _introduction(draft)
+    lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}", ""]
+    lines += _densities(draft)
+    lines += ["links:"]
+    for link in draft.links:
+        lines += _link(link, names, is_root=link.name == draft.root)
+    if draft.joints:
+        lines += ["", "joints:"]
+        for joint, name in zip(draft.joints, names.joints, strict=True):
+            lines += joint_lines(joint, name, names)
+    closures = [
+        line
+        for closure, name in zip(draft.closures, names.closures, strict=True)
+        for line in closure_lines(closure, name, names)
+    ]
+    if closures:
+        has_active = any(not line.lstrip().startswith("#") for line in closures)
+        lines += ["", "closures:" if has_active else "# closures:", *closures]
+    lines += _offered(draft.offered)
+    return "\n".join(lines) + "\n"
+
+
+def _introduction(draft: Draft) -> list[str]:
+    lines = [
+        "# Drafted by `stepbot init` from the STEP: shapes, contacts, names. A score from 0 to 1 ranks the evidence.",
+        "# Look at each REVIEW, fill in each `limits: todo`, then run `stepbot check --step` and `stepbot convert`.",
+    ]
+    for note in draft.notes:
+        lines += comment(f"Note: {note}")
+    return lines
+
+
+def _densities(draft: Draft) -> list[str]:
+    """What the STEP leaves without a density: typical ones by name, and a placeholder for the rest."""
+    lines: list[str] = []
+    if draft.equal_density:
+        text = (
+            f"REVIEW: all parts have {number(draft.equal_density)} kg/m^3 in the STEP; a default of some CAD programs;"
+        )
+        lines += comment(f"{text} if it is one, write `step_density: ignore` and give densities below.")
+    named = [name for name in draft.without_density if name]
+    known = [(name, typical) for name in named if (typical := typical_density(name)) is not None]
+    unknown = [name for name in named if typical_density(name) is None]
+    if known:
+        lines += ["materials:"]
+        for name, typical in known:
+            review = f"# REVIEW: typical of {typical.material}; the STEP names it without a density"
+            lines += [f"  {scalar(name)}: {{density: {number(typical.density)} kg/m^3}}  {review}"]
+    if unknown:
+        lines += comment(f"REVIEW: materials without a known density, which `defaults` is for: {', '.join(unknown)}")
+    if unknown or "" in draft.without_density:
+        reason = "a placeholder for parts without a density: weigh one, or write their material's"
+        lines += [f"defaults: {{density: {number(_DEFAULT_DENSITY)} kg/m^3}}  # REVIEW: {reason}"]
+    return [*lines, ""] if lines else []
+
+
+def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
+    lines: list[str] = []
+    facts = "; ".join(link.confidence.evidence)
+    if not link.confidence.is_sure:
+        lines += comment(f"REVIEW: which parts move as one here (score {link.confidence.score:.2f}): {facts}", 2)
+    elif facts:
+        lines += comment(facts, 2)
+    lines += [f"  {scalar(names.links[link.name])}:{'  # stands: no joint moves it' if is_root else ''}"]
+    if link.rest:
+        lines += ["    rest: true  # everything that no other link claims"]
+    if link.parts or not link.rest:
+        lines += _parts(link.parts)
+    return lines
+
+
+def _parts(paths: Sequence[str]) -> list[str]:
+    """``parts`` on one line where they fit, else one path per line."""
+    line = f"    parts: {listed(paths)}"
+    return [line] if len(line) <= 100 else ["    parts:", *(f"      - {quoted(path)}" for path in paths)]
+
+
+def _offered(offered: Iterable[Alternative]) -> list[str]:
+    shown = list(offered)[:_OFFERED]
+    if not shown:
+        return []
+    lines = [
+        "",
+        "# Also seen, and taken for fixed. To use one, make a link of what moves, and a joint of this type and origin:",
+    ]
+    for one in shown:
+        between, facts = f"{quoted(one.a)} and {quoted(one.b)}", "; ".join(one.confidence.evidence)
+        lines += comment(f"  {one.type}, score {one.confidence.score:.2f}, of {between}: {facts}")
+        if one.type is not JointKind.FIXED and one.point is not None:
+            lines += [f"#     origin: {alternative_origin(one.point, one.direction)}"]
+    return lines
