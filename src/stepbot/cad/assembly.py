@@ -16,6 +16,7 @@ from ..diagnostics import Diagnostic
 from ..mesh import TriMesh
 from ..model import MassProperties, Rgba
 from ..spatial import IDENTITY, Pose, Vector3, join_bounds
+from .faces import Face
 
 CERTAIN = 1e-3
 """Relative error of mass properties up to which they are known."""
@@ -48,6 +49,8 @@ class ReadOptions:
     """Code page that names are declared to be in, where they are neither ASCII nor UTF-8; empty for none."""
     geometry: bool = True
     """Whether bodies are meshed and measured; False gives the tree alone."""
+    faces: bool = False
+    """Whether to keep every face of each body (:attr:`Body.faces`); only inference needs them."""
 
 
 @dataclass(frozen=True)
@@ -143,6 +146,8 @@ class Body:
     """In the definition's frame, in file order."""
     area: float = 0.0
     """Exact area [m^2] of all faces, integrated only for files that state areas; 0 elsewhere."""
+    faces: tuple[Face, ...] = ()
+    """Every face, in file order; only with ``ReadOptions.faces``."""
 
 
 @dataclass(frozen=True)

@@ -52,11 +52,11 @@ def _axis_face(face: Any) -> AxisFace | None:
     if quadric is None:
         return None
     axis = quadric.Axis()
-    low, high = _extent(face, axis)
+    low, high = extent(face, axis)
     if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
         return None
     if isinstance(quadric, gp_Cone):
-        radius, is_cone = max(_cone_radius(quadric, low), _cone_radius(quadric, high)), True
+        radius, is_cone = max(cone_radius(quadric, low), cone_radius(quadric, high)), True
     else:
         radius, is_cone = quadric.Radius(), False
     if not radius > _SMALLEST:  # a line, as broken files have it
@@ -68,7 +68,7 @@ def _axis_face(face: Any) -> AxisFace | None:
         radius / scale,
         low / scale,
         high / scale,
-        _is_bore(face, surface, axis),
+        is_bore(face, surface, axis),
         is_cone,
     )
 
@@ -89,12 +89,12 @@ def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
     return None
 
 
-def _cone_radius(cone: gp_Cone, at: float) -> float:
+def cone_radius(cone: gp_Cone, at: float) -> float:
     """Radius [mm] of a cone at a place along its axis."""
     return abs(float(cone.RefRadius()) + at * math.tan(cone.SemiAngle()))
 
 
-def _is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
+def is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
     """Whether the outside of the face looks towards the axis."""
     u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
     v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
@@ -108,7 +108,7 @@ def _is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
     return bool((normal.Dot(outwards) < 0.0) != is_reversed)
 
 
-def _extent(face: Any, axis: gp_Ax1) -> tuple[float, float]:
+def extent(face: Any, axis: gp_Ax1) -> tuple[float, float]:
     """Lowest and highest place [mm] of a face's edges along a line."""
     low, high = math.inf, -math.inf
     edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)

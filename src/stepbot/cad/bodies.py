@@ -1,7 +1,7 @@
 """One body of a definition: healed, measured exactly, meshed, its axes found; all that is done once per shape."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from .axis_faces import axis_faces
 from .certainty import estimated
 from .crossing import share_within
 from .exact import integrate, surface_area, volume_properties
+from .face_reading import read_faces
 from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
 from .parting import parted
@@ -57,6 +58,8 @@ class BodyRequest:
     refine_mass_to: float = 0.0
     area: bool = False
     """Whether to integrate its area."""
+    faces: bool = False
+    """Whether to keep every face."""
 
 
 @dataclass
@@ -100,9 +103,10 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
         refinement = refine(work.healed.shape, mesh, result.fineness, work.exact, request.refine_mass_to)
         if refinement.shortfall:
             work.say("SB606", refinement.shortfall)
-    return ReadBody(
-        _body(work, result.mesh, mesh, watertight, defect, refinement.properties, faces), tuple(work.findings)
-    )
+    body = _body(work, result.mesh, mesh, watertight, defect, refinement.properties, faces)
+    if request.faces:
+        body = replace(body, faces=read_faces(faces_of(work.healed.shape)))
+    return ReadBody(body, tuple(work.findings))
 
 
 def _healed(source: BodySource, shape: object) -> _Work:

@@ -25,6 +25,7 @@ def variant(body: Body, *, is_mirrored: bool, scale: float) -> Body:
         refined=_properties(body.refined, factors, scale),
         axis_faces=tuple(_axis_face(face, factors, scale) for face in body.axis_faces),
         area=body.area * scale**2,
+        faces=tuple(face.scaled(factors, scale) for face in body.faces),
     )
 
 

@@ -219,7 +219,8 @@ class _Bodies:
 
         def make(number: int) -> ReadBody:
             return read_body(
-                self._sources[number], BodyRequest(tolerances[number], options.refine_mass_to, self._areas)
+                self._sources[number],
+                BodyRequest(tolerances[number], options.refine_mass_to, self._areas, options.faces),
             )
 
         if options.refine_mass_to > 0.0:
