@@ -171,7 +171,12 @@ def test_threads_that_the_user_asks_for(monkeypatch: pytest.MonkeyPatch, name: s
 def test_a_server_started_from_a_thread_that_ends() -> None:
     """The server and its workers end with the process, not with the thread."""
     servers: list[ForkServer] = []
-    thread = threading.Thread(target=lambda: servers.append(ForkServer((f"{HERE}:prepare",))))
+
+    def start() -> None:
+        servers.append(ForkServer((f"{HERE}:prepare",)))
+        assert call(servers[0], "prepared") == 2  # the server has asked by now to end with its parent
+
+    thread = threading.Thread(target=start)
     thread.start()
     thread.join()
     with servers[0] as server:

@@ -138,11 +138,16 @@ def test_workers_run_at_the_same_time() -> None:
 
 def test_a_worker_started_from_a_thread_that_ends() -> None:
     """It ends with the process, not with the thread."""
-    workers: list[Worker] = []
-    thread = threading.Thread(target=lambda: workers.append(Worker(f"{HERE}:sleep").submit(2.0)))
+    worker: list[Worker] = []
+
+    def start() -> None:
+        worker.append(Worker(f"{HERE}:sleep").submit(0.0, more=True))
+        worker[0].result()  # it has asked by now to end with its parent
+
+    thread = threading.Thread(target=start)
     thread.start()
     thread.join()
-    assert workers[0].result() == 2.0
+    assert worker[0].submit(1.0).result() == 1.0
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="processes cannot be bound to cores")
@@ -167,9 +172,11 @@ def test_a_worker_does_not_outlive_a_caller_that_is_killed() -> None:
     """Also one that is at work, and was started from a thread that has ended."""
     code = (
         "import threading, time; from stepbot.isolation import Worker; pids = []\n"
-        f"start = lambda: pids.append(Worker('{HERE}:sleep').submit(600.0).pid)\n"
+        "def start():\n"
+        f"    worker = Worker('{HERE}:sleep').submit(0.0, more=True); worker.result()\n"
+        "    worker.submit(600.0); pids.append(worker.pid)\n"
         "thread = threading.Thread(target=start); thread.start(); thread.join()\n"
-        "time.sleep(2.0); print(*pids, flush=True); time.sleep(600)"
+        "time.sleep(1.0); print(*pids, flush=True); time.sleep(600)"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as caller:
         assert caller.stdout is not None
