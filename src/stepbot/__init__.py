@@ -3,8 +3,8 @@
 The functions of :mod:`stepbot.api` are names of this package; they are imported when they are first used.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False
+"""As in ``typing``, which could be a file of the current folder: that is taken off the import path later."""
 
 if TYPE_CHECKING:
     from .api import (
@@ -38,10 +38,13 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
+    from importlib import import_module
+
     if name not in __all__:
         raise AttributeError(f"module 'stepbot' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.api"), name)
+    value: object = getattr(import_module(f"{__name__}.api"), name)
+    return value
 
 
 def __dir__() -> list[str]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.test_current_folder import INSTALLED, set_traps
 from tests.command_line import COMMAND, environment, snapshot, stepbot
 
 pytestmark = [
@@ -23,7 +24,7 @@ COPIES = 6
 
 def start(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
     """A process of Dask, what it prints in a file."""
-    command = [sys.executable, "-m", *arguments]
+    command = [sys.executable, "-P", "-m", *arguments]
     with log.open("wb") as file:
         return subprocess.Popen(command, stdout=file, stderr=file, env=environment(), cwd=log.parent)
 
@@ -99,6 +100,26 @@ def test_killed_worker_loses_nothing(
     assert snapshot(tmp_path / "out" / "robot0") == expected
     again = json.loads(stepbot(*command[3:], cwd=tmp_path).out)
     assert again["summary"] == {"converted": 0, "unchanged": COPIES, "failed": 0}
+
+
+@pytest.fixture
+def marker(tmp_path: Path) -> Path:
+    """What files named like modules write, in the folder of the scheduler and the workers."""
+    set_traps(tmp_path, tmp_path / "marker.txt")
+    return tmp_path / "marker.txt"
+
+
+def test_workers_import_nothing_of_their_folder(
+    tmp_path: Path, robot_library: Path, marker: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
+) -> None:
+    """Nor the processes that they start: none of the files named like modules is run."""
+    address, _ = cluster
+    shutil.copytree(robot_library / "stepbot_four_bar", tmp_path / "lib")
+    command = [*INSTALLED, "batch", "lib", "-o", "out", "--json", "--scheduler", address]
+    run = subprocess.run(command, cwd=tmp_path, env=environment(), capture_output=True, timeout=300, check=False)
+    assert run.returncode == 0, run.stderr.decode("utf-8")
+    assert json.loads(run.stdout)["summary"] == {"converted": 1, "unchanged": 0, "failed": 0}
+    assert not marker.exists(), marker.read_text(encoding="utf-8")
 
 
 def test_no_scheduler(tmp_path: Path, robot_library: Path) -> None:

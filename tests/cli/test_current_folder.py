@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,13 @@ def loaded_at_start(folder: Path) -> set[str]:
     return set(run.stdout.split())
 
 
+def set_traps(folder: Path, marker: Path, spared: Collection[str] = ()) -> None:
+    """Write files named like modules, each of which notes in ``marker`` that it was run."""
+    code = f"with open({str(marker)!r}, 'a') as file: file.write(__name__ + ' ')\n"
+    for name in module_names().difference(spared):
+        (folder / f"{name}.py").write_text(code)
+
+
 class Trap:
     """A folder with a robot and files named like modules, each of which notes that it was run."""
 
@@ -39,9 +47,7 @@ class Trap:
         self.folder.mkdir()
         for file in ARM:
             shutil.copy(robots / "stepbot_arm2" / file, self.folder)
-        code = f"with open({str(self.marker)!r}, 'a') as file: file.write(__name__ + ' ')\n"
-        for name in module_names() - spared:
-            (self.folder / f"{name}.py").write_text(code)
+        set_traps(self.folder, self.marker, spared)
 
     def run(self, command: tuple[str, ...], *arguments: str, **variables: str) -> str:
         """Run a command in the folder; returns its standard output. It must be clean and run no file of the folder."""

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from tests.cli.test_current_folder import set_traps
 from tests.command_line import COMMAND, environment
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -67,7 +68,7 @@ class Repository:
 
     def hooks(self, *options: str) -> dict[str, str]:
         """What pre-commit says of each hook."""
-        run = self.run(sys.executable, "-m", "pre_commit", "run", "--color", "never", "--verbose", *options)
+        run = self.run(sys.executable, "-P", "-m", "pre_commit", "run", "--color", "never", "--verbose", *options)
         lines = [line for line in run.stdout.splitlines() if line.startswith("stepbot ") and "..." in line]
         assert lines, run.stdout + run.stderr
         self.told = run.stdout
@@ -103,3 +104,14 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
     repository.run("git", "add", "-A")
     assert repository.hooks() == {"stepbot check": "Failed", "stepbot uptodate": "Failed"}
     assert "SB204" in repository.told
+
+
+def test_hooks_import_nothing_of_a_repository(tmp_path: Path, robot_library: Path) -> None:
+    """A repository may hold `random.py` and `lxml.py`: the hooks work, and run none of them."""
+    repository = Repository(tmp_path / "repository", robot_library / "stepbot_four_bar")
+    marker = tmp_path / "marker"
+    set_traps(repository.folder, marker)
+    set_traps(repository.folder / "robots", marker)
+    assert (repository.folder / "random.py").is_file()
+    assert repository.hooks() == {"stepbot check": "Passed", "stepbot uptodate": "Passed"}
+    assert not marker.exists(), marker.read_text(encoding="utf-8")
