@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import threading
 from typing import Any
 
 from stepbot.cad import worker
@@ -42,3 +43,9 @@ def dying(*arguments: Any) -> Any:
     """Read a file; spheres end the process."""
     worker.read_body = _die
     return worker.read(*arguments)
+
+
+def hanging_beside_a_thread(*arguments: Any) -> Any:
+    """As ``hanging``, in a process that cannot fork safely."""
+    threading.Thread(target=threading.Event().wait, daemon=True).start()
+    return hanging(*arguments)
