@@ -121,3 +121,16 @@ def test_link_to_a_pipe_is_a_pipe(tmp_path: Path) -> None:
             text = f'<mujoco><asset><{element} file="{name}"/></asset></mujoco>'
             if "://" not in name:
                 assert codes(tmp_path / "robot.xml", text, "mjcf") == ["SB822"], (element, name)
+
+
+@pipes
+def test_settings_of_included_files_hold_in_all(tmp_path: Path) -> None:
+    """A folder for meshes that an included file sets, and names without their folders (`strippath`)."""
+    (tmp_path / "other").mkdir()
+    (tmp_path / "scene").mkdir()
+    os.mkfifo(tmp_path / "other" / "pipe.obj")
+    compiler = f'<mujoco><compiler meshdir="{tmp_path}/other" strippath="true"/></mujoco>'
+    (tmp_path / "scene" / "settings.xml").write_text(compiler, encoding="utf-8")
+    for name in ("pipe.obj", "any/pipe.obj"):
+        text = f'<mujoco><include file="settings.xml"/><asset><mesh file="{name}"/></asset></mujoco>'
+        assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB822"]

@@ -89,6 +89,7 @@ def declares_entities(root: Element) -> bool:
 
 def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
     pending, seen = [main], {main}
+    roots: list[tuple[Path, Element]] = []
     while pending:
         path = pending.pop()
         root = _parsed(path)
@@ -97,11 +98,10 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
         if declares_entities(root):
             yield Refusal(ENTITIES, "declares XML entities", str(path))
             continue
-        folders = [main.parent / folder for folder in ("", *_folders(root))]
-        for element in root.iter("*"):
-            name = element.get("file", "") if has_includes and element.tag == "include" else ""
+        roots.append((path, root))
+        for element in root.iter("include") if has_includes else ():
+            name = element.get("file", "")
             if not name:
-                yield from _irregular(element, main, folders, path)
                 continue
             included = main.parent / name
             if not included.resolve().is_relative_to(main.parent.resolve()):
@@ -112,6 +112,12 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
             elif included.is_file() and included.resolve() not in seen and len(seen) < _MOST_INCLUDES:
                 seen.add(included.resolve())
                 pending.append(included)
+    # The settings of one file hold in all that are included together.
+    folders = [main.parent / folder for folder in ("", *(name for _, root in roots for name in _folders(root)))]
+    for path, root in roots:
+        for element in root.iter("*"):
+            if not (has_includes and element.tag == "include"):
+                yield from _irregular(element, main, folders, path)
 
 
 def _parsed(path: Path) -> Element | None:
@@ -136,7 +142,7 @@ def _irregular(element: Element, main: Path, folders: list[Path], path: Path) ->
     if element.tag == "uri":
         names.append((element.text or "").strip())
     for name in filter(None, names):
-        places = [*candidates(name, main), *(folder / name for folder in folders)]
+        places = [*candidates(name, main), *(folder / one for folder in folders for one in (name, Path(name).name))]
         if any(map(_is_irregular, places)):
             yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
 
