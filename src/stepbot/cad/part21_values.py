@@ -1,0 +1,145 @@
+"""The parameters of a statement of a STEP file's text (ISO 10303-21), as plain values.
+
+``#7=LINE('a',#1,(1.,2.),.T.,$,*,LENGTH_MEASURE(3.))`` is one record, ``LINE``; a complex instance
+``(A(1.)B(#2))`` has several.
+"""
+
+import re
+from dataclasses import dataclass
+
+_TOKEN = re.compile(
+    rb"\s+|/\*.*?\*/"
+    rb"|(?P<text>'(?:[^']|'')*')"
+    rb"|#\s*(?P<reference>\d{1,18})"
+    rb"|\.(?P<word>[A-Z][A-Z0-9_]*)\."
+    rb"|(?P<number>[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
+    rb"|(?P<keyword>!?[A-Z][A-Z0-9_]*)"
+    rb'|(?P<binary>"[0-9A-F]*")'
+    rb"|(?P<mark>[(),$*])",
+    re.DOTALL,
+)
+_DEEPEST = 32
+
+
+class SyntaxFault(ValueError):
+    """A statement that does not follow the grammar."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """``#12``."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Word:
+    """An enumeration value or a logical: ``.T.`` has ``T``."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Record:
+    """A keyword and its parameters: a simple instance, a part of a complex one, or a typed parameter."""
+
+    keyword: str
+    parameters: "tuple[Value, ...]"
+
+
+Value = float | bytes | Reference | Word | Record | None | tuple["Value", ...]
+"""A parameter; texts are as they stand between their quotes, ``$`` is None."""
+DERIVED = Word("*")
+"""A parameter that the schema derives from others."""
+
+
+def records(body: bytes) -> tuple[Record, ...]:
+    """The records of a statement, from what is between ``=`` and ``;``.
+
+    Raises:
+        SyntaxFault: It does not follow the grammar, or nests deeper than any schema does.
+    """
+    return _Reader(body).statement()
+
+
+class _Reader:
+    def __init__(self, body: bytes) -> None:
+        self._tokens = [(match.lastgroup, match[0]) for match in _scan(body) if match.lastgroup is not None]
+        self._at = 0
+
+    def statement(self) -> tuple[Record, ...]:
+        complex_instance = self._take_mark(b"(")
+        found = [self._record()]
+        while complex_instance and not self._take_mark(b")"):
+            found.append(self._record())
+        if self._at < len(self._tokens):
+            raise SyntaxFault("text behind the end")
+        return tuple(found)
+
+    def _record(self, depth: int = 0) -> Record:
+        kind, token = self._next()
+        if kind != "keyword":
+            raise SyntaxFault("a keyword is missing")
+        if not self._take_mark(b"("):
+            raise SyntaxFault("an opening bracket is missing")
+        return Record(token.decode("ascii"), self._values(depth + 1))
+
+    def _values(self, depth: int) -> "tuple[Value, ...]":
+        """Values up to the closing bracket."""
+        if depth > _DEEPEST:
+            raise SyntaxFault("nested too deeply")
+        if self._take_mark(b")"):
+            return ()
+        found = [self._value(depth)]
+        while not self._take_mark(b")"):
+            if not self._take_mark(b","):
+                raise SyntaxFault("a comma is missing")
+            found.append(self._value(depth))
+        return tuple(found)
+
+    def _value(self, depth: int) -> Value:
+        kind, token = self._next()
+        match kind:
+            case "text":
+                return token[1:-1]
+            case "reference":
+                return Reference(int(token[1:]))
+            case "word":
+                return Word(token[1:-1].decode("ascii"))
+            case "number":
+                return float(token)
+            case "keyword":
+                self._at -= 1
+                return self._record(depth)
+            case "mark" if token == b"(":
+                return self._values(depth + 1)
+            case "mark" if token == b"*":
+                return DERIVED
+            case "mark" if token == b"$":
+                return None
+            case "binary":
+                return None
+        raise SyntaxFault("a value is missing")
+
+    def _next(self) -> tuple[str, bytes]:
+        if self._at >= len(self._tokens):
+            raise SyntaxFault("the statement ends in the middle")
+        self._at += 1
+        return self._tokens[self._at - 1]
+
+    def _take_mark(self, mark: bytes) -> bool:
+        if self._at < len(self._tokens) and self._tokens[self._at] == ("mark", mark):
+            self._at += 1
+            return True
+        return False
+
+
+def _scan(body: bytes) -> "list[re.Match[bytes]]":
+    found, at = [], 0
+    while at < len(body):
+        match = _TOKEN.match(body, at)
+        if match is None:
+            raise SyntaxFault("a character that starts no value")
+        found.append(match)
+        at = match.end()
+    return found
