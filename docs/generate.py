@@ -5,18 +5,21 @@ README.md is written by hand but for the parts between ``<!-- generated: NAME --
 
 import re
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
 from click import Context
 
-from stepbot.codes.page import diagnostics_page
+from stepbot.diagnostics.codes.page import diagnostics_page
+from stepbot.formats.mapping import mapping_page
 from stepbot.sidecar.schema import schema_text
-from stepbot.writers.mapping import mapping_page
 from stepbot_cli.application import application
 
 ROOT = Path(__file__).resolve().parents[1]
 _GENERATED_PART = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+_LAYERS = re.compile(r"(## Who may import whom\n\n```text\n).*?(```\n)", re.DOTALL)
 
 
 def readme() -> str:
@@ -33,7 +36,20 @@ def help_text() -> str:
 
 _README_PARTS: dict[str, Callable[[], str]] = {"help": help_text}
 
+
+def architecture() -> str:
+    """docs/architecture.md with the layers as the import contract has them."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
+    (layers,) = (contract["layers"] for contract in contracts if contract["id"] == "layers")
+    line = " > ".join(["stepbot_cli", *layers])
+    return _LAYERS.sub(lambda match: f"{match[1]}{line}\n{match[2]}", text)
+
+
 GENERATED: dict[str, Callable[[], str]] = {
+    "docs/architecture.md": architecture,
     "schemas/robot-1.schema.json": schema_text,
     "docs/diagnostics.md": diagnostics_page,
     "docs/mapping.md": mapping_page,

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 from . import fingerprints, pages
 
 if TYPE_CHECKING:
-    from stepbot.model import MassProperties
-    from stepbot.pipeline import Conversion
+    from stepbot.pipeline.stages import Conversion
+    from stepbot.robot.model import MassProperties
 
 LIBRARY = Path(__file__).resolve().parent
 OUTPUT = LIBRARY.parent / "build" / "library"
@@ -78,7 +78,7 @@ def _python(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def _converted(folder: Path) -> "Conversion":
-    from stepbot.pipeline import Options, convert
+    from stepbot.pipeline.stages import Options, convert
 
     (sidecar,) = folder.glob("*.robot.yaml")
     return convert(sidecar, Options(OUTPUT / folder.name))
@@ -88,7 +88,7 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
     """Mass properties by their shapes alone of the links that have shapes and whose sidecar gives others."""
     from ruamel.yaml import YAML
 
-    from stepbot.pipeline import Options, convert
+    from stepbot.pipeline.stages import Options, convert
 
     (sidecar,) = folder.glob("*.robot.yaml")
     yaml = YAML()
@@ -109,7 +109,7 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
 
 def fresh_gallery() -> str:
     """The library's README with pictures and table of all robots, as their pages have them now."""
-    from stepbot.library import LibraryRobot
+    from stepbot.jobs.library import LibraryRobot
 
     robots = [LibraryRobot(sidecar.parent, sidecar) for sidecar in sorted(LIBRARY.glob("*/*.robot.yaml"))]
     return pages.with_part((LIBRARY / _PAGE).read_text(encoding="utf-8"), pages.gallery(robots))

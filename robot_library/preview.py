@@ -138,7 +138,7 @@ def load_scene(folder: Path) -> Scene:
 
 def _converted(folder: Path, place: Path) -> Path:
     """The robot as MJCF, with meshes that are finer than those of its sidecar."""
-    from stepbot.pipeline import Options, convert
+    from stepbot.pipeline.stages import Options, convert
 
     (sidecar,) = folder.glob("*.robot.yaml")
     (step,) = folder.glob("*.step")

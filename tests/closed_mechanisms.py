@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stepbot.kinematics import initial_configuration, link_poses
-from stepbot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, LoopClosure, Robot
-from stepbot.spatial import Array, Pose, Vector3, perpendicular_frame, vector3
+from stepbot.geometry.spatial import Array, Pose, Vector3, perpendicular_frame, vector3
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, LoopClosure, Robot
 from tests.workshop import GLASS, ORANGE, STEEL, Workshop, at
 
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

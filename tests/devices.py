@@ -2,18 +2,9 @@
 
 import math
 
-from stepbot.model import (
-    Actuator,
-    ActuatorKind,
-    Frame,
-    Joint,
-    JointDynamics,
-    JointKind,
-    Limit,
-    Robot,
-)
-from stepbot.sensors import Sensor, SensorKind, View
-from stepbot.spatial import IDENTITY
+from stepbot.geometry.spatial import IDENTITY
+from stepbot.robot.model import Actuator, ActuatorKind, Frame, Joint, JointDynamics, JointKind, Limit, Robot
+from stepbot.robot.sensors import Sensor, SensorKind, View
 from tests.workshop import ORANGE, Workshop, at
 
 

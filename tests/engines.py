@@ -324,7 +324,7 @@ def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, 
     """
     import pybullet
 
-    from stepbot.simulators._printed import printed
+    from stepbot.engines.captured_output import printed
 
     with printed() as lines:
         body = _in_pybullet(file, robot["base"] == "floating", robot["pybullet"] or "", robot["joints"])

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Callable
 
-from stepbot.model import Base, Joint, JointDynamics, JointKind, Limit, Mimic, Robot
-from stepbot.spatial import vector3
+from stepbot.geometry.spatial import vector3
+from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Mimic, Robot
 from tests.workshop import ORANGE, Workshop, at
 
 TILTED = vector3((2 / 3, -1 / 3, 2 / 3))

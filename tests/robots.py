@@ -9,8 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stepbot.mesh import TriMesh
-from stepbot.model import (
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose, rotation_about
+from stepbot.robot.model import (
     Actuator,
     ActuatorKind,
     Base,
@@ -25,7 +27,6 @@ from stepbot.model import (
     Limit,
     Link,
     LoopClosure,
-    MassProperties,
     MeshAsset,
     MeshRef,
     Mimic,
@@ -34,7 +35,6 @@ from stepbot.model import (
     Sphere,
     Visual,
 )
-from stepbot.spatial import Pose, rotation_about
 from tests.closed_mechanisms import CLOSED, COUPLER, CRANK, GROUND, ROCKER, four_bar_angles
 from tests.devices import equipped
 from tests.mechanisms import MECHANISMS

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from stepbot.cad.assembly import Quantity
+from stepbot.step.assembly import Quantity
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 _PREFIX = {"mm": ".MILLI.", "cm": ".CENTI.", "m": "$"}

@@ -5,9 +5,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stepbot.mesh import TriMesh
-from stepbot.model import Collision, Link, MassProperties, MeshAsset, MeshRef, Rgba, Visual, combined
-from stepbot.spatial import IDENTITY, Pose
+from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.robot.model import Collision, Link, MeshAsset, MeshRef, Rgba, Visual
 
 DENSITY = 2700.0
 """Density [kg/m^3] of all parts: aluminium."""

@@ -1,6 +1,6 @@
 """The ``stepbot`` command."""
 
-from stepbot.import_path import restrict_import_path
+from stepbot.runtime.import_path import restrict_import_path
 
 restrict_import_path()  # before anything else is imported
 

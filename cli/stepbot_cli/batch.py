@@ -25,8 +25,8 @@ from .terminal import Display, show_diagnostics, wants_color, write_json, write_
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from stepbot.batch import Outcome, Task
-    from stepbot.conversion import Options
+    from stepbot.jobs.batch import Outcome, Task
+    from stepbot.pipeline.conversion import Options
 
 _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
 
@@ -76,9 +76,9 @@ def command(
     Each robot goes to a folder of its own in the output folder. One that fails does not stop the others, and one whose
     input and files are what they were is not converted again: a batch that was stopped goes on where it was.
     """
-    from stepbot.batch import plan
-    from stepbot.output import check_writable
-    from stepbot.sidecars import find_sidecars
+    from stepbot.jobs.batch import plan
+    from stepbot.jobs.discovery import find_sidecars
+    from stepbot.runtime.output import check_writable
 
     found = Diagnostics()
     tasks = plan(find_sidecars(sidecars, found), output, found)
@@ -99,7 +99,7 @@ def command(
     )
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)
     if junit is not None and not found.has_errors:
-        from stepbot.batch import suites
+        from stepbot.jobs.batch import suites
 
         write_junit(junit, suites(outcomes))
     return _told(found, outcomes, as_json, display)
@@ -109,7 +109,7 @@ def _outcomes(
     tasks: "Sequence[Task]", options: "Options", jobs: int | None, scheduler: str | None, found: Diagnostics
 ) -> "list[Outcome]":
     """What became of each robot, in the order of the tasks."""
-    from stepbot.batch import ClusterUnreachable, run_batch
+    from stepbot.jobs.batch import ClusterUnreachable, run_batch
 
     with ExitStack() as stack:
         try:
@@ -129,8 +129,8 @@ def _outcomes(
 
 @contextmanager
 def _executor(scheduler: str | None, jobs: int | None, tasks: int) -> "Iterator[tuple[Executor, int]]":
-    from stepbot.batch import local_executor, on_cluster
-    from stepbot.cores import core_count
+    from stepbot.jobs.batch import local_executor, on_cluster
+    from stepbot.runtime.cores import core_count
 
     if scheduler is not None:
         with on_cluster(scheduler) as cluster:
@@ -189,7 +189,7 @@ def _bar(total: int) -> Iterator[Any]:
 
 def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, display: Display) -> int:
     """Print what came of it; the exit code."""
-    from stepbot.batch import batch_document
+    from stepbot.jobs.batch import batch_document
 
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
     code = found.exit_code or int(bool(failed))
@@ -205,7 +205,7 @@ def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, disp
 
 
 def _table(outcomes: "Sequence[Outcome]") -> list[str]:
-    from stepbot.batch import counted
+    from stepbot.jobs.batch import counted
 
     color = wants_color(sys.stdout)
     rows = []

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from stepbot.cache import DEFAULT_LIMIT, Cache, default_folder
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.cache import DEFAULT_LIMIT, Cache, default_folder
 
 from .sizes import size
 

@@ -18,7 +18,7 @@ from .render import printable
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Checked, Options
+    from stepbot.pipeline.conversion import Checked, Options
 
 STEP_SUFFIXES = (".step", ".stp", ".p21", ".stpz")
 _NAMED = "the one that the sidecar names"
@@ -68,8 +68,8 @@ def command(
 
     Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
     """
-    from stepbot.incremental import check
-    from stepbot.sidecars import find_sidecars
+    from stepbot.jobs.discovery import find_sidecars
+    from stepbot.jobs.incremental import check
 
     options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
     found = Diagnostics()
@@ -83,7 +83,7 @@ def command(
         found.make_strict()
     say_trouble(options.cache, found)
     if as_json:
-        from stepbot.report import joint_table_document
+        from stepbot.report.joint_table import joint_table_document
 
         write_json(
             {

@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from stepbot.codes import CODES
 from stepbot.diagnostics import did_you_mean
+from stepbot.diagnostics.codes import CODES
 
 from .failures import show_exception
 from .terminal import Display

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from stepbot.cad.assembly import Assembly, Body, BodyKind, VolumeProperties
-from stepbot.spatial import Vector3, bounds, join_bounds
+from stepbot.geometry.spatial import Vector3, bounds, join_bounds
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.step.assembly import Assembly, Body, BodyKind
 
 Box = tuple[Vector3, Vector3]
 

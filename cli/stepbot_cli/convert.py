@@ -25,8 +25,8 @@ from .table import filled, show_table
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Conversion, Options
-    from stepbot.junit import Suite
+    from stepbot.pipeline.conversion import Conversion, Options
+    from stepbot.report.junit import Suite
 
 format_option = names_option(
     "-f",
@@ -103,7 +103,7 @@ def run_conversion(
     sidecar: Path, options: "Options", *, as_json: bool, display: Display, junit: Path | None = None
 ) -> int:
     """Convert a sidecar and print what came of it; returns the exit code."""
-    from stepbot.incremental import convert
+    from stepbot.jobs.incremental import convert
 
     with progress_bar() as progress:
         conversion = convert(sidecar, options, progress)
@@ -146,18 +146,18 @@ def default_output(sidecar: Path) -> Path:
 
 def written_to(conversion: "Conversion", output: Path) -> Path:
     """Where the files are: what failed is kept beside the folder that it was meant for."""
-    from stepbot.output import failed_output
+    from stepbot.runtime.output import failed_output
 
     return failed_output(output) if conversion.diagnostics.has_errors else output
 
 
 def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the formats to write, each once, whatever alias they were given by."""
-    from stepbot.conversion import Options
+    from stepbot.pipeline.conversion import Options
 
     if not given:  # without a look at the writers: the kernel starts a quarter of a second earlier
         return Options.formats
-    from stepbot.writers import FORMATS, writer_of
+    from stepbot.formats import FORMATS, writer_of
 
     names = []
     for name in given:
@@ -172,8 +172,8 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
 
 def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
     """The checks of a robot as cases; named after the sidecar where there is no robot."""
-    from stepbot.conversion import REPORT
-    from stepbot.junit import Suite
+    from stepbot.pipeline.conversion import REPORT
+    from stepbot.report.junit import Suite
 
     checks = json.loads(conversion.files[REPORT])["checks"] if conversion.files else []
     name = conversion.robot.name if conversion.robot is not None else default_output(sidecar).name
@@ -182,7 +182,7 @@ def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
 
 def _document(conversion: "Conversion", output: Path) -> dict[str, object]:
     """What ``--json`` prints."""
-    from stepbot.conversion import REPORT
+    from stepbot.pipeline.conversion import REPORT
 
     report = json.loads(conversion.files[REPORT]) if conversion.files else None
     return {

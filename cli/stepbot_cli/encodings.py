@@ -2,7 +2,7 @@
 
 import click
 
-from stepbot.codepages import UnknownCodePage, code_page
+from stepbot.sidecar.codepages import UnknownCodePage, code_page
 
 
 def _code_page(name: str) -> str:

@@ -4,8 +4,8 @@ import textwrap
 
 import click
 
-from stepbot.codes import CODES, Code
 from stepbot.diagnostics import did_you_mean
+from stepbot.diagnostics.codes import CODES, Code
 
 from .command import Command
 from .terminal import write_result

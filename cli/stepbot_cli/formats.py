@@ -8,7 +8,7 @@ from .command import Command, json_option
 from .terminal import write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.writers import Writer
+    from stepbot.formats import Writer
 
 
 @click.command(
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 @json_option
 def command(as_json: bool) -> int:
     """List the formats that can be written, and what each of them cannot say."""
-    from stepbot.lowering import Level
-    from stepbot.writers import FORMATS
+    from stepbot.formats import FORMATS
+    from stepbot.formats.lowering import Level
 
     if as_json:
         write_json({"formats": [_described(writer) for writer in FORMATS.values()]})

@@ -13,8 +13,8 @@ from .reading import reading_options
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Options
-    from stepbot.pipeline import Inspection
+    from stepbot.pipeline.conversion import Options
+    from stepbot.pipeline.stages import Inspection
 
     from .inspection_rows import Choice
 
@@ -64,7 +64,7 @@ def command(
 
     STEP may also be a sidecar: then the STEP that it names is shown, and --between takes the names of links too.
     """
-    from stepbot.pipeline import inspect
+    from stepbot.pipeline.stages import inspect
 
     from .inspection_rows import Choice
 

@@ -3,11 +3,12 @@
 from math import isfinite
 from typing import Any
 
-from stepbot.cad.assembly import Assembly, AxisFace, Body, Component, Validation, VolumeProperties
-from stepbot.cad.axes import AxisLine, axis_faces, lines, selectors
-from stepbot.cad.paths import quoted
-from stepbot.pipeline import Inspection
-from stepbot.spatial import Pose
+from stepbot.geometry.spatial import Pose
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.pipeline.stages import Inspection
+from stepbot.step.assembly import Assembly, AxisFace, Body, Component, Validation
+from stepbot.step.features.axes import AxisLine, axis_faces, lines, selectors
+from stepbot.step.structure.paths import quoted
 
 from .contents import Contents, contents
 from .shared_axes import SharedAxes

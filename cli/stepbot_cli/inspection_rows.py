@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import click
 
-from stepbot.cad.assembly import Assembly, Component
-from stepbot.cad.paths import ComponentPaths, subtree_ends
+from stepbot.step.assembly import Assembly, Component
+from stepbot.step.structure.paths import ComponentPaths, subtree_ends
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from stepbot.cad.assembly import Assembly, Body, BodyKind, Component, Quantity
-from stepbot.cad.axes import AxisLine, axis_faces, lines, millimetres, selectors
-from stepbot.cad.paths import quoted
 from stepbot.diagnostics import one_line
-from stepbot.pipeline import Inspection
-from stepbot.spatial import Vector3
+from stepbot.geometry.spatial import Vector3
+from stepbot.pipeline.stages import Inspection
+from stepbot.step.assembly import Assembly, Body, BodyKind, Component, Quantity
+from stepbot.step.features.axes import AxisLine, axis_faces, lines, millimetres, selectors
+from stepbot.step.structure.paths import quoted
 
 from .columns import aligned, cells
 from .contents import Contents, contents

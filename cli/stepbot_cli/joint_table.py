@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from shutil import get_terminal_size
 
-from stepbot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
+from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
 from .columns import cells
 from .render import printable

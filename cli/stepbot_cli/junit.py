@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from stepbot.junit import Suite
+    from stepbot.report.junit import Suite
 
 junit_option = click.option(
     "--junit", type=click.Path(path_type=Path), metavar="FILE", help="Also write the results as JUnit XML."
@@ -16,7 +16,7 @@ junit_option = click.option(
 
 def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
     """Write the results of robots to a file, whose folder is made where it is missing."""
-    from stepbot.junit import junit_bytes
+    from stepbot.report.junit import junit_bytes
 
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(junit_bytes(suites))

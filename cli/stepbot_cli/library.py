@@ -16,8 +16,8 @@ from .reading import working_options
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Options
-    from stepbot.library import LibraryRobot
+    from stepbot.jobs.library import LibraryRobot
+    from stepbot.pipeline.conversion import Options
 
 WIDTH = 100
 
@@ -38,7 +38,7 @@ def command() -> None:
 @json_option
 def list_(as_json: bool) -> int:
     """Print the name of every robot, and what it is."""
-    from stepbot.library import library_robots
+    from stepbot.jobs.library import library_robots
 
     robots = library_robots()
     if as_json:
@@ -143,7 +143,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
 
 
 def _found(name: str) -> "LibraryRobot":
-    from stepbot.library import library_robot, library_robots
+    from stepbot.jobs.library import library_robot, library_robots
 
     try:
         return library_robot(name)

@@ -9,7 +9,7 @@ from .table import RESULT, absent_engines, driven_words, filled, status_lines
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
-    from stepbot.report import Check, Report, Row
+    from stepbot.report.record import Check, Report, Row
 
 _HEADINGS = ("format", "file", RESULT, "engines", "worst deviation")
 _ROBOT = "robot"

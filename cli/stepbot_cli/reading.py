@@ -23,7 +23,7 @@ def working_options(command: Callable[..., int]) -> Callable[..., int]:
         encoding: str = "",
         **others: Any,
     ) -> int:
-        from stepbot.conversion import Options
+        from stepbot.pipeline.conversion import Options
 
         options = Options(
             output=Path(),

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from stepbot.codes import CODES
 from stepbot.diagnostics import Diagnostic
+from stepbot.diagnostics.codes import CODES
 
 from .columns import cells, shortened
 

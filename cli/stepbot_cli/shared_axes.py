@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import click
 
-from stepbot.cad.assembly import Assembly
-from stepbot.cad.axes import AxisLine, NearMiss, axis_faces, choose, mates, near_misses, selectors
-from stepbot.cad.paths import ComponentPaths, quoted
+from stepbot.step.assembly import Assembly
+from stepbot.step.features.axes import AxisLine, NearMiss, axis_faces, choose, mates, near_misses, selectors
+from stepbot.step.structure.paths import ComponentPaths, quoted
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from .render import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
-    from stepbot.report import Check, Report, Row
+    from stepbot.report.record import Check, Report, Row
 
 RESULT = "result"
 """Heading of the column with the outcome."""
@@ -38,7 +38,7 @@ def absent_engines(report: "Report") -> tuple[str, ...]:
 
 def _is_absent(row: "Row") -> bool:
     """Whether an engine that most people do without said nothing of a file because it is not there."""
-    from stepbot.simulators import optional_engines
+    from stepbot.engines import optional_engines
 
     return not row.compared and row.engine in optional_engines() and row.why.endswith("is not installed")
 

@@ -16,7 +16,7 @@ from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json
 
 if TYPE_CHECKING:
-    from stepbot.conversion import Options
+    from stepbot.pipeline.conversion import Options
 
 
 @click.command(
@@ -53,8 +53,8 @@ def command(
     Of a folder all sidecars below it, without any those of the current folder. Robot files and meshes are compared byte
     by byte, of report.json what does not depend on the engines that are installed; no engine is asked.
     """
-    from stepbot.sidecars import find_sidecars, robot_name
-    from stepbot.uptodate import check_up_to_date, output_folders
+    from stepbot.jobs.discovery import find_sidecars, robot_name
+    from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
     options = replace(options, formats=format_names(formats), strict=strict)
     found = Diagnostics()

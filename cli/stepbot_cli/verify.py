@@ -45,9 +45,9 @@ def command(
     The files need not be written by stepbot. Several files are taken for the same robot, and compared with the
     first.
     """
-    from stepbot.junit import Suite
-    from stepbot.report import report_document
-    from stepbot.verify import verify_files
+    from stepbot.report.document import report_document
+    from stepbot.report.junit import Suite
+    from stepbot.verification import verify_files
 
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)

@@ -7,7 +7,7 @@ TYPE_CHECKING = False
 """As in ``typing``, which could be a file of the current folder: that is taken off the import path later."""
 
 if TYPE_CHECKING:
-    from .api import (
+    from stepbot.api import (
         CheckResult,
         Conversion,
         Diagnostic,

@@ -3,7 +3,7 @@
 import sys
 from importlib import import_module
 
-from .import_path import restrict_import_path
+from stepbot.runtime.import_path import restrict_import_path
 
 if __name__ == "__main__":
     restrict_import_path()  # `python -m` puts the current folder first

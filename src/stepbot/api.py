@@ -12,14 +12,14 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .cache import Cache, default_folder
-from .conversion import Checked, Conversion, Options
-from .diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
-from .isolation import DEFAULT_TIMEOUT
+from stepbot.diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
+from stepbot.pipeline.conversion import Checked, Conversion, Options
+from stepbot.runtime.cache import Cache, default_folder
+from stepbot.runtime.worker import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
-    from .pipeline import Inspection
-    from .report import Report
+    from stepbot.pipeline.stages import Inspection
+    from stepbot.report.record import Report
 
 AnyPath = str | PathLike[str]
 
@@ -79,7 +79,7 @@ def convert(
     Raises:
         ValueError: There is no format of a name in ``formats``.
     """
-    from .incremental import convert as convert_unless_unchanged
+    from stepbot.jobs.incremental import convert as convert_unless_unchanged
 
     path = Path(sidecar)
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")
@@ -120,7 +120,7 @@ def check(
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
     """
-    from .incremental import check as check_unless_unchanged
+    from stepbot.jobs.incremental import check as check_unless_unchanged
 
     found = Diagnostics()
     options = Options(
@@ -156,7 +156,7 @@ def inspect(
         The assembly with its components, bodies and axis lines, None after an error; what trimesh measures on each
         body; and the diagnostics.
     """
-    from .pipeline import inspect as inspect_step
+    from stepbot.pipeline.stages import inspect as inspect_step
 
     options = Options(output=Path(), encoding=encoding, timeout=timeout, memory_limit=memory_limit, cache=_cache(cache))
     return inspect_step(Path(step), options)
@@ -180,7 +180,7 @@ def verify(
         timeout: Time [s] that an engine may take.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
     """
-    from .verify import verify_files
+    from stepbot.verification import verify_files
 
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
@@ -206,7 +206,7 @@ def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0)
     Raises:
         KeyError: The body has no link of a name that a closure refers to.
     """
-    from .pybullet_loops import add_constraints
+    from stepbot.robot.pybullet_closures import add_constraints
 
     document = report if isinstance(report, Mapping) else json.loads(Path(report).read_text(encoding="utf-8"))
     return add_constraints(body, document["robot"]["pybullet"], client)
@@ -216,7 +216,7 @@ def _format_names(given: Iterable[str]) -> tuple[str, ...]:
     names = tuple(given)
     if not names:
         return Options.formats
-    from .writers import FORMATS, writer_of
+    from stepbot.formats import FORMATS, writer_of
 
     try:
         return tuple(dict.fromkeys(writer_of(name).NAME for name in names))

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from stepbot.codes import CODES
-from stepbot.codes.page import RANGES, diagnostics_page
+from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes.page import RANGES, diagnostics_page
 
 ROOT = Path(__file__).resolve().parents[2]
 OURS = ("src", "cli")
@@ -58,18 +58,18 @@ def test_files_and_functions_stay_small() -> None:
 def test_heavy_imports_live_in_one_place() -> None:
     """Each heavy package is imported by the modules that own it, and only inside functions there."""
     owners = {
-        "OCP": r"src/stepbot/cad/",
-        "fcl": r"src/stepbot/selfcollision\.py",
-        "manifold3d": r"src/stepbot/solids/",
-        "mujoco": r"src/stepbot/simulators/",
-        "pybullet": r"src/stepbot/simulators/",
+        "OCP": r"src/stepbot/step/",
+        "fcl": r"src/stepbot/verification/self_collision\.py",
+        "manifold3d": r"src/stepbot/geometry/solids/",
+        "mujoco": r"src/stepbot/engines/mujoco/",
+        "pybullet": r"src/stepbot/(engines/pybullet/|robot/pybullet_closures\.py)",
         "pydantic": r"src/stepbot/sidecar/",
         "ruamel": r"src/stepbot/sidecar/",
         "rich": r"cli/stepbot_cli/",
         "click": r"cli/stepbot_cli/",
-        "lxml": r"src/stepbot/(writers|simulators|verify)/",
-        "yourdfpy": r"src/stepbot/simulators/",
-        "trimesh": r"src/stepbot/(measure|pipeline)\.py|src/stepbot/simulators/|src/stepbot/passes/",
+        "lxml": r"src/stepbot/(formats|engines|verification)/",
+        "yourdfpy": r"src/stepbot/engines/yourdfpy\.py",
+        "trimesh": r"src/stepbot/geometry/mass_properties\.py",
     }
     found = [
         (name, package)
@@ -99,7 +99,9 @@ def test_codes_are_unique() -> None:
     """No code stands in two ranges: the table would keep only the last."""
     defined = re.findall(
         r'^\s+"(SB\d{3})",$',
-        "".join(file.read_text(encoding="utf-8") for file in sorted((ROOT / "src/stepbot/codes").glob("*.py"))),
+        "".join(
+            file.read_text(encoding="utf-8") for file in sorted((ROOT / "src/stepbot/diagnostics/codes").glob("*.py"))
+        ),
         re.MULTILINE,
     )
     assert sorted(defined) == sorted(set(defined)) == sorted(CODES)

@@ -13,8 +13,8 @@ import click
 import pytest
 
 import stepbot
-from stepbot import memory
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.runtime import memory
 from stepbot_cli import application, main, schema
 from stepbot_cli.engines import limit_options
 from stepbot_cli.sizes import size

@@ -310,7 +310,7 @@ def start(desk: Desk, *options: str) -> "subprocess.Popen[bytes]":
 
 def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
     """The kernel's process below a command."""
-    return [pid for pid in children(command.pid) if b"stepbot.cad.worker" in command_of(pid)]
+    return [pid for pid in children(command.pid) if b"stepbot.step.worker" in command_of(pid)]
 
 
 def engines(command: "subprocess.Popen[bytes]", name: str) -> list[int]:

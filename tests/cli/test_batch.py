@@ -12,9 +12,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from stepbot.batch import Status, Task, run_batch
-from stepbot.batch.executors import ProcessEach
-from stepbot.conversion import Options
+from stepbot.jobs.batch import Status, Task, run_batch
+from stepbot.jobs.batch.executors import ProcessEach
+from stepbot.pipeline.conversion import Options
 from tests.command_line import snapshot
 
 from .conftest import Stepbot

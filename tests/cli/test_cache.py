@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.cache import Cache, own_code
-from stepbot.isolation import Worker
+from stepbot.runtime.cache import Cache, own_code
+from stepbot.runtime.worker import Worker
 from tests.architecture.test_imports import HEAVY, loaded_by
 from tests.command_line import snapshot
 from tests.command_line import stepbot as run_stepbot
@@ -16,8 +16,8 @@ from tests.command_line import stepbot as run_stepbot
 from .conftest import Stepbot
 
 FAST = ("-f", "urdf", "--no-verify")
-ENGINES = "stepbot.simulators."
-READ = ["stepbot.cad.worker:read", "stepbot.meshwork:compute"]
+ENGINES = "stepbot.engines."
+READ = ["stepbot.step.worker:read", "stepbot.geometry.mesh_worker:compute"]
 """What is asked to read a STEP."""
 
 
@@ -208,7 +208,7 @@ def test_other_code_finds_nothing(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What another stepbot kept is not used."""
-    import stepbot.cache.keys as keys
+    import stepbot.runtime.cache.keys as keys
 
     original: Callable[[], str] = own_code
     monkeypatch.setattr(keys, "own_code", lambda: original() + "!")

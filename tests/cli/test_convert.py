@@ -162,7 +162,7 @@ def test_bad_step_leaves_the_former_output(arm: Path, stepbot: Stepbot, content:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 def test_kernel_that_dies(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """A worker that is killed while it reads is a diagnostic that names the signal; nothing is written."""
-    from stepbot.isolation import Worker
+    from stepbot.runtime.worker import Worker
 
     submit = Worker.submit
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.processes import NO_FORK
+from stepbot.runtime.processes import NO_FORK
 from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot, stepbot
 
 pytestmark = pytest.mark.slow

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from stepbot.cad.assembly import Quantity
+from stepbot.step.assembly import Quantity
 from tests import command_line, parts, solids
 from tests.stating import Stating
 
@@ -71,8 +71,8 @@ def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> Non
 
 def test_every_path_means_one_component(arm: Path, stepbot: Stepbot) -> None:
     """A path that inspect prints is found again, as itself."""
-    from stepbot.cad.paths import ComponentPaths
-    from stepbot.pipeline import Options, inspect
+    from stepbot.pipeline.stages import Options, inspect
+    from stepbot.step.structure.paths import ComponentPaths
 
     assembly = inspect(arm / "arm2.step", Options(output=Path())).assembly
     assert assembly is not None
@@ -239,7 +239,7 @@ def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
     assert lost
     path.write_text(text, encoding="utf-8", newline="\n")
     kernel = (
-        "import sys; from pathlib import Path; from stepbot.cad.step import read_model; read_model(Path(sys.argv[1]))"
+        "import sys; from pathlib import Path; from stepbot.step.kernel import read_model;read_model(Path(sys.argv[1]))"
     )
     told = subprocess.run([sys.executable, "-c", kernel, str(path)], capture_output=True, text=True, check=True)
     assert "ERR" in told.stdout

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.joint_table import Basis, Evidence, JointRow, Rival, Side
+from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
 from stepbot_cli.joint_table import joint_lines
 from tests.cli.conftest import Stepbot
 

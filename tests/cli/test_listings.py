@@ -4,7 +4,7 @@ import json
 
 import jsonschema
 
-from stepbot.writers import FORMATS
+from stepbot.formats import FORMATS
 
 from .conftest import Stepbot
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.command_line import convert_once, stepbot
-from tests.unit.cad.test_mechanisms import add_mechanism
+from tests.unit.step.exchange.test_mechanisms import add_mechanism
 
 
 @pytest.mark.slow

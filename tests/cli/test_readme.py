@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.library import library_robot
+from stepbot.jobs.library import library_robot
 from stepbot_cli import main
 
 ROOT = Path(__file__).resolve().parents[2]

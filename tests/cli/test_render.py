@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.codes import CODES
 from stepbot.diagnostics import Diagnostic, Span
+from stepbot.diagnostics.codes import CODES
 from stepbot_cli import render
 from stepbot_cli.columns import cells
 

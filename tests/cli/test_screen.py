@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostic, Span
-from stepbot.report import Check, Report, Status
+from stepbot.report.record import Check, Report, Status
 from stepbot_cli import render
 from stepbot_cli.columns import cells
 from stepbot_cli.proof import proof_lines

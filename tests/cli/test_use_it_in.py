@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from stepbot.library import library_robot
+from stepbot.jobs.library import library_robot
 from stepbot_cli import main
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,8 +7,8 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.output import write_atomically
-from stepbot.writers import FORMATS, render
+from stepbot.formats import FORMATS, render
+from stepbot.runtime.output import write_atomically
 from tests.robots import two_link_arm
 
 from .conftest import Stepbot

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.lowering import lower
-from stepbot.model import Robot
-from stepbot.writers import FORMATS, render
+from stepbot.formats import FORMATS, render
+from stepbot.formats.lowering import lower
+from stepbot.robot.model import Robot
 from tests.robots import ROBOTS
 
 Write = Callable[[str, str], tuple[Robot, Path]]

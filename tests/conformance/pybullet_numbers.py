@@ -77,7 +77,7 @@ def read(file: str, configurations: Sequence[Mapping[str, float]]) -> dict[str, 
 
 def read_tree(file: str, configurations: Sequence[Mapping[str, float]]) -> dict[str, Any]:
     """What :func:`read` reads in a copy of an SDFormat file that holds a tree alone."""
-    from stepbot.simulators._sdf_tree import tree_copy
+    from stepbot.engines.sdformat_reader.tree import tree_copy
 
     with tree_copy(Path(file)) as (copy, _):
         return read(str(copy), configurations)

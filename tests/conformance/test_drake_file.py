@@ -8,11 +8,11 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.kinematics import link_poses
-from stepbot.loops import loop_ways
-from stepbot.lowering import lower
-from stepbot.lowering.recut import recut_loops
-from stepbot.writers import FORMATS, render
+from stepbot.formats import FORMATS, render
+from stepbot.formats.lowering import lower
+from stepbot.formats.lowering.rerooted_loops import recut_loops
+from stepbot.robot.closures import loop_ways
+from stepbot.robot.kinematics import link_poses
 from tests.robots import ROBOTS
 
 TAG = "{http://drake.mit.edu}ball_constraint"

@@ -12,10 +12,10 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.freedoms import steps_by_child
-from stepbot.lowering import lower
-from stepbot.model import Robot
-from stepbot.writers import FORMATS, render, used_meshes, writer_of
+from stepbot.formats import FORMATS, render, used_meshes, writer_of
+from stepbot.formats.lowering import lower
+from stepbot.robot.model import Robot
+from stepbot.robot.multi_dof import steps_by_child
 from tests.robots import ROBOTS
 
 every_robot = pytest.mark.parametrize("name", ROBOTS)
@@ -24,7 +24,7 @@ every_format = pytest.mark.parametrize("format_", FORMATS)
 RENDER_ALL = """
 import hashlib, sys
 from stepbot.diagnostics import Diagnostics
-from stepbot.writers import FORMATS, render
+from stepbot.formats import FORMATS, render
 from tests.robots import ROBOTS
 digest = hashlib.sha256()
 for build in ROBOTS.values():
@@ -135,7 +135,7 @@ def test_formats_are_found_and_have_aliases() -> None:
 
 def test_finding_formats_imports_no_xml_library() -> None:
     """A list of formats costs no import of lxml."""
-    code = "import sys, stepbot.writers; print([m for m in ('lxml', 'trimesh', 'mujoco') if m in sys.modules])"
+    code = "import sys, stepbot.formats; print([m for m in ('lxml', 'trimesh', 'mujoco') if m in sys.modules])"
     root = Path(__file__).resolve().parents[2]
     environment = {**os.environ, "PYTHONPATH": str(root / "src")}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)

@@ -10,23 +10,12 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.kinematics import configurations, initial_configuration, link_poses
-from stepbot.mesh import TriMesh
-from stepbot.model import (
-    Base,
-    Collision,
-    JointKind,
-    Link,
-    LoopClosure,
-    MassProperties,
-    MeshAsset,
-    MeshRef,
-    Robot,
-    Sphere,
-    Visual,
-)
-from stepbot.spatial import Pose, rotation_from_rpy
-from stepbot.writers import render
+from stepbot.formats import render
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose, rotation_from_rpy
+from stepbot.robot.kinematics import configurations, initial_configuration, link_poses
+from stepbot.robot.model import Base, Collision, JointKind, Link, LoopClosure, MeshAsset, MeshRef, Robot, Sphere, Visual
 from tests.conformance.conftest import Write
 from tests.robots import SINGLE_FREEDOMS, four_bar, one_link, pendulum
 

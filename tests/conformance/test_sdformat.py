@@ -9,11 +9,11 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.isolation import call_isolated
-from stepbot.kinematics import configurations, initial_configuration, link_poses
-from stepbot.model import Base, JointKind, Limit, Mimic, Robot
-from stepbot.spatial import IDENTITY, Pose
-from stepbot.writers import render
+from stepbot.formats import render
+from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.robot.kinematics import configurations, initial_configuration, link_poses
+from stepbot.robot.model import Base, JointKind, Limit, Mimic, Robot
+from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
 from tests.robots import ROBOTS, four_bar, four_bar_with_zeros
 

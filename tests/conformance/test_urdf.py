@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stepbot.isolation import call_isolated
-from stepbot.kinematics import configurations, link_poses
-from stepbot.model import JointKind, MassProperties
-from stepbot.spatial import Pose
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.kinematics import configurations, link_poses
+from stepbot.robot.model import JointKind
+from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
 from tests.robots import ROBOTS
 

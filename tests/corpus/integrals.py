@@ -6,9 +6,9 @@ One row for each file: its solids, how many of them the kernel alone integrates,
 import sys
 from pathlib import Path
 
-from stepbot.cad.assembly import ReadOptions
-from stepbot.cad.reader import read_assembly
 from stepbot.diagnostics import Diagnostics
+from stepbot.step.assembly import ReadOptions
+from stepbot.step.reader import read_assembly
 
 SIMPLE = 1e-9
 """Estimated error of solids that the kernel alone integrates."""

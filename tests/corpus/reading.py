@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from stepbot.cad.assembly import Assembly, ReadOptions, VolumeProperties
-from stepbot.cad.reader import start_reading
 from stepbot.diagnostics import Diagnostic, Diagnostics
-from stepbot.measure import measured
+from stepbot.geometry.mass_properties import measured
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.reader import start_reading
 
 ACCURACY = 1e-3
 """Relative deviation from exact up to which mass properties are right."""

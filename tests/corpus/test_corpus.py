@@ -10,18 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.build import build_robot
-from stepbot.cad.assembly import Assembly, BodyKind
+from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics
-from stepbot.model import MassProperties, Robot
-from stepbot.passes import run_passes
-from stepbot.rules import check_robot
-from stepbot.writers import FORMATS, render
+from stepbot.formats import FORMATS, render
+from stepbot.geometry.inertia import MassProperties
+from stepbot.robot.model import Robot
+from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.validity import check_robot
+from stepbot.step.assembly import Assembly, BodyKind
 from tests.corpus.files import FILES, READABLE, CorpusFile, index_row
 from tests.corpus.plain_kernel import PlainSolid, plain_solids
 from tests.corpus.reading import ACCURACY, DEVIATIONS, ReadFile
-from tests.unit.build.workshop import robot_of, sidecar
-from tests.unit.cad.here import by_path
+from tests.unit.assemble.workshop import robot_of, sidecar
+from tests.unit.step.here import by_path
 
 pytestmark = pytest.mark.slow
 
@@ -129,7 +130,7 @@ def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> 
     loaded = sidecar(folder, ONE_LINK % mass)
     robot = robot_of(build_robot(assembly, loaded, lambda: reading.measures, found))
     if robot is not None:
-        robot = run_passes(robot, found)
+        robot = share_meshes(robot)
         check_robot(robot, found, loaded.span(), assembly.unit)
     return robot, found
 

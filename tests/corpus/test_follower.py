@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.command_line import Conversion, convert, convert_once
 from tests.rigid import deviations, numbers, urdf_links
 

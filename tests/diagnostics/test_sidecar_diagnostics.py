@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.codes import mechanism, sidecar
 from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics.codes import mechanism, sidecar
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import load_sidecar
 

@@ -1,7 +1,7 @@
 """Calls a function for many inputs, each in a process of its own that costs milliseconds: a server that forks.
 
 The kernel takes a second to load. The server loads it once, and forks for every call; the forked process does what a
-worker of :mod:`stepbot.isolation` does: same function, same memory limit, same answers, same ways to die. Where a
+worker of :mod:`stepbot.runtime.worker` does: same function, same memory limit, same answers, same ways to die. Where a
 system cannot fork safely, :func:`can_fork` says so, and callers use workers instead.
 """
 
@@ -19,9 +19,9 @@ import traceback
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from stepbot import isolation
-from stepbot.isolation import RemoteError, WorkerDied
-from stepbot.processes import can_fork
+from stepbot.runtime import worker as isolation
+from stepbot.runtime.processes import can_fork
+from stepbot.runtime.worker import RemoteError, WorkerDied
 
 __all__ = ["ForkServer", "ForkedCall", "can_fork"]
 

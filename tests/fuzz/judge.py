@@ -12,16 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-from stepbot.build import build_robot
-from stepbot.cad.assembly import Assembly, AxisFace, Body, Component, VolumeProperties
-from stepbot.codes import CODES
+from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostic, Diagnostics
-from stepbot.measure import measured
-from stepbot.passes import run_passes
-from stepbot.rules import check_robot
+from stepbot.diagnostics.codes import CODES
+from stepbot.formats import FORMATS, render
+from stepbot.geometry.mass_properties import measured
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.validity import check_robot
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
-from stepbot.writers import FORMATS, render
+from stepbot.step.assembly import Assembly, AxisFace, Body, Component
 
 Read = Callable[[Path, Diagnostics], Assembly | None]
 """Reads a STEP file; None where errors say why."""
@@ -116,7 +117,7 @@ def make_robot(
     if built is None:
         faults += [] if found.has_errors else ["no robot, and no error that says why"]
         return False
-    robot = run_passes(built.robot, found)
+    robot = share_meshes(built.robot)
     check_robot(robot, found)
     if found.has_errors:
         return False

@@ -8,16 +8,16 @@ import sys
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from stepbot.cad.assembly import Assembly, ReadOptions
-from stepbot.cad.part21 import check_step
-from stepbot.cad.reader import Reading, start_reading
 from stepbot.diagnostics import Diagnostics
+from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.exchange.part21 import check_step
+from stepbot.step.reader import Reading, start_reading
 
 from .forking import ForkServer, can_fork
 from .judge import FAILED, OUT_OF_TIME, Read, Verdict, judge
 from .mutant import Mutant
 
-FUNCTION = "stepbot.cad.worker:read"
+FUNCTION = "stepbot.step.worker:read"
 TIMEOUT = 60.0
 """Seconds for one file; the bases take less than one."""
 MEMORY_LIMIT = 4 << 30

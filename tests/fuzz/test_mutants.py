@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.cad.assembly import Assembly, Body, BodyKind, Component
-from stepbot.cores import core_count
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
-from stepbot.isolation import RemoteError, WorkerDied
-from stepbot.mesh import TriMesh
+from stepbot.geometry.mesh import TriMesh
+from stepbot.runtime.cores import core_count
+from stepbot.runtime.worker import RemoteError, WorkerDied
+from stepbot.step.assembly import Assembly, Body, BodyKind, Component
 from tests.conftest import CORPUS_ABSENT, ROOT
 
 from . import bases as base_files
@@ -231,7 +231,7 @@ def serve(tmp_path: Path) -> Iterator[Callable[[str], ForkServer]]:
     def start(name: str) -> ForkServer:
         folder = tmp_path / name
         folder.mkdir()
-        servers.append(ForkServer(f"tests.unit.isolated_functions:{name}", folder, memory_limit=1 << 30))
+        servers.append(ForkServer(f"tests.unit.runtime.isolated_functions:{name}", folder, memory_limit=1 << 30))
         return servers[-1]
 
     yield start

@@ -9,12 +9,13 @@ from itertools import cycle, product
 from pathlib import Path
 from random import Random
 
-from stepbot.build.reading import read_options
-from stepbot.cad.assembly import Assembly, VolumeProperties
-from stepbot.cad.reader import start_reading
+from stepbot.assemble.reading import read_options
 from stepbot.diagnostics import Diagnostics
-from stepbot.measure import measured
+from stepbot.geometry.mass_properties import measured
+from stepbot.geometry.volume import VolumeProperties
 from stepbot.sidecar.load import load_sidecar
+from stepbot.step.assembly import Assembly
+from stepbot.step.reader import start_reading
 from tests.conftest import ROOT
 
 from .sidecar_damage import KINDS, damaged

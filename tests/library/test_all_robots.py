@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 from ruamel.yaml import YAML
 
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.command_line import stepbot
 from tests.engines import ASLANT
 from tests.library.conftest import (

@@ -13,7 +13,7 @@ from lxml import etree
 
 from robot_library.moments import Array
 from robot_library.step_file import LengthUnit, write_document
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.command_line import Conversion, convert, snapshot
 from tests.library.conftest import LIBRARY, Converted, sidecar_of
 from tests.rigid import deviations, numbers, sdf_pose, urdf_links

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robot_library.moments import inverse
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
 from tests.rigid import deviations
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from robot_library import fingerprints, making, pages, preview
-from stepbot.library import LibraryRobot
+from stepbot.jobs.library import LibraryRobot
 from tests.library.conftest import LIBRARY, Converted, every_converted_robot, every_robot, sidecar_of
 
 

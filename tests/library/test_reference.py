@@ -19,7 +19,7 @@ from ruamel.yaml import YAML
 
 from robot_library.description import DescribedJoint, Description, load_description
 from robot_library.moments import inverse
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.conftest import CORPUS
 from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted, sidecar_of
 

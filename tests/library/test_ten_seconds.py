@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.isolation import call_isolated
+from stepbot.runtime.worker import call_isolated
 from tests.library.conftest import Converted, every_robot
 
 SECONDS = 10.0

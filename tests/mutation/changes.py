@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from stepbot.lowering import UNLIMITED
-from stepbot.simulators.observation import Quantity
-from stepbot.spatial import Pose, angle_between
-from stepbot.verify.tolerances import COLOR, TOLERANCES
+from stepbot.engines.observation import Quantity
+from stepbot.formats.lowering import UNLIMITED
+from stepbot.geometry.spatial import Pose, angle_between
+from stepbot.verification.tolerances import COLOR, TOLERANCES
 
 from .removal import kind_of, path_of
 

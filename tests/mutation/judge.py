@@ -12,14 +12,14 @@ import time
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
-from importlib import import_module
 from io import StringIO
 from types import TracebackType
 from typing import Any
 
-from stepbot.simulators import _sdf_tree
-from stepbot.simulators.observation import EngineCannotRead, EngineRefused, Observation, Request
-from stepbot.verify.compare import compare
+from stepbot.engines import engine_of
+from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observation, Request
+from stepbot.engines.sdformat_reader import tree as _sdf_tree
+from stepbot.verification.compare import compare
 
 SECONDS = 60.0
 """An engine that takes longer noticed, too."""
@@ -45,7 +45,7 @@ class Judge:
             expected: What it should see in them.
         """
         self.engine = engine
-        self._module: Any = import_module(f"stepbot.simulators.{engine}")
+        self._module: Any = engine_of(engine)
         self._module.prepare()
         self._request, self._expected = request, expected
         self.reads = True

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.model import Robot
-from stepbot.simulators import Engine, engines_for
-from stepbot.simulators.observation import EngineCannotRead, EngineRefused, Observation, Request
-from stepbot.simulators.workers import Fate, Outcome
-from stepbot.verify.compare import compare
-from stepbot.verify.files import ask, judge
-from stepbot.verify.scouting import Scout
+from stepbot.engines import Engine, engines_for
+from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observation, Request
+from stepbot.engines.workers import Fate, Outcome
+from stepbot.robot.model import Robot
+from stepbot.verification.compare import compare
+from stepbot.verification.files import ask, judge
+from stepbot.verification.probe import Scout
 from tests.simulators.conftest import Folder, write
 
 from .changes import Change, changes

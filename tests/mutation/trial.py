@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-from stepbot.model import Robot
+from stepbot.robot.model import Robot
 from tests.simulators.conftest import Folder, write
 
 from .judge import Judge, question

@@ -2,21 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.expect import mechanism, requests
-from stepbot.lowering import lower
-from stepbot.model import Robot
-from stepbot.simulators import engines
-from stepbot.simulators.from_robot import observe_robot
-from stepbot.simulators.observation import Observation, Quantity, Request
-from stepbot.verify import Written
-from stepbot.verify.compare import compare
-from stepbot.writers import FORMATS, render, writer_of
+from stepbot.engines import engine_of, engines
+from stepbot.engines.observation import Observation, Quantity, Request
+from stepbot.engines.reference import observe_robot
+from stepbot.formats import FORMATS, render, writer_of
+from stepbot.formats.lowering import lower
+from stepbot.robot.model import Robot
+from stepbot.verification import Written
+from stepbot.verification.compare import compare
+from stepbot.verification.expectation import mechanism, requests
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def look(engine: str, request: Request) -> Observation:
     In this process, which saves a start for each of many files: none of the files that tests look at crashes an engine.
     """
     skip_without(engine)
-    observation: Observation = import_module(f"stepbot.simulators.{engine}").observe(request)
+    observation: Observation = engine_of(engine).observe(request)
     return observation
 
 

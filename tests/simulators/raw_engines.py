@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from stepbot.simulators.observation import Observation, Request
+from stepbot.engines.observation import Observation, Request
 
 
 def load_sdf(path: str) -> None:

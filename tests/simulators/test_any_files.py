@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.report import Report, Status
-from stepbot.simulators import engines
-from stepbot.simulators.workers import check_required
-from stepbot.verify import verify_files
+from stepbot.engines import engine_of, engines
+from stepbot.engines.workers import check_required
+from stepbot.report.record import Report, Status
+from stepbot.verification import verify_files
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, skip_without, write
@@ -124,7 +124,7 @@ def test_a_required_engine_that_is_unknown_or_missing(
     arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SB005, with the nearest name; exit code 2."""
-    from stepbot.simulators import mujoco
+    from stepbot.engines import mujoco
 
     monkeypatch.setattr(mujoco, "available", lambda: "mujoco is not installed")
     report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), timeout=120.0)
@@ -148,7 +148,7 @@ def test_a_required_engine_says_how_to_get_it(
     engine: str, install: str, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The package of an engine is not always called like it."""
-    monkeypatch.setattr(f"stepbot.simulators.{engine}.available", lambda: f"{engine} is not installed")
+    monkeypatch.setattr(engine_of(engine), "available", lambda: f"{engine} is not installed")
     check_required((engine,), found)
     (missing,) = found
     assert (missing.code, missing.help) == ("SB005", (install,))

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.kinematics import initial_configuration, link_poses
-from stepbot.loops import close_loops, degrees_of_freedom, driven_joints, loop_ways
-from stepbot.model import Robot
-from stepbot.spatial import Pose
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import Robot
 from tests.closed_mechanisms import (
     DELTA_DRAWN,
     DELTA_PLATFORM,

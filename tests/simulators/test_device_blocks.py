@@ -9,8 +9,8 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.simulators.observation import EngineRefused
-from stepbot.writers import render
+from stepbot.engines.observation import EngineRefused
+from stepbot.formats import render
 from tests.devices import equipped
 from tests.simulators.conftest import Folder, failures, look, write
 
@@ -90,7 +90,7 @@ def test_blocks_of_others_are_read_too(tmp_path: Path) -> None:
         </joint></ros2_control></robot>""",
         encoding="utf-8",
     )
-    from stepbot.simulators.observation import Request
+    from stepbot.engines.observation import Request
 
     seen = look("extensions", Request(str(file), "urdf"))
     assert seen.actuators is not None

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.model import Base, JointKind
-from stepbot.report import Report, Status
-from stepbot.simulators import engines
-from stepbot.verify import Provers, verify
-from stepbot.writers import FORMATS
+from stepbot.engines import engines
+from stepbot.formats import FORMATS
+from stepbot.report.record import Report, Status
+from stepbot.robot.model import Base, JointKind
+from stepbot.verification import Provers, verify
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
 from tests.simulators.conftest import write

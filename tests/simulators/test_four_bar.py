@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.kinematics import link_poses
-from stepbot.model import Joint, JointKind, Link, Mimic
-from stepbot.simulators.observation import Quantity, Request
-from stepbot.verify.compare import compare
+from stepbot.engines.observation import Quantity, Request
+from stepbot.robot.kinematics import link_poses
+from stepbot.robot.model import Joint, JointKind, Link, Mimic
+from stepbot.verification.compare import compare
 from tests.robots import four_bar, four_bar_angles, four_bar_with_zeros
 from tests.simulators.conftest import Folder, failures, look, write
 

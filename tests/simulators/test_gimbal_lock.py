@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.isolation import call_isolated
-from stepbot.simulators.observation import Observation, Request
+from stepbot.engines.observation import Observation, Request
+from stepbot.runtime.worker import call_isolated
 from tests.command_line import stepbot
 from tests.parts import Assembly, Occurrence, box, draw, drawn
 
@@ -51,7 +51,7 @@ def _urdf(folder: Path, roll_damping: float = 0.0, wrist_damping: float = 0.0, b
 
 
 def _seen(path: Path) -> Observation:
-    seen = call_isolated("stepbot.simulators.mujoco:observe", Request(str(path), "urdf"))
+    seen = call_isolated("stepbot.engines.mujoco:observe", Request(str(path), "urdf"))
     assert isinstance(seen, Observation)
     return seen
 

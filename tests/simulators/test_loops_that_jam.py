@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stepbot.kinematics import initial_configuration, link_poses
-from stepbot.model import JointKind, Robot
-from stepbot.report import Status
-from stepbot.spatial import Pose, rotation_about
-from stepbot.verify import Provers, verify
+from stepbot.geometry.spatial import Pose, rotation_about
+from stepbot.report.record import Status
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import JointKind, Robot
+from stepbot.verification import Provers, verify
 from tests.conftest import ReadDiagnostics
 from tests.robots import four_bar
 from tests.simulators.conftest import write

@@ -7,11 +7,12 @@ import pytest
 
 import stepbot
 from stepbot.diagnostics import Diagnostics
-from stepbot.kinematics import initial_configuration
-from stepbot.loops import closure_gap
-from stepbot.model import Robot
-from stepbot.report import Report, report_document
-from stepbot.simulators.pybullet import body_of
+from stepbot.engines.pybullet.body import body_of
+from stepbot.report.document import report_document
+from stepbot.report.record import Report
+from stepbot.robot.closures import closure_gap
+from stepbot.robot.kinematics import initial_configuration
+from stepbot.robot.model import Robot
 from tests.closed_mechanisms import delta, sliding_closure, stewart, welded
 from tests.robots import four_bar, two_link_arm
 from tests.simulators.conftest import skip_without, write

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.report import Status
-from stepbot.simulators import engines
-from stepbot.verify import verify_files
+from stepbot.engines import engines
+from stepbot.report.record import Status
+from stepbot.verification import verify_files
 from tests.mechanisms import MECHANISMS
 from tests.simulators.conftest import Folder, skip_without, write
 
@@ -50,10 +50,10 @@ class InThisProcess:
 @pytest.fixture(autouse=True)
 def _engines_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     skip_without("mujoco")
-    monkeypatch.setattr("stepbot.verify.scouting.Worker", InThisProcess)
-    monkeypatch.setattr("stepbot.simulators.workers.Worker", InThisProcess)
-    monkeypatch.setattr("stepbot.verify.files.CONFIGURATIONS", 8)
-    monkeypatch.setattr("stepbot.verify.files.SECONDS", 0.01)
+    monkeypatch.setattr("stepbot.verification.probe.Worker", InThisProcess)
+    monkeypatch.setattr("stepbot.engines.workers.Worker", InThisProcess)
+    monkeypatch.setattr("stepbot.verification.files.CONFIGURATIONS", 8)
+    monkeypatch.setattr("stepbot.verification.files.SECONDS", 0.01)
     for engine in engines():
         if engine.NAME not in ENGINES:
             monkeypatch.setattr(engine, "available", lambda: "left out")

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stepbot.kinematics import complete, link_poses
-from stepbot.model import Robot
-from stepbot.sensors import Sensor, SensorKind, View
-from stepbot.spatial import Pose
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.kinematics import complete, link_poses
+from stepbot.robot.model import Robot
+from stepbot.robot.sensors import Sensor, SensorKind, View
 from tests.devices import equipped
 from tests.robots import ROBOTS
 from tests.simulators.conftest import failures, look, skip_without, write

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.isolation import RemoteError, WorkerDied, call_isolated
-from stepbot.model import Collision, Sphere
-from stepbot.simulators.observation import Observation, Quantity, Request
-from stepbot.simulators.workers import Engines, Fate
+from stepbot.engines.observation import Observation, Quantity, Request
+from stepbot.engines.workers import Engines, Fate
+from stepbot.robot.model import Collision, Sphere
+from stepbot.runtime.worker import RemoteError, WorkerDied, call_isolated
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, failures, look, skip_without, write
 
@@ -121,7 +121,7 @@ def test_pybullet_refuses_what_is_not_there(tmp_path: Path) -> None:
     """A missing file is a refusal in words, not a crash."""
     skip_without("pybullet")
     with pytest.raises(RemoteError, match="Cannot load URDF file") as caught:
-        call_isolated("stepbot.simulators.pybullet:observe", Request(str(tmp_path / "no.urdf"), "urdf"))
+        call_isolated("stepbot.engines.pybullet:observe", Request(str(tmp_path / "no.urdf"), "urdf"))
     assert caught.value.kind == "EngineRefused"
     assert str(tmp_path) not in caught.value.text
 
@@ -133,7 +133,7 @@ def test_pybullet_says_which_mesh_is_missing(tmp_path: Path) -> None:
     folder = write(ROBOTS["two_link_arm"](), tmp_path)
     (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
     with pytest.raises(RemoteError, match=r"cannot find 'meshes/upper_arm_1\.obj'") as caught:
-        call_isolated("stepbot.simulators.pybullet:observe", folder.request("urdf"))
+        call_isolated("stepbot.engines.pybullet:observe", folder.request("urdf"))
     assert caught.value.kind == "EngineRefused"
     assert str(tmp_path) not in caught.value.text
 
@@ -147,7 +147,7 @@ def test_pybullet_does_not_remember_a_former_file(arm: Folder, tmp_path: Path) -
     swapped.write_bytes((tmp_path / "meshes" / "base_1.obj").read_bytes())
     seen = call_isolated(
         "tests.simulators.raw_engines:observe_both",
-        "stepbot.simulators.pybullet",
+        "stepbot.engines.pybullet",
         replace(arm.request("urdf"), simulate=0.0),
         replace(other.request("urdf"), simulate=0.0),
     )
@@ -202,7 +202,7 @@ def test_mujoco_says_what_it_refuses(arm: Folder) -> None:
     text = arm.written["mjcf"].path.read_text(encoding="utf-8")
     path.write_text(text.replace("upper_arm_1.obj", "no.obj"), encoding="utf-8")
     with pytest.raises(RemoteError, match="upper_arm_1") as caught:
-        call_isolated("stepbot.simulators.mujoco:observe", replace(arm.request("mjcf"), file=str(path)))
+        call_isolated("stepbot.engines.mujoco:observe", replace(arm.request("mjcf"), file=str(path)))
     assert caught.value.kind == "EngineRefused"
     assert str(arm.path) not in caught.value.text
 
@@ -242,7 +242,7 @@ def test_yourdfpy_does_not_follow_a_chain_of_mimics(tmp_path: Path) -> None:
 
 def test_an_engine_that_is_not_there_is_absent(arm: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not run, with the reason; nothing is started for it."""
-    from stepbot.simulators import yourdfpy
+    from stepbot.engines import yourdfpy
 
     monkeypatch.setattr(yourdfpy, "available", lambda: "yourdfpy is not installed")
     with Engines({"file": "urdf"}) as engines:

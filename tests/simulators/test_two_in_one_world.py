@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from stepbot.isolation import call_isolated
-from stepbot.model import Base, Robot
+from stepbot.robot.model import Base, Robot
+from stepbot.runtime.worker import call_isolated
 from tests.devices import equipped
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without, write

@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 from lxml import etree
 
-from stepbot.model import Joint, JointKind, Robot
-from stepbot.sensors import Sensor, SensorKind
-from stepbot.simulators._sdf_frames import Frames
-from stepbot.simulators._sdf_sensors import model_sensors
-from stepbot.simulators.observation import ObservedSensor
+from stepbot.engines.observation import ObservedSensor
+from stepbot.engines.sdformat_reader.frames import Frames
+from stepbot.engines.sdformat_reader.sensors import model_sensors
+from stepbot.robot.model import Joint, JointKind, Robot
+from stepbot.robot.sensors import Sensor, SensorKind
 from tests.devices import equipped
 from tests.simulators.conftest import skip_without, write
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.simulators.observation import Quantity
+from stepbot.engines.observation import Quantity
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, failures, look, write
 

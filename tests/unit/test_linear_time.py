@@ -8,10 +8,11 @@ from types import FrameType
 
 import pytest
 
-from stepbot.cad import encodings, part21, paths
-from stepbot.cad.statements import Statement, find_statements
-from stepbot.cad.strings import decode_string
 from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.step.exchange import encodings, part21
+from stepbot.step.exchange.statements import Statement, find_statements
+from stepbot.step.exchange.strings import decode_string
+from stepbot.step.structure import paths
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="a search that does not end cannot be stopped there")
 

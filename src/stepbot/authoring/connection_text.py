@@ -1,8 +1,9 @@
 """Drafted joints and closures as lines of the sidecar, with their evidence above and other readings below."""
 
-from ..diagnostics import one_line
-from ..model import JointKind
-from ..sidecar.starter import scalar
+from stepbot.diagnostics import one_line
+from stepbot.robot.model import JointKind
+from stepbot.sidecar.starter import scalar
+
 from .draft import Alternative, DraftClosure, DraftConnection, DraftJoint
 from .draft_names import DraftNames
 from .origin_text import alternative_origin, origin_text

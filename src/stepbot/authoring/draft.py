@@ -7,8 +7,8 @@ component paths, as `inspect` prints them.
 from dataclasses import dataclass
 from enum import StrEnum
 
-from ..model import JointKind
-from ..spatial import ZERO3, Vector3
+from stepbot.geometry.spatial import ZERO3, Vector3
+from stepbot.robot.model import JointKind
 
 SURE = 0.8
 """Score from which a joint needs no review."""

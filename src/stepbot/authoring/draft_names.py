@@ -4,7 +4,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ..sidecar.section import NOT_IN_NAMES
+from stepbot.sidecar.section import NOT_IN_NAMES
+
 from .draft import Draft
 
 _LONGEST = 60

@@ -2,8 +2,9 @@
 
 from math import atan2, hypot
 
-from ..cad.paths import quoted
-from ..spatial import ZERO3, Vector3
+from stepbot.geometry.spatial import ZERO3, Vector3
+from stepbot.step.structure.paths import quoted
+
 from .draft import OriginForm, OriginSnippet
 from .yaml_lines import angles, flow, lengths, listed, millimetres
 

@@ -6,9 +6,10 @@ lines to uncomment. Same draft, same bytes.
 
 from collections.abc import Iterable, Sequence
 
-from ..cad.paths import quoted
-from ..model import JointKind
-from ..sidecar.starter import robot_name, scalar
+from stepbot.robot.model import JointKind
+from stepbot.sidecar.starter import robot_name, scalar
+from stepbot.step.structure.paths import quoted
+
 from .connection_text import closure_lines, joint_lines
 from .densities import typical_density
 from .draft import Alternative, Draft, DraftLink

@@ -11,11 +11,12 @@ from math import atan2
 
 import numpy as np
 
-from ..cad.assembly import Assembly
-from ..cad.mechanisms import KinematicLink, KinematicPair, Mechanism
-from ..cad.paths import plain_name
-from ..model import JointKind
-from ..spatial import Array, Pose, Vector3, angle_between, unit, vector3
+from stepbot.geometry.spatial import Array, Pose, Vector3, angle_between, unit, vector3
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Assembly
+from stepbot.step.exchange.mechanisms import KinematicLink, KinematicPair, Mechanism
+from stepbot.step.structure.paths import plain_name
+
 from .draft import (
     Confidence,
     Draft,

@@ -4,9 +4,9 @@ import textwrap
 from collections.abc import Iterable
 from math import degrees
 
-from ..cad.paths import quoted
-from ..diagnostics import one_line
-from ..spatial import Vector3
+from stepbot.diagnostics import one_line
+from stepbot.geometry.spatial import Vector3
+from stepbot.step.structure.paths import quoted
 
 WIDTH = 120
 """Columns that comments are wrapped to."""

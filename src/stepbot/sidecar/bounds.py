@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from ..diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 
 MOST_FAULTS = 100
 """Findings that are reported of one sidecar."""

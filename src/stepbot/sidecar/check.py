@@ -1,6 +1,7 @@
 """Checks all of a sidecar that takes two places of the file, and no STEP, to judge."""
 
-from ..diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics
+
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .connections import check_connections
 from .device_rules import check_drives, check_sensors

@@ -21,7 +21,8 @@ from ruamel.yaml.events import (
     StreamEndEvent,
 )
 
-from ..diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+
 from .subjects import subject
 from .text import has_only_text
 from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree

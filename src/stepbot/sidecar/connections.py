@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from itertools import count
 
-from ..diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics
+
 from .located import Sidecar
 
 

@@ -2,9 +2,10 @@
 
 from math import pi
 
-from ..diagnostics import Diagnostics
-from ..model import ActuatorKind, JointKind
-from ..sensors import PLACED, SEEING, SensorKind
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.model import ActuatorKind, JointKind
+from stepbot.robot.sensors import PLACED, SEEING, SensorKind
+
 from .devices import ActuatorSection, SensorSection
 from .joint_rules import check_unit
 from .joint_settings import ONE_FREEDOM, settings_of

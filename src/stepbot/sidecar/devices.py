@@ -1,7 +1,8 @@
 """What is mounted on links and joints: frames, drives and sensors."""
 
-from ..model import ActuatorKind
-from ..sensors import SensorKind
+from stepbot.robot.model import ActuatorKind
+from stepbot.robot.sensors import SensorKind
+
 from .motion import LimitsSection
 from .origins import Origin
 from .quantities import (

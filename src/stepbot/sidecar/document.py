@@ -2,7 +2,7 @@
 
 A document is valid here when each value has the right type and unit. What needs two places of the file (limits that are
 swapped, a mimic of a joint that is not there) is checked in :mod:`stepbot.sidecar.check`; what needs the STEP, in
-:mod:`stepbot.build`. The docstring below a field is what an editor shows for its key.
+:mod:`stepbot.assemble`. The docstring below a field is what an editor shows for its key.
 """
 
 from enum import StrEnum
@@ -10,20 +10,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
 
-from ..model import Base, JointKind
+from stepbot.robot.model import Base, JointKind
+
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
 from .motion import DynamicsSection, JointLimits, LimitsSection
-from .origins import (
-    AutoOrigin,
-    AxisOrigin,
-    CenterOrigin,
-    ComponentOrigin,
-    ExplicitOrigin,
-    MateOrigin,
-    Offset,
-    Origin,
-)
+from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
 from .quantities import (
     Angle,
     AxisVector,

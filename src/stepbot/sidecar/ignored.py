@@ -5,8 +5,9 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag
 
-from ..codes import CODES
-from ..diagnostics import Diagnostics, Ignore, did_you_mean
+from stepbot.diagnostics import Diagnostics, Ignore, did_you_mean
+from stepbot.diagnostics.codes import CODES
+
 from .section import Section
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Tree

@@ -2,15 +2,16 @@
 
 from math import inf
 
-from ..diagnostics import Diagnostics
-from ..model import JointKind
-from ..sums import exact_sum
-from ..units import Dimension
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.sums import exact_sum
+from stepbot.robot.model import JointKind
+
 from .document import JointSection
 from .joint_settings import ONE_FREEDOM, Setting, joint_settings, position_dimension, settings_of
 from .located import Sidecar
 from .subjects import subject
 from .tree import Keys
+from .units import Dimension
 
 WITH_AXIS = (
     JointKind.REVOLUTE,

@@ -10,8 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from ..model import JointDynamics, JointKind, Limit
-from ..units import (
+from stepbot.robot.model import JointDynamics, JointKind, Limit
+
+from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
+from .quantities import JointValue
+from .tree import Keys
+from .units import (
     ANGLE,
     ANGULAR_DAMPING,
     ANGULAR_SPEED,
@@ -26,9 +30,6 @@ from ..units import (
     TORQUE,
     Dimension,
 )
-from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
-from .quantities import JointValue
-from .tree import Keys
 
 ONE_FREEDOM = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC, JointKind.SCREW)
 """Kinds with a single coordinate: what can mimic, be mimicked, be driven, and has a drawn position."""

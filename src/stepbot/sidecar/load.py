@@ -5,7 +5,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span
+
 from . import VERSION
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .document import Document

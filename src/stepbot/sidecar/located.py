@@ -4,7 +4,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..diagnostics import Span
+from stepbot.diagnostics import Span
+
 from .document import Document
 from .tree import Keys, Listing, Scalar, Tree, key_span, span, way
 

@@ -4,13 +4,14 @@ import re
 from collections.abc import Iterator
 from math import isfinite
 
-from ..diagnostics import Diagnostics
-from ..model import JointKind
-from ..units import DENSITY, FORCE, TORQUE, UnitError, read_quantity
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.model import JointKind
+
 from .joint_settings import joint_settings, settings_of
 from .located import Sidecar
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree
+from .units import DENSITY, FORCE, TORQUE, UnitError, read_quantity
 
 _MOST_RADIANS = 20.0
 """Three turns: beyond the limits of joints other than winches."""

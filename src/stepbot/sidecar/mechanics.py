@@ -2,8 +2,9 @@
 
 from math import isfinite
 
-from ..diagnostics import Diagnostics
-from ..model import JointKind
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.model import JointKind
+
 from .connections import rings
 from .joint_rules import WITH_AXIS
 from .joint_settings import ONE_FREEDOM, joint_limits, position_dimension

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from ..diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics
+
 from .document import Document
 from .located import Sidecar
 from .subjects import subject

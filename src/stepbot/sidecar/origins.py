@@ -4,7 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from ..spatial import ZERO3
+from stepbot.geometry.spatial import ZERO3
+
 from .quantities import Length, LengthVector, RotationVector
 from .section import ComponentPath, Section
 

@@ -12,12 +12,13 @@ from typing import Annotated, Any, NamedTuple, Self
 from pydantic import BeforeValidator, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from .. import units
-from ..codepages import UnknownCodePage, code_page
-from ..diagnostics import did_you_mean
-from ..model import Rgba
-from ..spatial import Vector3, unit
-from ..units import Dimension, UnitError, read_quantity
+from stepbot.diagnostics import did_you_mean
+from stepbot.geometry.spatial import Vector3, unit
+from stepbot.robot.model import Rgba
+
+from . import units
+from .codepages import UnknownCodePage, code_page
+from .units import Dimension, UnitError, read_quantity
 
 Parser = Callable[[Any], float]
 

@@ -3,8 +3,9 @@
 from collections.abc import Collection
 from fnmatch import fnmatchcase
 
-from ..diagnostics import Diagnostics, did_you_mean
-from ..sensors import SensorKind
+from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.robot.sensors import SensorKind
+
 from .devices import SensorSection
 from .document import AutoOrigin, Document, Origin
 from .located import Sidecar

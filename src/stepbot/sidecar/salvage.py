@@ -10,7 +10,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..diagnostics import Diagnostic, Diagnostics
+from stepbot.diagnostics import Diagnostic, Diagnostics
+
 from . import VERSION
 from .check import check_sidecar
 from .document import Document

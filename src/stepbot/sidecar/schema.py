@@ -11,11 +11,11 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from ..units import QUANTITY_PATTERN
 from .document import Document
 from .fields import descriptions, section_classes
 from .quantities import JointValue
 from .section import NAME_PATTERN
+from .units import QUANTITY_PATTERN
 
 ID = "urn:stepbot:robot-1"
 Json = dict[str, Any]

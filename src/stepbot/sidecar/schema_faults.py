@@ -7,7 +7,8 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from ..diagnostics import Diagnostics, did_you_mean
+from stepbot.diagnostics import Diagnostics, did_you_mean
+
 from .fields import descriptions, is_origin, keys_below, keys_of, sections_at, top_level_keys_with
 from .origins import FORMS
 from .quantities import described

@@ -27,7 +27,7 @@ MaterialName = Annotated[str, Field(min_length=1, max_length=200, pattern=_name_
 RobotName = Annotated[str, Field(min_length=1, max_length=100, pattern=ROBOT_NAME_PATTERN)]
 """A name that is also the name of a file, on every system."""
 ComponentPath = Annotated[str, Field(min_length=1, max_length=2000)]
-"""A component path or glob; the grammar is in :mod:`stepbot.cad.paths`."""
+"""A component path or glob; the grammar is in :mod:`stepbot.step.structure.paths`."""
 
 
 class Section(BaseModel):

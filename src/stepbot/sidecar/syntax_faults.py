@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from ruamel.yaml.error import MarkedYAMLError, StringMark
 
-from ..diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span
+
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .compose import STAR, TooMuchError, compose
 from .tree import Tree

@@ -3,7 +3,8 @@
 import re
 from pathlib import Path
 
-from ..diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+
 from .starter import starter_name, starter_sidecar
 
 LARGEST_FILE = 1 << 20

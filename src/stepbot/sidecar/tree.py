@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..diagnostics import Span
+from stepbot.diagnostics import Span
 
 Keys = tuple[str | int, ...]
 """The way from the root to a value: keys of mappings, indices of lists."""

@@ -3,7 +3,7 @@
 import pytest
 
 from stepbot.authoring.draft import CHOSEN, SURE, Confidence, DraftJoint, OriginForm, OriginSnippet
-from stepbot.model import JointKind
+from stepbot.robot.model import JointKind
 
 
 def joint(score: float, review: str = "") -> DraftJoint:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.assemble import build_robot
 from stepbot.authoring.densities import typical_density
 from stepbot.authoring.draft import (
     Alternative,
@@ -18,13 +19,12 @@ from stepbot.authoring.draft import (
     OriginSnippet,
 )
 from stepbot.authoring.sidecar_text import sidecar_text
-from stepbot.build import build_robot
 from stepbot.diagnostics import Diagnostics
-from stepbot.model import JointKind, Robot
+from stepbot.robot.model import JointKind, Robot
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import load_sidecar
 from stepbot.sidecar.located import Sidecar
-from tests.unit.build.workshop import Workshop, at, axis
+from tests.unit.assemble.workshop import Workshop, at, axis
 
 PIN = OriginSnippet(OriginForm.MATE, ("base", "arm"), radius=4e-3)
 HINGE = DraftJoint(

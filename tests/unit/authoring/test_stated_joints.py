@@ -9,11 +9,11 @@ import pytest
 
 from stepbot.authoring.draft import Draft
 from stepbot.authoring.stated_joints import draft_of_mechanism
-from stepbot.cad.mechanisms import KinematicLink, KinematicPair, Mechanism, Occurrence
-from stepbot.model import JointKind
-from stepbot.spatial import Pose
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import JointKind
+from stepbot.step.exchange.mechanisms import KinematicLink, KinematicPair, Mechanism, Occurrence
+from tests.unit.assemble.workshop import Workshop, at
 from tests.unit.authoring.test_sidecar_text import built
-from tests.unit.build.workshop import Workshop, at
 
 ON_BASE, ON_ARM = Pose(position=(45.0, 5.0, 0.0)), Pose(position=(-5.0, 5.0, 0.0))
 """In millimetres; they meet where the arm is drawn, 50 mm along x."""

@@ -8,15 +8,15 @@ from typing import Any
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.model import JointKind
-from stepbot.sensors import SensorKind
+from stepbot.robot.model import JointKind
+from stepbot.robot.sensors import SensorKind
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.compose import compose
 from stepbot.sidecar.document import CollisionShape
 from stepbot.sidecar.fields import section_classes
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.tree import plain_data
-from stepbot.units import known_units
+from stepbot.sidecar.units import known_units
 
 PAGE = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepbot.model import JointDynamics, JointKind, Limit
+from stepbot.robot.model import JointDynamics, JointKind, Limit
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits, joint_settings, position_dimension, settings_of
-from stepbot.units import ANGLE, LENGTH
+from stepbot.sidecar.units import ANGLE, LENGTH
 
 
 def document(joint: dict[str, Any], defaults: dict[str, Any]) -> Document:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.model import ActuatorKind, Base, JointKind
+from stepbot.robot.model import ActuatorKind, Base, JointKind
 from stepbot.sidecar.document import (
     AxisOrigin,
     BoxShape,

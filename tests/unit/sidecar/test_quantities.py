@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from stepbot.sidecar import quantities
 from stepbot.sidecar.quantities import JointValue, ToleranceValue
-from stepbot.units import ANGLE, FORCE, LENGTH
+from stepbot.sidecar.units import ANGLE, FORCE, LENGTH
 
 
 def value_of(kind: Any, value: Any) -> Any:

@@ -1,0 +1,123 @@
+"""Assembly and sidecar become a robot, free of any format.
+
+matter    what each component is made of        frames    where each origin is, as drawn
+claims    which link each component is in       evidence  what speaks for a line that was found
+                                                joints    joints, closures, the table of both
+weigh     whose volume, com and inertia counts  devices   named frames, drives, sensors
+masses    what each component weighs            links     mass properties, visuals, collisions
+                                                overlaps  what is weighed twice
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.robot.joint_table import JointRow
+from stepbot.robot.model import Robot
+from stepbot.runtime.cache import Cache
+from stepbot.runtime.worker import Worker
+from stepbot.sidecar.located import Sidecar
+from stepbot.step.assembly import Assembly
+
+from .binder import Binder
+from .claims import Claims, claim
+from .devices import build_actuators, build_frames, build_sensors
+from .double_counting import DoubleCounting
+from .frames import Frames
+from .joints import build_closures, build_joints, joint_table, tree_order
+from .links import Links, is_complete
+from .masses import masses
+from .material_assignment import matters
+from .unsupported import report_unsupported
+from .weigh import Weighing, report_weighing, report_weightless, weigh
+
+
+@dataclass(frozen=True)
+class Built:
+    """A robot, and what is still to be said about it."""
+
+    robot: Robot
+    double_counting: DoubleCounting
+    """Has to report before anything is written."""
+    joint_table: tuple[JointRow, ...] = ()
+    """Where every joint and closure is, and what its place was found by."""
+
+
+def build_robot(
+    assembly: Assembly,
+    sidecar: Sidecar,
+    measures: Callable[[], Sequence[VolumeProperties | None]],
+    found: Diagnostics,
+    cache: Cache | None = None,
+    process: Worker | None = None,
+) -> Built | None:
+    """The robot that the sidecar makes of the assembly; None where there are errors, all of which are in ``found``.
+
+    Args:
+        assembly: What the STEP holds.
+        sidecar: A sidecar whose own check found no error.
+        measures: Gives, when it is needed, what trimesh measures on the mesh of each of ``assembly.bodies``; None where
+            it encloses no volume.
+        found: Receives SB3xx, SB4xx and SB5xx.
+        cache: Where it is kept what overlaps; None for nowhere.
+        process: Where to look for what overlaps, once it has measured; None for this process.
+    """
+    document = sidecar.document
+    binder = Binder(assembly, sidecar, found)
+    report_unsupported(binder)
+    root, order = tree_order(document)
+    matter = matters(binder)
+    claims = claim(binder, matter.of)
+    frames = Frames(binder, claims, root)
+    joints = build_joints(binder, frames, order)
+    closures = build_closures(binder, frames)
+    named = build_frames(binder, frames)
+    sensors = build_sensors(binder, frames)
+
+    weighings = weigh(assembly, measures(), document.mass)
+    weighed = masses(binder, matter, weighings)
+    links = Links(binder, claims, matter.of, weighed, weighings)
+    links.report_unknown_masses()
+    _report_bodies(binder, claims, weighings)
+    binder.report_fragile()
+    X_WR = frames.link(root)
+    if found.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
+        return None
+
+    double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
+    X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
+    built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
+    links.report_flat()
+    robot = Robot(
+        document.robot,
+        built,
+        joints,
+        closures,
+        named,
+        build_actuators(document),
+        links.assets.all(),
+        document.base,
+        assembly.source,
+        sensors,
+    )
+    return Built(robot, double_counting, joint_table(frames, joints, closures))
+
+
+def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
+    """For each link the indices of the components whose bodies it has; what does not bind is reported in ``found``."""
+    binder = Binder(assembly, sidecar, found)
+    claims = claim(binder, matters(binder).of)
+    return {link: claims.parts_of(link) for link in sidecar.document.links}
+
+
+def _report_bodies(binder: Binder, claims: Claims, weighings: Sequence[Weighing]) -> None:
+    """Report bodies whose mass properties are not what one would expect, in links that are not given theirs."""
+    links = binder.document.links
+    given = {name for name, link in links.items() if link.inertial is not None and is_complete(link.inertial)}
+    weighed = [index for index, link in enumerate(claims.link_of) if link and link not in given]
+    report_weighing(binder, weighings, weighed)
+    report_weightless(binder, weighings, weighed)
+
+
+__all__ = ["Built", "build_robot", "link_components"]

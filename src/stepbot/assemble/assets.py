@@ -1,0 +1,137 @@
+"""The robot's meshes: one per body and group of colours, and its hull, shared by all occurrences.
+
+Names come from the product that the body belongs to. They are given to all bodies of the assembly in file order, so
+that a change of the sidecar renames no mesh.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.geometry.mesh import TriMesh, joined
+from stepbot.geometry.solids.manifolds import convex_hull
+from stepbot.geometry.spatial import Array
+from stepbot.robot.model import MeshAsset, MeshRef, Rgba
+from stepbot.step.assembly import Assembly, Component
+from stepbot.step.structure.naming import BODY, base_name
+
+from .names import FALLBACK, UniqueNames, ascii_name
+
+
+@dataclass(frozen=True)
+class ColorGroup:
+    """The faces of a body that have one colour, in the occurrence that is drawn."""
+
+    geometry: MeshRef
+    rgba: Rgba
+
+
+class MeshAssets:
+    """Makes each mesh once, when it is first asked for."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self._names = UniqueNames()
+        self._first = self._first_components()
+        self._bases = self._body_names()
+        self._made: dict[tuple[object, ...], MeshAsset | None] = {}
+        self._colors: dict[int, list[int]] = {}
+
+    def all(self) -> tuple[MeshAsset, ...]:
+        """Every mesh that was asked for, sorted by name."""
+        return tuple(
+            sorted((asset for asset in self._made.values() if asset is not None), key=lambda asset: asset.name)
+        )
+
+    def body(self, body: int) -> MeshRef:
+        """The whole mesh of a body."""
+        key = ("body", body)
+        if key not in self._made:
+            self._made[key] = MeshAsset(self._bases[body], self._assembly.bodies[body].mesh, self._source(body))
+        return self._reference(key)
+
+    def by_color(
+        self, body: int, component: Component, overruled: Rgba | None, default: Rgba
+    ) -> tuple[ColorGroup, ...]:
+        """The mesh of a body in one piece per colour, in the order of the body's colours.
+
+        A colour that overrules, or one colour on all faces, gives the whole mesh.
+        """
+        found = self._assembly.bodies[body]
+        plain = component.color or default
+        colors = [overruled or color or plain for color in found.colors]
+        groups: dict[Rgba, list[int]] = {}
+        for index in self._used_colors(body):
+            groups.setdefault(colors[index] if colors else overruled or plain, []).append(index)
+        if len(groups) <= 1:
+            return (ColorGroup(self.body(body), next(iter(groups), overruled or plain)),)
+        return tuple(ColorGroup(self._group(body, tuple(indices)), rgba) for rgba, indices in groups.items())
+
+    def hull(self, body: int) -> MeshRef | None:
+        """The convex hull of a body; None where it is flat."""
+        key = ("hull", body)
+        if key not in self._made:
+            mesh = convex_hull(self._assembly.bodies[body].mesh.vertices)
+            self._made[key] = (
+                None if mesh is None else self._named(f"{self._bases[body]}_hull", mesh, self._source(body))
+            )
+        return None if self._made[key] is None else self._reference(key)
+
+    def merged(self, link: str, meshes: list[TriMesh]) -> MeshRef:
+        """The meshes of a link as one, in the link's frame."""
+        key = ("merged", link)
+        self._made[key] = self._named(f"{ascii_name(link)}_merged", joined(meshes), link)
+        return self._reference(key)
+
+    def merged_hull(self, link: str, points: Array) -> MeshRef | None:
+        """The convex hull of points (n, 3) of a link, in the link's frame; None where it is flat."""
+        key = ("merged hull", link)
+        mesh = convex_hull(points)
+        self._made[key] = None if mesh is None else self._named(f"{ascii_name(link)}_hull", mesh, link)
+        return None if mesh is None else self._reference(key)
+
+    def _used_colors(self, body: int) -> list[int]:
+        if body not in self._colors:
+            self._colors[body] = np.unique(self._assembly.bodies[body].face_colors).tolist()
+        return self._colors[body]
+
+    def _group(self, body: int, indices: tuple[int, ...]) -> MeshRef:
+        key = ("group", body, indices)
+        if key not in self._made:
+            found = self._assembly.bodies[body]
+            piece = found.mesh.subset(np.isin(found.face_colors, indices))
+            self._made[key] = self._named(f"{self._bases[body]}_color{indices[0] + 1}", piece, self._source(body))
+        return self._reference(key)
+
+    def _named(self, name: str, mesh: TriMesh, source: str) -> MeshAsset:
+        return MeshAsset(self._names.unique(name), mesh, source)
+
+    def _source(self, body: int) -> str:
+        return self._first[body].path if body in self._first else ""
+
+    def _reference(self, key: tuple[object, ...]) -> MeshRef:
+        asset = self._made[key]
+        assert asset is not None
+        return MeshRef(asset.name)
+
+    def _first_components(self) -> dict[int, Component]:
+        """For each body the first component that shows it."""
+        first: dict[int, Component] = {}
+        for component in self._assembly.components:
+            if component.body >= 0:
+                first.setdefault(component.body, component)
+        return first
+
+    def _body_names(self) -> list[str]:
+        """A unique name for each body, from the first component that shows it."""
+        return [
+            self._names.unique(self._product_name(self._first[body]) if body in self._first else FALLBACK)
+            for body in range(len(self._assembly.bodies))
+        ]
+
+    def _product_name(self, component: Component) -> str:
+        """Name of the nearest product, the component's own or one above it, that says something."""
+        name = base_name(component.product, component.occurrence)
+        if name != BODY:
+            return ascii_name(name)
+        return self._product_name(self._assembly.components[component.parent]) if component.parent >= 0 else FALLBACK

@@ -1,0 +1,88 @@
+"""Looks up in the assembly what the sidecar names, and reports what it cannot find at its place in the sidecar."""
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.sidecar.document import Document
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.subjects import subject
+from stepbot.sidecar.tree import Keys
+from stepbot.step.assembly import Assembly
+from stepbot.step.structure.paths import ComponentPaths, quoted
+
+LISTED = 20
+"""How many names one message lists."""
+
+
+class Binder:
+    """One sidecar against one assembly."""
+
+    def __init__(self, assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> None:
+        self.assembly = assembly
+        self.sidecar = sidecar
+        self.found = found
+        self.paths = ComponentPaths(assembly.components)
+        self._fragile: dict[str, Span] = {}
+
+    @property
+    def document(self) -> Document:
+        """The sidecar's content."""
+        return self.sidecar.document
+
+    def all(self, pattern: str, keys: Keys) -> tuple[int, ...]:
+        """Components that a path or glob names, in file order; empty after a diagnostic."""
+        return self._look_up(pattern, keys, one=False)
+
+    def one(self, pattern: str, keys: Keys) -> int | None:
+        """The one component that a path or glob names; None after a diagnostic."""
+        indices = self._look_up(pattern, keys, one=True)
+        return indices[0] if indices else None
+
+    def report(
+        self, code: str, keys: Keys, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()
+    ) -> None:
+        """Add a finding about what stands at ``keys`` in the sidecar."""
+        self.found.add(code, f"{subject(keys[:2])}: {message}", self.span(keys), help=help, notes=notes)
+
+    def span(self, keys: Keys) -> Span:
+        """The place of a value; of a whole section, that of its name; the whole file where it has no such section."""
+        if keys and keys[0] not in self.document.model_fields_set:
+            return Span(str(self.sidecar.path))
+        return self.sidecar.key_span(*keys) if len(keys) <= 2 else self.sidecar.span(*keys)
+
+    def report_fragile(self) -> None:
+        """One warning for all paths that hold by ``#n`` alone."""
+        if self._fragile:
+            named = tuple(f"line {span.line}: {quoted(pattern)}" for pattern, span in self._fragile.items())
+            count = f"{len(named)} paths hold" if len(named) > 1 else "one path holds"
+            self.found.add(
+                "SB305",
+                f"{self.assembly.source}: {count} by #n alone, because the CAD gives equal siblings no names",
+                next(iter(self._fragile.values())),
+                help=("give these occurrences names in the CAD",),
+                notes=listed(named),
+            )
+
+    def path(self, index: int) -> str:
+        """Canonical path of a component."""
+        return self.assembly.components[index].path
+
+    def _look_up(self, pattern: str, keys: Keys, *, one: bool) -> tuple[int, ...]:
+        binding = self.paths.find_one(pattern) if one else self.paths.find(pattern)
+        if binding.problem == "unknown":
+            message = f"no component {_named(pattern)} in {self.assembly.source}"
+            self.report("SB301", keys, message, help=(*self.sidecar.quoting_hints(*keys), *binding.help))
+        elif binding.problem == "ambiguous":
+            several = f"{len(binding.candidates)} components"
+            notes = listed(tuple(map(quoted, binding.candidates)))
+            self.report("SB302", keys, f"{_named(pattern)} names {several}", help=binding.help, notes=notes)
+        elif binding.fragile:
+            self._fragile.setdefault(pattern, self.span(keys))
+        return binding.topmost if one else binding.indices
+
+
+def listed(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names for the notes of a message: the first twenty, and how many more there are."""
+    return names if len(names) <= LISTED else (*names[:LISTED], f"and {len(names) - LISTED} more")
+
+
+def _named(pattern: str) -> str:
+    return f"'{pattern}'"

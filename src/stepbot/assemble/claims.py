@@ -1,0 +1,139 @@
+"""Which link each component belongs to.
+
+A path that names a subassembly claims all below it; the nearest claim wins, so that a motor can be in one link and its
+horn in the next. What no link claims goes to the link with ``rest``, or is an error. Only components with a body that
+can be seen count: the others have nothing to give.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from stepbot.step.assembly import BodyKind
+from stepbot.step.structure.paths import inherited, quoted
+
+from .binder import Binder, listed
+from .material_assignment import Matter
+
+
+@dataclass(frozen=True)
+class Claims:
+    """The link of each component."""
+
+    link_of: tuple[str, ...]
+    """Name of the link that has the component's body; empty where it has none, or is ignored."""
+    incomplete: frozenset[str]
+    """Links of which a path names nothing, or too much: what depends on their parts is not known."""
+
+    def parts_of(self, link: str) -> tuple[int, ...]:
+        """Indices of the components whose bodies the link has, in file order."""
+        return tuple(index for index, name in enumerate(self.link_of) if name == link)
+
+
+def claim(binder: Binder, of: Sequence[Matter]) -> Claims:
+    """Give every component with a body to a link, and report what goes to none or to two."""
+    components, document = binder.assembly.components, binder.document
+    claimed, named, incomplete = _named_by_links(binder)
+    rest = next((name for name, link in document.links.items() if link.rest), "")
+    nearest = inherited(components, claimed, rest)
+    takeable = [_can_be_taken(binder, index) for index in range(len(components))]
+    link_of = tuple(
+        name if takes and not matter.ignored else "" for name, takes, matter in zip(nearest, takeable, of, strict=True)
+    )
+    for (link, position), indices in named.items():
+        below = binder.paths.below(indices)
+        if not any(link_of[index] == link for index in below):
+            _report_empty_claim(binder, link, position, below, of)
+    left = [i for i, takes in enumerate(takeable) if takes and not of[i].ignored and not link_of[i]]
+    if left:
+        _report_unclaimed(binder, left, incomplete)
+    return Claims(link_of, frozenset(incomplete))
+
+
+def _named_by_links(binder: Binder) -> tuple[dict[int, str], dict[tuple[str, int], tuple[int, ...]], list[str]]:
+    """Link by component, components by link and position among its parts, and links of which a path does not bind."""
+    claimed: dict[int, str] = {}
+    named: dict[tuple[str, int], tuple[int, ...]] = {}
+    incomplete: list[str] = []
+    for link, section in binder.document.links.items():
+        for position, pattern in enumerate(section.parts):
+            indices = binder.all(pattern, ("links", link, "parts", position))
+            if not indices:
+                incomplete.append(link)
+                continue
+            taken = [index for index in indices if claimed.setdefault(index, link) != link]
+            if taken:
+                _report_taken(binder, link, position, taken, claimed)
+            else:
+                named[link, position] = indices
+    return claimed, named, incomplete
+
+
+def _report_taken(binder: Binder, link: str, position: int, taken: list[int], claimed: dict[int, str]) -> None:
+    others = " and ".join(dict.fromkeys(f"link '{claimed[index]}'" for index in taken))
+    what = quoted(binder.path(taken[0])) if len(taken) == 1 else f"{len(taken)} components"
+    binder.report(
+        "SB303",
+        ("links", link, "parts", position),
+        f"{what} is already in {others}" if len(taken) == 1 else f"{what} are already in {others}",
+        help=("a component can be in one link only: remove it from one of them",),
+        notes=listed(tuple(f"{quoted(binder.path(index))} is in link '{claimed[index]}'" for index in taken)),
+    )
+
+
+def _can_be_taken(binder: Binder, index: int) -> bool:
+    body = binder.assembly.components[index].body
+    return body >= 0 and binder.assembly.bodies[body].kind is not BodyKind.WIRE
+
+
+def _report_empty_claim(binder: Binder, link: str, position: int, below: list[int], of: Sequence[Matter]) -> None:
+    bodies = [index for index in below if _can_be_taken(binder, index)]
+    if not bodies:
+        why = "it holds no body"
+    elif all(of[index].ignored for index in bodies):
+        why = "`parts` ignores it"
+    else:
+        why = "nearer claims take all of it"
+    pattern = binder.document.links[link].parts[position]
+    binder.report("SB306", ("links", link, "parts", position), f"nothing of '{pattern}' is left for the link: {why}")
+
+
+def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) -> None:
+    """One error for all components in no link, by subassembly where the whole of it is."""
+    whole = _whole_subassemblies(binder, set(left))
+    count = f"{len(left)} components are" if len(left) > 1 else "one component is"
+    misspelt = (
+        (f"a path of link '{incomplete[0]}' names nothing: it may be meant for one of these",) if incomplete else ()
+    )
+    binder.found.add(
+        "SB304",
+        f"{binder.assembly.source}: {count} in no link",
+        binder.span(("links",)),
+        help=(
+            *misspelt,
+            "add them to the `parts` of a link, or say `rest: true` on the link that takes what is left",
+            f"or leave them out: `parts: {{{quoted(binder.path(whole[0]))}: {{ignore: true}}}}`",
+        ),
+        notes=listed(tuple(quoted(binder.path(index)) for index in whole)),
+    )
+
+
+def _whole_subassemblies(binder: Binder, left: set[int]) -> list[int]:
+    """The fewest components that stand for ``left``: a subassembly where nothing below it is anyone's."""
+    components = binder.assembly.components
+    others = [False] * len(components)
+    for component in reversed(components):
+        other = _can_be_taken(binder, component.index) and component.index not in left
+        if (other or others[component.index]) and component.parent >= 0:
+            others[component.parent] = True
+        others[component.index] |= other
+    whole: list[int] = []
+    covered: set[int] = set()
+    for index in sorted(left):
+        if index in covered:
+            continue
+        top = index
+        while components[top].parent > 0 and not others[components[top].parent]:
+            top = components[top].parent
+        whole.append(top)
+        covered.update(binder.paths.below([top]))
+    return whole

@@ -1,0 +1,86 @@
+"""What is mounted on the robot: named frames, drives and sensors."""
+
+from math import inf, pi
+
+from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.robot.model import Actuator, Frame, Limit
+from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
+from stepbot.sidecar.devices import SensorSection
+from stepbot.sidecar.document import Document
+from stepbot.sidecar.motion import LimitsSection
+
+from .binder import Binder
+from .frames import Frames, Wanted
+from .joints import tidy
+
+CAMERA_FOV = pi / 3.0
+LIDAR_FOV = 2.0 * pi
+RESOLUTION = (640, 480)
+SAMPLES = 360
+"""What a camera or a lidar has where the sidecar does not say."""
+
+
+def build_frames(binder: Binder, frames: Frames) -> tuple[Frame, ...] | None:
+    """The named frames in the sidecar's order; None where one is not known."""
+    built = [_frame(binder.document, frames, name) for name in binder.document.frames]
+    named = tuple(frame for frame in built if frame is not None)
+    return named if len(named) == len(built) else None
+
+
+def build_actuators(document: Document) -> tuple[Actuator, ...]:
+    """The drives in the sidecar's order."""
+    return tuple(
+        Actuator(name, drive.joint, drive.kind, drive.kp.value, drive.kv.value, drive.gear, limit=_limit(drive.limits))
+        for name, drive in document.actuators.items()
+    )
+
+
+def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:
+    """The sensors in the sidecar's order; None where a frame is not known."""
+    built = [_sensor(binder.document, frames, name) for name in binder.document.sensors]
+    sensors = tuple(sensor for sensor in built if sensor is not None)
+    return sensors if len(sensors) == len(built) else None
+
+
+def _frame(document: Document, frames: Frames, name: str) -> Frame | None:
+    section = document.frames[name]
+    X_WF, X_WL = frames.resolve(section.origin, Wanted(("frames", name, "origin"))), frames.link(section.link)
+    if X_WF is None or X_WL is None:
+        return None
+    return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF), frames.evidence("frames", name, "origin").text)
+
+
+def _limit(section: LimitsSection) -> Limit:
+    def value(field: str, none: float) -> float:
+        bound = getattr(section, field)
+        return none if bound is None else float(bound.value)
+
+    return Limit(value("lower", -inf), value("upper", inf), value("velocity", inf), value("effort", inf))
+
+
+def _sensor(document: Document, frames: Frames, name: str) -> Sensor | None:
+    section = document.sensors[name]
+    joint = section.joint or ""
+    if section.type is SensorKind.FORCE_TORQUE and section.link is not None:
+        # Between a link and what carries it: the joint above it.
+        joint = next(key for key, above in document.joints.items() if above.child == section.link)
+    link = document.joints[joint].child if joint else section.link
+    assert link is not None  # the sidecar's own check has a sensor name a link or a joint
+    X_LS: Pose | None = IDENTITY
+    if section.origin is not None:
+        X_WS, X_WL = frames.resolve(section.origin, Wanted(("sensors", name, "origin"))), frames.link(link)
+        X_LS = None if X_WS is None or X_WL is None else tidy(X_WL.inverse() @ X_WS)
+    if X_LS is None:
+        return None
+    view = _view(section) if section.type in SEEING else View()
+    source = frames.evidence("sensors", name, "origin").text
+    return Sensor(name, section.type, link, X_LS, joint, section.rate, view, source)
+
+
+def _view(section: SensorSection) -> View:
+    nearest, farthest = section.range or (0.0, inf)
+    if section.type is SensorKind.CAMERA:
+        width, height = section.resolution or RESOLUTION
+        return View(section.fov or CAMERA_FOV, width, height, nearest, farthest)
+    samples = SAMPLES if section.samples is None else section.samples
+    return View(LIDAR_FOV if section.fov is None else section.fov, samples, 1, nearest, farthest)

@@ -1,0 +1,94 @@
+"""What speaks for the line that a joint was put on, and what against it."""
+
+from collections.abc import Callable, Sequence
+
+from stepbot.geometry.spatial import Vector3
+from stepbot.robot.joint_table import Basis, Evidence, Rival, Side
+from stepbot.step.features.axes import OUTWEIGHS, AxisLine, LineFace, is_parallel, millimetres
+from stepbot.step.structure.paths import quoted
+
+RIVALS = 5
+"""How many other lines a record names."""
+
+
+def evidence_of(
+    line: AxisLine,
+    found: Sequence[AxisLine],
+    words: str,
+    path: Callable[[int], str],
+    *,
+    selected: bool,
+    direction_only: bool = False,
+) -> Evidence:
+    """What gave a frame on a line.
+
+    Args:
+        line: The line that was taken.
+        found: All lines that fit the origin.
+        words: What the line is, for people.
+        path: Gives the path of a component.
+        selected: Whether the sidecar chose the line by a radius or a point.
+        direction_only: Whether parallel lines are as good.
+    """
+    parts = ", ".join(quoted(path(index)) for index in line.components)
+    others = [one for one in found if one is not line and not (direction_only and is_parallel(one, line))]
+    return Evidence(
+        line.basis,
+        f"{words}, of faces of {parts}: {_placed(line)}",
+        tuple(Side(path(face.component), face.radius, face.bore) for face in line.faces),
+        line.overlap,
+        selected,
+        tuple(_rival(other, line) for other in others[:RIVALS]),
+        "" if selected else doubt(line, others),
+    )
+
+
+def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
+    """Why the evidence for a line that nobody selected is weak; empty where it is not."""
+    if line.basis is Basis.TOUCH:
+        a, b = line.faces
+        return f"{_face(a)} and {_face(b)} {_along(line)}, but do not fit"
+    wider = [one for one in others if one.basis is Basis.TOUCH and one.weight >= OUTWEIGHS * line.weight]
+    if wider and line.basis is not Basis.AXIS:
+        several = f"{len(wider)} wider axes carry" if len(wider) > 1 else "a wider axis carries"
+        return f"{several} faces that touch but do not fit"
+    return ""
+
+
+def described(line: AxisLine, path: Callable[[int], str]) -> str:
+    """A line that two sides share, for the notes of a message: its faces, how they meet, and where it is."""
+    if len(line.faces) != 2:
+        return _placed(line)
+    sides = " and ".join(f"{_face(face)} of {quoted(path(face.component))}" for face in line.faces)
+    return f"{sides} {_along(line)}; {_directed(line)}"
+
+
+def radii_of(line: AxisLine) -> str:
+    """The radii of a line's faces, for people."""
+    radii = ", ".join(millimetres(radius).removesuffix(" mm") for radius in line.radii[:4])
+    return f"radius {radii}{', ...' if len(line.radii) > 4 else ''} mm"
+
+
+def _face(face: LineFace) -> str:
+    return f"{'bore' if face.bore else 'shaft'} of radius {millimetres(face.radius)}"
+
+
+def _along(line: AxisLine) -> str:
+    overlap = line.overlap or 0.0
+    if round(abs(overlap), 6) == 0.0:
+        return "meet end to end"
+    return f"overlap by {millimetres(overlap)}" if overlap > 0.0 else f"are {millimetres(-overlap)} apart"
+
+
+def _placed(line: AxisLine) -> str:
+    return f"{radii_of(line)}, {_directed(line)}"
+
+
+def _directed(line: AxisLine) -> str:
+    at: Vector3 = line.point
+    direction = ", ".join(f"{round(c, 6) + 0.0:.4g}" for c in line.direction)
+    return f"direction [{direction}], at [{', '.join(map(millimetres, at))}]"
+
+
+def _rival(other: AxisLine, line: AxisLine) -> Rival:
+    return Rival(other.basis, other.point, other.direction, other.radii, other.weight / line.weight)

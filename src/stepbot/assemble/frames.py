@@ -1,0 +1,327 @@
+"""Where joints, closures and frames are in the assembly: every form of ``origin``.
+
+All of it is in the pose that the CAD drew, where each joint is at its ``zero``. The origin of a joint gives the joint's
+frame J, which stays with the parent. The frame of the child coincides with it at q = 0, so as drawn it is J moved by
+``zero``. The root's frame is the assembly's, unless the sidecar gives another.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.robot.joint_table import Basis, Evidence
+from stepbot.robot.kinematics import displacement
+from stepbot.robot.model import Joint, JointKind
+from stepbot.sidecar.document import (
+    AutoOrigin,
+    AxisOrigin,
+    CenterOrigin,
+    ComponentOrigin,
+    ExplicitOrigin,
+    MateOrigin,
+    Origin,
+)
+from stepbot.sidecar.tree import Keys
+from stepbot.step.features.axes import (
+    AxisFaces,
+    AxisLine,
+    Choice,
+    axis_faces,
+    choose,
+    line_frame,
+    lines,
+    mates,
+    millimetres,
+    near_misses,
+    selector,
+    selectors,
+)
+from stepbot.step.structure.paths import quoted
+
+from .binder import Binder, listed
+from .claims import Claims
+from .evidence import described, evidence_of, radii_of
+
+ASSEMBLY = "assembly"
+"""What ``relative_to`` calls the frame of the STEP."""
+
+_SHOWN_MISSES = 5
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Whose origin is resolved."""
+
+    keys: Keys
+    """Where it stands in the sidecar."""
+    links: tuple[str, str] | None = None
+    """The links whose parts ``auto`` looks at; None where there are no two."""
+    direction_only: bool = False
+    """Whether parallel lines agree, as they do for a slide."""
+
+    @property
+    def link_words(self) -> tuple[str, str]:
+        """The two links, for messages."""
+        assert self.links is not None  # the sidecar's own check refuses `auto` where there are no two links
+        return f"link '{self.links[0]}'", f"link '{self.links[1]}'"
+
+
+class Frames:
+    """Resolves origins to poses in the assembly, each once, and reports those that cannot be."""
+
+    def __init__(self, binder: Binder, claims: Claims, root: str) -> None:
+        self._binder = binder
+        self._claims = claims
+        self._root = root
+        self._joint_above = {joint.child: name for name, joint in binder.document.joints.items()}
+        self._links: dict[str, Pose | None] = {}
+        self._joints: dict[str, Pose | None] = {}
+        self._waiting: list[str] = []
+        self._evidence: dict[Keys, Evidence] = {}
+        self._faces: dict[str, AxisFaces] = {}
+
+    def link(self, name: str) -> Pose | None:
+        """X_WL as drawn; None after a diagnostic."""
+        if name not in self._links:
+            if name in self._waiting:
+                self._report_circle(name)
+                self._links[name] = None
+                return None
+            self._waiting.append(name)
+            pose = self._root_frame() if name == self._root else self._child_frame(self._joint_above[name])
+            self._waiting.pop()
+            self._links.setdefault(name, pose)
+        return self._links[name]
+
+    def joint(self, name: str) -> Pose | None:
+        """X_WJ of a joint's own frame, on its parent; None after a diagnostic."""
+        self.link(self._binder.document.joints[name].child)
+        return self._joints.get(name)
+
+    def evidence(self, *keys: str) -> Evidence:
+        """What gave the origin at a place of the sidecar."""
+        return self._evidence.get(keys, Evidence(Basis.GIVEN))
+
+    def _child_frame(self, name: str) -> Pose | None:
+        joint = self._binder.document.joints[name]
+        slides = joint.type is JointKind.PRISMATIC
+        X_WJ = self.resolve(joint.origin, Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides))
+        self._joints[name] = X_WJ
+        if X_WJ is None:
+            return None
+        moved = Joint(name, joint.type, joint.parent, joint.child, axis=joint.axis, pitch=joint.pitch or 0.0)
+        return X_WJ @ displacement(moved, joint.zero.value)  # the sidecar's own check refuses `zero` for other kinds
+
+    def resolve(self, origin: Origin, wanted: Wanted) -> Pose | None:
+        """X_WF of the frame that an origin gives; None after a diagnostic."""
+        pose = self._base(AutoOrigin() if isinstance(origin, str) else origin, wanted)
+        offset = None if isinstance(origin, str) else origin.offset
+        if pose is None or offset is None:
+            return pose
+        found = self._evidence[wanted.keys]
+        self._evidence[wanted.keys] = replace(found, text=f"{found.text}; moved by its offset")
+        return pose @ Pose.from_xyz_rpy(offset.xyz, offset.rpy)
+
+    def _base(self, origin: Origin, wanted: Wanted) -> Pose | None:
+        """The frame before the offset."""
+        if isinstance(origin, ExplicitOrigin):
+            self._give(wanted, f"numbers, relative to {quoted(origin.relative_to)}")
+            X_WR = self._reference(origin.relative_to, (*wanted.keys, "relative_to"))
+            return None if X_WR is None else X_WR @ Pose.from_xyz_rpy(origin.xyz, origin.rpy)
+        if isinstance(origin, ComponentOrigin):
+            self._give(wanted, f"the frame of component {quoted(origin.component)}")
+            return self._component(origin.component, (*wanted.keys, "component"))
+        if isinstance(origin, CenterOrigin):
+            self._give(wanted, f"the centre of the box around {quoted(origin.center)}")
+            return self._center(origin.center, (*wanted.keys, "center"))
+        if isinstance(origin, AxisOrigin):
+            return self._axis(origin, wanted)
+        if isinstance(origin, MateOrigin):
+            return self._mate(origin, wanted)
+        assert isinstance(origin, AutoOrigin)
+        return self._auto(origin, wanted)
+
+    def _root_frame(self) -> Pose | None:
+        root = self._binder.document.root
+        return IDENTITY if root is None or root.frame is None else self.resolve(root.frame, Wanted(("root", "frame")))
+
+    def _reference(self, name: str, keys: Keys) -> Pose | None:
+        if name == ASSEMBLY:
+            return IDENTITY
+        return self.link(name) if name in self._binder.document.links else self._component(name, keys)
+
+    def _component(self, pattern: str, keys: Keys) -> Pose | None:
+        index = self._binder.one(pattern, keys)
+        return None if index is None else self._binder.assembly.components[index].X_WC
+
+    def _center(self, pattern: str, keys: Keys) -> Pose | None:
+        index = self._binder.one(pattern, keys)
+        if index is None:
+            return None
+        box = self._binder.assembly.bounds(index)
+        if box is None:
+            self._binder.report("SB404", keys, f"'{pattern}' has no geometry, so no centre")
+            return None
+        return Pose.of(position=[0.5 * (low + high) for low, high in zip(*box, strict=True)])
+
+    def _axis(self, origin: AxisOrigin, wanted: Wanted) -> Pose | None:
+        index = self._binder.one(origin.axis_of, (*wanted.keys, "axis_of"))
+        if index is None:
+            return None
+        found = lines(self._component_faces(index), origin.radius)
+        selected = origin.radius is not None
+        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
+        if choice.line is not None:
+            return self._on(choice.line, found, "axis", origin, wanted)
+        start = f"{{axis_of: {quoted(origin.axis_of)}"
+        if choice.rivals:
+            self._report_rivals(wanted, f"'{origin.axis_of}' has", choice, found, start)
+        else:
+            with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
+            self._report_none(wanted, f"'{origin.axis_of}' has no cylinder or cone{with_radius}")
+        return None
+
+    def _mate(self, origin: MateOrigin, wanted: Wanted) -> Pose | None:
+        indices = [self._binder.one(p, (*wanted.keys, "mate", i)) for i, p in enumerate(origin.mate)]
+        if indices[0] is None or indices[1] is None:
+            return None
+        a, b = self._component_faces(indices[0]), self._component_faces(indices[1])
+        words = (f"'{origin.mate[0]}'", f"'{origin.mate[1]}'")
+        return self._shared(a, b, words, origin, wanted, f"{{mate: [{', '.join(map(quoted, origin.mate))}]")
+
+    def _auto(self, origin: AutoOrigin, wanted: Wanted) -> Pose | None:
+        words = wanted.link_words
+        assert wanted.links is not None
+        if any(link in self._claims.incomplete for link in wanted.links):
+            return None  # what the link is made of is not known; the path that does not bind has been reported
+        for link, word in zip(wanted.links, words, strict=True):
+            if not self._claims.parts_of(link):
+                self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` finds no line in it")
+                return None
+        a, b = (self._link_faces(link) for link in wanted.links)
+        return self._shared(a, b, words, origin, wanted, "{auto: true")
+
+    def _shared(
+        self,
+        a: AxisFaces,
+        b: AxisFaces,
+        words: tuple[str, str],
+        origin: MateOrigin | AutoOrigin,
+        wanted: Wanted,
+        start: str,
+    ) -> Pose | None:
+        """The frame on the line that two sides share."""
+        found = mates(a, b, origin.radius)
+        selected = origin.radius is not None
+        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
+        if choice.line is not None:
+            pose = self._on(choice.line, found, f"axis that {words[0]} and {words[1]} share", origin, wanted)
+            self._report_doubt(wanted, choice.line, found, start)
+            return pose
+        if choice.rivals and all(line.basis is Basis.APART for line in choice.rivals):
+            self._report_apart(wanted, words, choice, found, start)
+        elif choice.rivals:
+            self._report_rivals(wanted, f"{words[0]} and {words[1]} share", choice, found, start)
+        else:
+            with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
+            self._report_misses(wanted, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
+        return None
+
+    def _give(self, wanted: Wanted, text: str) -> None:
+        self._evidence[wanted.keys] = Evidence(Basis.GIVEN, text)
+
+    def _on(
+        self,
+        line: AxisLine,
+        found: Sequence[AxisLine],
+        words: str,
+        origin: AxisOrigin | MateOrigin | AutoOrigin,
+        wanted: Wanted,
+    ) -> Pose:
+        """The frame on a line that was found, and a note of which it was."""
+        selected = origin.radius is not None or origin.near is not None
+        self._evidence[wanted.keys] = evidence_of(
+            line, found, words, self._binder.path, selected=selected, direction_only=wanted.direction_only
+        )
+        return line_frame(line)
+
+    def _component_faces(self, index: int) -> AxisFaces:
+        return axis_faces(self._binder.assembly, self._binder.assembly.subtree(index))
+
+    def _link_faces(self, link: str) -> AxisFaces:
+        if link not in self._faces:
+            self._faces[link] = axis_faces(self._binder.assembly, self._claims.parts_of(link))
+        return self._faces[link]
+
+    def _report_rivals(self, wanted: Wanted, words: str, choice: Choice, found: Sequence[AxisLine], start: str) -> None:
+        offered = dict(zip(found, selectors(found), strict=True))
+        several = "directions" if wanted.direction_only else "axes"
+        self._binder.report(
+            "SB402",
+            wanted.keys,
+            f"{words} {len(choice.rivals)} {several}, and none is twice as wide as the next",
+            help=listed(tuple(f"origin: {start}{offered[line]}}}" for line in choice.rivals)),
+            notes=listed(tuple(described(line, self._binder.path) for line in choice.rivals)),
+        )
+
+    def _report_apart(
+        self, wanted: Wanted, words: tuple[str, str], choice: Choice, found: Sequence[AxisLine], start: str
+    ) -> None:
+        """Report lines that carry faces of both sides, none of which touch."""
+        lines = choice.rivals
+        several = f"{len(lines)} lines" if len(lines) > 1 else "one line"
+        self._binder.report(
+            "SB406",
+            wanted.keys,
+            f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no faces that touch",
+            help=listed(tuple(f"origin: {start}{selector(line, found)}}}" for line in lines)),
+            notes=listed(tuple(described(line, self._binder.path) for line in lines)),
+        )
+
+    def _report_doubt(self, wanted: Wanted, line: AxisLine, found: Sequence[AxisLine], start: str) -> None:
+        """Warn of an axis that was taken on weak evidence, with the origins that mean it or another line."""
+        evidence = self._evidence[wanted.keys]
+        if not evidence.doubt:
+            return
+        others = [other for other in found if other is not line and other.basis is not Basis.APART]
+        shown = [line, *others[:_SHOWN_MISSES]]
+        self._binder.report(
+            "SB407",
+            wanted.keys,
+            f"weak evidence for its axis: {evidence.doubt}",
+            help=tuple(f"origin: {start}{selector(one, found)}}}" for one in shown),
+            notes=tuple(described(one, self._binder.path) for one in shown),
+        )
+
+    def _report_misses(self, wanted: Wanted, message: str, a: AxisFaces, b: AxisFaces) -> None:
+        misses = near_misses(a, b)[:_SHOWN_MISSES]
+        notes = []
+        for miss in misses:
+            tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
+            sides = [
+                f"{quoted(self._binder.path(line.components[0]))} ({radii_of(line)})"
+                for line in (miss.line_a, miss.line_b)
+            ]
+            notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
+        snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
+        remedies = snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]
+        self._report_none(wanted, message, tuple(remedies), tuple(notes))
+
+    def _axis_snippet(self, line: AxisLine) -> str:
+        """The origin that means one line of the component that carries it."""
+        index = line.components[0]
+        found = lines(axis_faces(self._binder.assembly, [index]))
+        nearest = min(range(len(found)), key=lambda i: found[i].distance_to(line.point))
+        return f"origin: {{axis_of: {quoted(self._binder.path(index))}{selectors(found)[nearest]}}}"
+
+    def _report_none(
+        self, wanted: Wanted, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()
+    ) -> None:
+        self._binder.report("SB401", wanted.keys, message, help=help, notes=notes)
+
+    def _report_circle(self, name: str) -> None:
+        circle = [*self._waiting[self._waiting.index(name) :], name]
+        joint = self._joint_above.get(name)
+        keys: Keys = ("joints", joint, "origin") if joint is not None else ("root", "frame")
+        waits = " waits for ".join(f"link '{link}'" for link in circle)
+        self._binder.report("SB403", keys, f"its origin depends on itself: {waits}")

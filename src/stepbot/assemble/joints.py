@@ -1,0 +1,131 @@
+"""The joints of the tree and the closures, from the frames that their origins give.
+
+The frame that an origin gives is the joint's, and at q = 0 the child's. The CAD draws the joint at its ``zero``: there
+the child's frame, and what hangs on it, is turned or slid by that much. A closure binds as drawn, the only pose that is
+known to close.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
+from stepbot.robot.joint_table import Evidence, JointRow
+from stepbot.robot.model import Joint, JointKind, LoopClosure, Mimic
+from stepbot.sidecar.document import Document
+from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
+
+from .binder import Binder
+from .frames import Frames, Wanted
+
+_DECIMALS = 12
+_NOISE = 1e-12
+
+
+def tree_order(document: Document) -> tuple[str, tuple[str, ...]]:
+    """The root link, and the joints from the root down, depth first, in the sidecar's order.
+
+    Raises:
+        ValueError: There is no single root; the sidecar's own check should have said so.
+    """
+    children = {joint.child for joint in document.joints.values()}
+    roots = [link for link in document.links if link not in children]
+    if len(roots) != 1:
+        raise ValueError(f"a tree has one root, not {roots}")
+    joints_of: dict[str, list[str]] = {}
+    for name, joint in document.joints.items():
+        joints_of.setdefault(joint.parent, []).append(name)
+    order: list[str] = []
+    waiting = joints_of.get(roots[0], [])[::-1]
+    while waiting:
+        name = waiting.pop()
+        order.append(name)
+        waiting += joints_of.get(document.joints[name].child, [])[::-1]
+    return roots[0], tuple(order)
+
+
+def build_joints(binder: Binder, frames: Frames, order: tuple[str, ...]) -> tuple[Joint, ...] | None:
+    """The joints in tree order; None where a frame is not known."""
+    built = [_joint(binder.document, frames, name) for name in order]
+    joints = tuple(joint for joint in built if joint is not None)
+    return joints if len(joints) == len(built) else None
+
+
+def build_closures(binder: Binder, frames: Frames) -> tuple[LoopClosure, ...] | None:
+    """The closures in the sidecar's order; None where a frame is not known."""
+    built = [_closure(binder.document, frames, name) for name in binder.document.closures]
+    closures = tuple(closure for closure in built if closure is not None)
+    return closures if len(closures) == len(built) else None
+
+
+def joint_table(frames: Frames, joints: Iterable[Joint], closures: Iterable[LoopClosure]) -> tuple[JointRow, ...]:
+    """Where every joint, then every closure, is as drawn, and what its place was found by."""
+    rows = []
+    for joint in joints:
+        X_WJ, evidence = frames.joint(joint.name), frames.evidence("joints", joint.name, "origin")
+        assert X_WJ is not None  # there is no joint without its frame
+        row = _row(joint.name, joint.kind, (joint.parent, joint.child), X_WJ, joint.axis, evidence)
+        is_universal = joint.kind is JointKind.UNIVERSAL
+        rows.append(replace(row, axis2=_direction(X_WJ, joint.axis2)) if is_universal else row)
+    for closure in closures:
+        X_WA, evidence = frames.link(closure.link_a), frames.evidence("closures", closure.name, "origin")
+        assert X_WA is not None  # there is no closure without its frame
+        ends = closure.link_a, closure.link_b
+        row = _row(closure.name, closure.kind, ends, X_WA @ closure.X_AF, closure.axis, evidence)
+        rows.append(replace(row, is_closure=True))
+    return tuple(rows)
+
+
+def _row(name: str, kind: JointKind, ends: tuple[str, str], X_WF: Pose, axis: Vector3, evidence: Evidence) -> JointRow:
+    has_axis = kind not in (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+    direction = _direction(X_WF, axis) if has_axis else None
+    return JointRow(name, kind.value, *ends, tidy(X_WF).position, direction, evidence=evidence)
+
+
+def _direction(X_WF: Pose, axis: Vector3) -> Vector3:
+    return vector3(np.round(X_WF.turn(axis), _DECIMALS) + 0.0)
+
+
+def tidy(pose: Pose) -> Pose:
+    """The pose without the noise of the last bits, which differs between machines: to 1e-12 m, and 0 and 1 exactly.
+
+    Rotation entries within 1e-12 of 0 or 1 are taken for them, a picometre in a metre; the other entries are kept, so
+    that a rotation stays one to the same 1e-12.
+    """
+    R: Array = np.array(pose.rotation)
+    nearest = np.rint(R)
+    R = np.where(np.abs(R - nearest) < _NOISE, nearest, R)
+    return Pose.of(R + 0.0, np.round(pose.position, _DECIMALS) + 0.0)
+
+
+def _joint(document: Document, frames: Frames, name: str) -> Joint | None:
+    section = document.joints[name]
+    X_WP, X_WJ = frames.link(section.parent), frames.joint(name)
+    if X_WP is None or X_WJ is None:
+        return None
+    mimic = section.mimic
+    return Joint(
+        name,
+        section.type,
+        section.parent,
+        section.child,
+        tidy(X_WP.inverse() @ X_WJ),  # at q = 0 the child's frame C is the joint's frame J
+        axis=section.axis,
+        axis2=section.axis2 or Joint.axis2,
+        limit=joint_limits(document, name),
+        dynamics=joint_dynamics(document, name),
+        mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier, mimic.offset.value),
+        pitch=section.pitch or 0.0,
+        drawn_position=section.zero.value,
+    )
+
+
+def _closure(document: Document, frames: Frames, name: str) -> LoopClosure | None:
+    section = document.closures[name]
+    X_WF = frames.resolve(section.origin, Wanted(("closures", name, "origin"), (section.link_a, section.link_b)))
+    X_WA, X_WB = frames.link(section.link_a), frames.link(section.link_b)
+    if X_WF is None or X_WA is None or X_WB is None:
+        return None
+    X_AF, X_BF = tidy(X_WA.inverse() @ X_WF), tidy(X_WB.inverse() @ X_WF)
+    return LoopClosure(name, section.type, section.link_a, X_AF, section.link_b, X_BF, section.axis)

@@ -1,0 +1,143 @@
+"""The links: mass properties summed from their components, with where each gram came from, and their shapes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Link, MassSource
+from stepbot.sidecar.document import InertialSection
+from stepbot.step.structure.paths import quoted
+
+from .assets import MeshAssets
+from .binder import Binder, listed
+from .claims import Claims
+from .collisions import Collisions, Placed
+from .joints import tidy
+from .masses import PartMass
+from .material_assignment import Matter
+from .visuals import visuals
+from .weigh import Weighing
+
+
+class Links:
+    """Makes links from what is known of their components."""
+
+    def __init__(
+        self,
+        binder: Binder,
+        claims: Claims,
+        of: Sequence[Matter],
+        masses: Mapping[int, PartMass],
+        weighings: Sequence[Weighing],
+    ) -> None:
+        self._binder = binder
+        self._of = of
+        self._masses = masses
+        self._weighings = weighings
+        self._parts = {link: claims.parts_of(link) for link in binder.document.links}
+        self.assets = MeshAssets(binder.assembly)
+        self._collisions = Collisions(binder, self.assets)
+
+    def report_unknown_masses(self) -> None:
+        """One error for all components whose mass is not known and needed, one for each link that nothing gives com."""
+        unknown = []
+        for name, section in self._binder.document.links.items():
+            weighed = [index for index in self._parts[name] if index in self._masses]
+            if section.inertial is None:
+                unknown += [index for index in weighed if not self._masses[index].origin]
+            elif not is_complete(section.inertial) and not weighed:
+                self._binder.report(
+                    "SB503",
+                    ("links", name, "inertial"),
+                    "its parts have no volume from which com and inertia could be computed",
+                    help=("give `com` and `inertia` beside `mass`",),
+                )
+        if unknown:
+            paths = tuple(quoted(self._binder.path(index)) for index in sorted(unknown))
+            count = f"{len(paths)} components have" if len(paths) > 1 else f"component {paths[0]} has"
+            materials = [name for i in unknown if (name := self._binder.assembly.components[i].material.strip())]
+            listed_materials = [
+                f"or the material that the STEP names: `materials: {{{quoted(name)}: {{density: 1240 kg/m^3}}}}`"
+                for name in list(dict.fromkeys(materials))[:3]
+            ]
+            self._binder.found.add(
+                "SB501",
+                f"{self._binder.assembly.source}: {count} no density",
+                self._binder.span(("defaults",)),
+                help=(
+                    "give them all one: `defaults: {density: 1240 kg/m^3}`",
+                    f"or this one: `parts: {{{paths[0]}: {{density: 1240 kg/m^3}}}}`, or its `mass`",
+                    *listed_materials,
+                ),
+                notes=listed(paths),
+            )
+
+    def build(self, name: str, X_WL: Pose) -> Link:
+        """One link, whose frame as drawn is X_WL."""
+        components = self._binder.assembly.components
+        X_LW = X_WL.inverse()
+        parts = [Placed(i, self._of[i], tidy(X_LW @ components[i].X_WC)) for i in self._parts[name]]
+        properties, sources = self._mass(name, parts)
+        return Link(
+            name,
+            properties,
+            visuals(self._binder, self.assets, name, parts),
+            self._collisions.of(name, parts),
+            sources,
+            tuple(components[part.index].path for part in parts),
+        )
+
+    def report_flat(self) -> None:
+        """Report components that got no collision geometry."""
+        self._collisions.report_flat()
+
+    def _mass(self, name: str, parts: Sequence[Placed]) -> tuple[MassProperties, tuple[MassSource, ...]]:
+        inertial = self._binder.document.links[name].inertial
+        if inertial is not None and is_complete(inertial):
+            given = MassSource("", inertial.mass, 0.0, f"inertial of link '{name}'", "given")
+            return _overruled(MassProperties(), inertial), (given,)
+        weighed = [part for part in parts if part.index in self._masses]
+        # Where an `inertial` gives the total, parts without a density share it by volume.
+        by_volume = inertial is not None and any(not self._masses[part.index].origin for part in weighed)
+        bodies = [self._part(part, by_volume) for part in weighed]
+        sources = tuple(self._source(part.index) for part in weighed)
+        computed = combined(bodies)
+        if inertial is None:
+            return computed, sources
+        factor = inertial.mass / computed.mass
+        origin = f"inertial of link '{name}'"
+        return _overruled(computed.scaled(factor), inertial), tuple(
+            replace(source, mass=body.mass * factor, density=0.0, origin=origin)
+            for source, body in zip(sources, bodies, strict=True)
+        )
+
+    def _part(self, part: Placed, by_volume: bool) -> MassProperties:
+        """Mass properties of a component in its link's frame."""
+        weighing = self._weighings[self._binder.assembly.components[part.index].body]
+        assert weighing.properties is not None  # only what has a volume has a mass
+        known = self._masses[part.index]
+        density = 1.0 if by_volume else known.density or known.mass / weighing.properties.volume
+        return weighing.properties.unit_density.scaled(density).moved(part.X_LC)
+
+    def _source(self, index: int) -> MassSource:
+        known = self._masses[index]
+        method = self._weighings[self._binder.assembly.components[index].body].method
+        return MassSource(self._binder.path(index), known.mass, known.density, known.origin, method)
+
+
+def is_complete(inertial: InertialSection) -> bool:
+    """Whether an ``inertial`` leaves nothing to compute."""
+    return inertial.com is not None and inertial.inertia is not None
+
+
+def _overruled(computed: MassProperties, inertial: InertialSection) -> MassProperties:
+    """Mass properties with what an ``inertial`` says in place of what was computed."""
+    com = computed.com if inertial.com is None else inertial.com
+    said = inertial.inertia
+    if said is None:
+        return replace(computed, mass=inertial.mass, com=com)
+    tensor = [[said.ixx, said.ixy, said.ixz], [said.ixy, said.iyy, said.iyz], [said.ixz, said.iyz, said.izz]]
+    return MassProperties.of(inertial.mass, com, np.array(tensor))

@@ -1,0 +1,129 @@
+"""How much each component weighs: density times volume, or its share of a mass that was measured.
+
+A measured mass on a component scales it; on a subassembly it is the total of each occurrence, shared among what is
+below it by computed mass, or by volume if any density is missing there. Masses within it that were measured themselves
+stay as they are, and the rest is shared; where that cannot be, the outer one counts alone. What is ignored gets none.
+"""
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from stepbot.geometry.sums import exact_sum
+from stepbot.step.structure.paths import subtree_ends
+
+from .binder import Binder
+from .material_assignment import GivenMass, Matters
+from .weigh import Weighing
+
+_EQUAL = 1e-9
+
+
+@dataclass(frozen=True)
+class PartMass:
+    """What one component weighs, and why."""
+
+    mass: float
+    """[kg]; 0 where it is not known."""
+    density: float
+    """[kg/m^3] that it was computed with; 0 where the mass was given, or is not known."""
+    volume: float
+    """[m^3]."""
+    origin: str
+    """For people: ``parts rule '**/M3*'``, ``STEP``, ``defaults``; empty where the mass is not known."""
+
+
+def masses(binder: Binder, matters: Matters, weighings: Sequence[Weighing]) -> dict[int, PartMass]:
+    """Mass of every component that has a volume and is not ignored, by index."""
+    computed: dict[int, PartMass] = {}
+    for component in binder.assembly.components:
+        matter = matters.of[component.index]
+        properties = weighings[component.body].properties if component.body >= 0 else None
+        if properties is not None and not matter.ignored:
+            mass = matter.density * properties.volume
+            computed[component.index] = PartMass(mass, matter.density, properties.volume, matter.density_origin)
+    return _Sharing(binder, matters, computed).settle()
+
+
+class _Sharing:
+    """Shares given masses among the components below them."""
+
+    def __init__(self, binder: Binder, matters: Matters, computed: dict[int, PartMass]) -> None:
+        self._binder = binder
+        self._matters = matters
+        self._computed = computed
+        self._ends = subtree_ends(binder.assembly.components)
+        self._empty: dict[str, int] = {}
+        self._given = {index: given for index, given in sorted(matters.given.items()) if self._has_volume(index)}
+        self._indices = list(self._given)
+        self._result = dict(computed)
+
+    def settle(self) -> dict[int, PartMass]:
+        for index in self._topmost(0, len(self._ends)):
+            self._settle(index, self._given[index])
+        return self._result
+
+    def _settle(self, index: int, given: GivenMass) -> None:
+        """Share one mass among what is below a component."""
+        end = self._ends[index]
+        inner = self._topmost(index + 1, end, beside=given.pattern)
+        inside = {i for at in inner for i in range(at, self._ends[at])}
+        members = [i for i in range(index, end) if i in self._computed and i not in inside]
+        rest = given.mass - exact_sum(self._given[i].mass for i in inner)
+        fits = rest > _EQUAL * given.mass if members else abs(rest) <= _EQUAL * given.mass
+        if inner and not fits:
+            self._report_contradiction(index, given, inner)
+            self._share([i for i in range(index, end) if i in self._computed], given, given.mass)
+            return
+        self._share(members, given, rest)
+        for i in inner:
+            self._settle(i, self._given[i])
+
+    def _share(self, members: list[int], given: GivenMass, total: float) -> None:
+        parts = [self._computed[i] for i in members]
+        by_mass = all(part.density > 0.0 for part in parts)
+        weights = [part.mass if by_mass else part.volume for part in parts]
+        whole = exact_sum(weights)
+        for i, weight in zip(members, weights, strict=True):
+            volume = self._computed[i].volume
+            self._result[i] = PartMass(total * weight / whole, 0.0, volume, f"parts rule '{given.pattern}'")
+
+    def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
+        """Components with a given mass in a range of indices, none below another; not those of the rule ``beside``."""
+        top: list[int] = []
+        for index in self._indices[bisect_left(self._indices, start) : bisect_left(self._indices, end)]:
+            if self._given[index].pattern != beside and (not top or index >= self._ends[top[-1]]):
+                top.append(index)
+        return top
+
+    def _has_volume(self, index: int) -> bool:
+        """Whether there is something below a component to put a mass in; an error where there should be."""
+        below = range(index, self._ends[index])
+        if any(i in self._computed for i in below):
+            return True
+        if any(self._binder.assembly.components[i].body >= 0 and not self._matters.of[i].ignored for i in below):
+            pattern = self._matters.given[index].pattern
+            if index < self._empty.get(pattern, 0):
+                return False  # it was told of what holds this one
+            self._empty[pattern] = self._ends[index]
+            self._binder.report(
+                "SB503",
+                ("parts", pattern, "mass"),
+                f"'{self._binder.path(index)}' has no volume that could weigh {self._matters.given[index].mass:g} kg",
+                help=(
+                    "give its link an `inertial` with mass, com and inertia, or the mass to a component with solids",
+                ),
+            )
+        return False
+
+    def _report_contradiction(self, index: int, given: GivenMass, inner: list[int]) -> None:
+        within = exact_sum(self._given[i].mass for i in inner)
+        self._binder.report(
+            "SB504",
+            ("parts", given.pattern, "mass"),
+            f"'{self._binder.path(index)}' weighs {given.mass:g} kg, but the masses within it add up to {within:g} kg",
+            notes=tuple(
+                f"'{self._binder.path(i)}': {self._given[i].mass:g} kg by parts rule '{self._given[i].pattern}'"
+                for i in inner
+            ),
+        )

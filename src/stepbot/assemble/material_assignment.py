@@ -1,0 +1,183 @@
+"""What each component is made of, and how it is to look: fields from the sidecar's ``parts``, the STEP, the defaults.
+
+Each field comes from the first rule that sets it, on the component or on anything above it. A rule with ``material``
+sets the density and the colour that the material has; where it says one of them itself, that counts. A material that
+only the STEP names has the density that the sidecar's ``materials`` give it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.robot.model import Rgba
+from stepbot.sidecar.document import CollisionShape, Document, MaterialSection, PartRule, StepDensity
+from stepbot.step.assembly import BodyKind, Component
+from stepbot.step.structure.paths import quoted
+
+from .binder import Binder, listed
+
+
+@dataclass(frozen=True)
+class Matter:
+    """What is known of one component."""
+
+    ignored: bool = False
+    density: float = 0.0
+    """[kg/m^3]; 0 where nothing gives one."""
+    density_origin: str = ""
+    """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty where there is none."""
+    color: Rgba | None = None
+    """Colour that overrules the STEP's."""
+    visual: bool | None = None
+    """Whether it is drawn; None where no rule says."""
+    collision: CollisionShape | None = None
+    """How its collision geometry is made; None where no rule says."""
+
+
+@dataclass(frozen=True)
+class GivenMass:
+    """A mass that the sidecar gives to a component and all below it."""
+
+    mass: float
+    """[kg]."""
+    pattern: str
+    """The rule's path or glob."""
+
+
+@dataclass(frozen=True)
+class Matters:
+    """What the sidecar says of all components."""
+
+    of: tuple[Matter, ...]
+    """One for each component."""
+    given: dict[int, GivenMass]
+    """Masses by component; one may lie below another."""
+
+
+def matters(binder: Binder) -> Matters:
+    """Apply every rule of ``parts`` to the components that it names."""
+    document, components = binder.document, binder.assembly.components
+    rules = list(document.parts.items())
+    first = {field: np.full(len(components), -1) for field in _SETS}
+    given: dict[int, GivenMass] = {}
+    for i, (pattern, rule) in enumerate(rules):
+        named = binder.all(pattern, ("parts", pattern))
+        covered = np.zeros(len(components), dtype=bool)
+        covered[binder.paths.below(named)] = True
+        for field, sets in _SETS.items():
+            if sets(rule, document):
+                first[field][covered & (first[field] < 0)] = i
+        if rule.mass is not None:
+            for index in named:
+                given.setdefault(index, GivenMass(rule.mass, pattern))
+    found = tuple(
+        _matter(
+            component,
+            {field: rules[row[component.index]] for field, row in first.items() if row[component.index] >= 0},
+            document,
+        )
+        for component in components
+    )
+    _warn_of_uniform_density(binder, found)
+    _note_unlisted_materials(binder, found)
+    return Matters(found, given)
+
+
+def default_color(document: Document) -> Rgba | None:
+    """Colour of what neither a rule nor the STEP gives one."""
+    return document.defaults.color or _material(document, document.defaults.material).color
+
+
+def _material(document: Document, name: str | None) -> MaterialSection:
+    return document.materials.get(name, MaterialSection()) if name is not None else MaterialSection()
+
+
+def _rule_density(rule: PartRule, document: Document) -> float | None:
+    return rule.density if rule.density is not None else _material(document, rule.material).density
+
+
+def _rule_color(rule: PartRule, document: Document) -> Rgba | None:
+    return rule.color if rule.color is not None else _material(document, rule.material).color
+
+
+_SETS: dict[str, Callable[[PartRule, Document], bool]] = {
+    "ignore": lambda rule, document: "ignore" in rule.model_fields_set,
+    "density": lambda rule, document: _rule_density(rule, document) is not None,
+    "color": lambda rule, document: _rule_color(rule, document) is not None,
+    "visual": lambda rule, document: rule.visual is not None,
+    "collision": lambda rule, document: rule.collision is not None,
+}
+
+
+def _matter(component: Component, rules: dict[str, tuple[str, PartRule]], document: Document) -> Matter:
+    """Matter of a component, from the rule that counts for each field."""
+    density, origin = _density(component, rules.get("density"), document)
+    return Matter(
+        ignored="ignore" in rules and rules["ignore"][1].ignore,
+        density=density,
+        density_origin=origin,
+        color=_rule_color(rules["color"][1], document) if "color" in rules else None,
+        visual=rules["visual"][1].visual if "visual" in rules else None,
+        collision=rules["collision"][1].collision if "collision" in rules else None,
+    )
+
+
+def _density(component: Component, named: tuple[str, PartRule] | None, document: Document) -> tuple[float, str]:
+    """Density [kg/m^3] and where it comes from; zero in the STEP counts as none."""
+    if named is not None:
+        return _rule_density(named[1], document) or 0.0, f"parts rule '{named[0]}'"
+    if component.density > 0.0 and document.step_density is StepDensity.USE:
+        return component.density, "STEP"
+    name = component.material.strip()
+    if name and (density := _material(document, name).density) is not None:
+        return density, f"material '{name}' in the STEP"
+    defaults = document.defaults
+    default = defaults.density if defaults.density is not None else _material(document, defaults.material).density
+    return (default, "defaults") if default is not None else (0.0, "")
+
+
+def _warn_of_uniform_density(binder: Binder, found: tuple[Matter, ...]) -> None:
+    """Warn where the STEP's density is used and is the same on every definition."""
+    assembly = binder.assembly
+    solids = [c for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind is not BodyKind.SURFACE]
+    densities = {component.density for component in solids}
+    definitions = {component.definition for component in solids}
+    used = any(found[c.index].density_origin == "STEP" and not found[c.index].ignored for c in solids)
+    if used and len(densities) == 1 and len(definitions) > 1:
+        names = sorted({c.material for c in solids if c.material})
+        density = f"{next(iter(densities)):g} kg/m^3" + (f" ({', '.join(names)})" if names else "")
+        binder.found.add(
+            "SB502",
+            f"{assembly.source}: all {len(definitions)} parts carry {density}: a CAD default, not a measurement",
+            binder.span(("step_density",)),
+            help=("write `step_density: ignore` and `defaults: {material: ...}`, with exceptions in `parts`",),
+        )
+
+
+def _note_unlisted_materials(binder: Binder, found: tuple[Matter, ...]) -> None:
+    """Tell of materials in the STEP whose parts weigh what the defaults say, because nothing gives their density."""
+    document, components = binder.document, binder.assembly.components
+    unlisted: dict[str, list[int]] = {}
+    for component in components:
+        name = component.material.strip()
+        solid = component.body >= 0 and binder.assembly.bodies[component.body].kind in (
+            BodyKind.SOLID,
+            BodyKind.TESSELLATED,
+        )
+        if solid and name and found[component.index].density_origin == "defaults":
+            unlisted.setdefault(name, []).append(component.index)
+    if unlisted and document.step_density is StepDensity.USE:
+        count = sum(map(len, unlisted.values()))
+        parts = f"{count} parts are" if count > 1 else "one part is"
+        binder.found.add(
+            "SB515",
+            f"{binder.assembly.source}: {parts} of a material whose density nothing gives, and made of the default",
+            binder.span(("materials",)),
+            help=(f"give it one: `materials: {{{quoted(next(iter(unlisted)))}: {{density: ...}}}}`",),
+            notes=listed(tuple(f"'{name}': {quoted(binder.path(of[0]))}{_more(of)}" for name, of in unlisted.items())),
+        )
+
+
+def _more(indices: list[int]) -> str:
+    return f" and {len(indices) - 1} more" if len(indices) > 1 else ""

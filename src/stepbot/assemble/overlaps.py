@@ -1,0 +1,169 @@
+"""Which solids of a robot may overlap: those of one link whose boxes do, sorted by relative pose.
+
+To intersect them is most of the time that it takes to build a robot, and edits of joints change nothing about it: what
+was found is kept. Where the geometry is new there is a process that can do it while this one goes on.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stepbot.geometry.solids.box_pairs import box_pairs, moved_boxes
+from stepbot.geometry.solids.manifolds import TOUCHING
+from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
+from stepbot.geometry.spatial import Pose
+from stepbot.runtime.cache import Cache, Digest, Shelf, environment
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
+from stepbot.step.assembly import Assembly
+
+from .masses import PartMass
+
+MAX_FACES = 2_000_000
+"""Faces of all pairs together that are intersected in one robot: about two seconds of work."""
+
+_DECIMALS = 8
+"""Of relative poses [m] that count as the same."""
+
+
+@dataclass(frozen=True)
+class FoundOverlaps:
+    """The overlaps of a robot."""
+
+    by_link: Mapping[str, Overlaps]
+    """Of every link, in order."""
+
+
+class OverlapSearch:
+    """The overlaps of a robot, on their way."""
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        parts: Mapping[str, Sequence[int]],
+        masses: Mapping[int, PartMass],
+        max_faces: int = MAX_FACES,
+        cache: Cache | None = None,
+        process: Worker | None = None,
+    ) -> None:
+        """Look them up, else begin to search; returns at once.
+
+        Args:
+            assembly: What the STEP holds.
+            parts: For each link the indices of its components.
+            masses: Mass of every component that has a volume; the others overlap nothing, nor do those without
+                triangles.
+            max_faces: Limit of the work.
+            cache: Where it is kept; None for nowhere.
+            process: A worker of :mod:`stepbot.geometry.mesh_worker` that has no other call to answer; None to search in
+                this process, when somebody waits for it.
+        """
+        bodies = {index: assembly.bodies[assembly.components[index].body] for index in masses}
+        seen = {index for index, body in bodies.items() if len(body.mesh.faces)}  # SB601 says which have none
+        weighed = {link: [index for index in indices if index in seen] for link, indices in parts.items()}
+        self._shelf = Shelf(cache, FoundOverlaps)
+        self._key = _key(assembly, weighed, masses, max_faces) if cache is not None else ""
+        self._known = self._shelf.get(self._key) if self._key else None
+        self._process: Worker | None = None
+        if self._known is None:
+            self._search = _search(assembly, weighed, masses, max_faces)
+            if process is not None and self._search.groups:
+                self._process = process.submit("overlaps", self._search)
+
+    def result(self, timeout: float = DEFAULT_TIMEOUT) -> Mapping[str, Overlaps]:
+        """What overlaps in each link, the heaviest pair first.
+
+        Raises:
+            WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
+        """
+        if self._known is None:
+            found = overlaps_of(self._search) if self._process is None else self._process.result(timeout)
+            self._known = FoundOverlaps(found)
+            self._shelf.put(self._key, self._known)
+        return self._known.by_link
+
+
+def _key(
+    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
+) -> str:
+    """Key of all that the overlaps depend on: meshes, where each is, and what it is made of."""
+    digest = Digest("solids that overlap").add(environment(), str(max_faces))
+    bodies: dict[int, None] = {}
+    for link, indices in weighed.items():
+        components = [assembly.components[index] for index in indices]
+        bodies.update(dict.fromkeys(component.body for component in components))
+        numbers = np.array([(component.index, component.body) for component in components], dtype=np.int64)
+        numbered = [(masses[index].density, masses[index].volume) for index in indices]
+        places = [component.X_WC.matrix for component in components]
+        digest.add(link, numbers.tobytes(), np.array(numbered, float).tobytes(), np.array(places, float).tobytes())
+    for body in bodies:
+        mesh = assembly.bodies[body].mesh
+        digest.add(str(body), mesh.vertices.tobytes(), mesh.faces.tobytes())
+    return digest.key
+
+
+def _search(
+    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
+) -> Search:
+    groups: dict[bytes, _Collected] = {}
+    for link, indices in weighed.items():
+        if len(indices) > 1:
+            _collect(assembly, link, indices, masses, groups)
+    collected = tuple(Group(one.bodies, one.X_AB, one.smaller, tuple(one.candidates)) for one in groups.values())
+    bodies = dict.fromkeys(body for group in collected for body in group.bodies)
+    first = dict.fromkeys(candidate.first for group in collected for candidate in group.candidates)
+    return Search(
+        tuple(weighed),
+        collected,
+        {body: assembly.bodies[body].mesh for body in bodies},
+        {index: assembly.components[index].X_WC for index in first},
+        max_faces,
+    )
+
+
+@dataclass(eq=False)
+class _Collected:
+    """A group that grows."""
+
+    bodies: tuple[int, int]
+    X_AB: Pose
+    smaller: float
+    candidates: list[Candidate] = field(default_factory=list)
+
+
+def _collect(
+    assembly: Assembly,
+    link: str,
+    indices: Sequence[int],
+    masses: Mapping[int, PartMass],
+    groups: dict[bytes, _Collected],
+) -> None:
+    """Sort the pairs of a link whose boxes overlap into groups."""
+    bodies = np.array([assembly.components[index].body for index in indices])
+    R = np.array([assembly.components[index].X_WC.rotation for index in indices])
+    p = np.array([assembly.components[index].X_WC.position for index in indices])
+    density = np.array([masses[index].density for index in indices])
+    volume = np.array([masses[index].volume for index in indices])
+    extent = {body: assembly.bodies[body].mesh.bounds for body in dict.fromkeys(bodies.tolist())}
+    extents = np.array([extent[body] for body in bodies.tolist()])
+    low, high = moved_boxes(extents[:, 0], extents[:, 1], R, p)
+
+    a, b = box_pairs(low, high, TOUCHING)
+    a, b = np.where(bodies[a] <= bodies[b], (a, b), (b, a))
+    lighter, denser = np.minimum(density[a], density[b]), np.maximum(density[a], density[b])
+    twice = np.where(lighter > 0.0, lighter, denser)  # a density of 0 is that of a measured mass
+    a, b, twice = a[twice > 0.0], b[twice > 0.0], twice[twice > 0.0]
+    smaller = np.minimum(volume[a], volume[b])
+    shared = (np.minimum(high[a], high[b]) - np.maximum(low[a], low[b])).prod(axis=1)
+    most = twice * np.minimum(shared, smaller)
+    R_AB = R[a].transpose(0, 2, 1) @ R[b]
+    p_AB = np.einsum("kji,kj->ki", R[a], p[b] - p[a])
+    # Adding zero turns -0.0 into 0.0.
+    keys = np.column_stack([bodies[a], bodies[b], R_AB.reshape(-1, 9).round(_DECIMALS), p_AB.round(_DECIMALS)]) + 0.0
+    for k, key in enumerate(map(bytes, keys)):
+        if key not in groups:
+            groups[key] = _Collected(
+                (int(bodies[a[k]]), int(bodies[b[k]])), Pose.of(R_AB[k], p_AB[k]), float(smaller[k])
+            )
+        pair = Candidate(link, indices[a[k]], indices[b[k]], float(twice[k]), float(most[k]))
+        groups[key].candidates.append(pair)

@@ -1,0 +1,31 @@
+"""What a sidecar asks of the STEP reader: tolerances of meshes, and whether mass is measured on finer ones."""
+
+from stepbot.sidecar.document import Document, MassMode, MeshSection
+from stepbot.step.assembly import MeshTolerance, ReadOptions
+
+MASS_TOLERANCE = 1e-3
+"""Relative deviation from the exact mass properties up to which a mesh counts as equal."""
+
+
+def read_options(document: Document) -> ReadOptions:
+    """Options for reading the sidecar's STEP; a link's own tolerance holds for the parts that it claims."""
+    tolerance = _tolerance(document.mesh, MeshTolerance())
+    return ReadOptions(
+        tolerance=tolerance,
+        tolerance_of=tuple(
+            (pattern, _tolerance(link.mesh, tolerance))
+            for link in document.links.values()
+            if link.mesh is not None
+            for pattern in link.parts
+        ),
+        encoding=document.step_encoding or "",
+        refine_mass_to=MASS_TOLERANCE if document.mass == MassMode.MESH else 0.0,
+    )
+
+
+def _tolerance(section: MeshSection, inherited: MeshTolerance) -> MeshTolerance:
+    relative, absolute = inherited.relative, inherited.absolute
+    if section.tolerance is not None:
+        relative, absolute = section.tolerance
+    angle = inherited.angle if section.angle is None else section.angle
+    return MeshTolerance(relative, absolute, angle)

@@ -1,0 +1,35 @@
+"""What is seen of a link: the meshes of its components, in their colours.
+
+The colour is the first of: what a ``parts`` rule sets, itself or by its material; the STEP's, of the face, then of the
+occurrence; the default's, itself or by its material; grey.
+"""
+
+from collections.abc import Sequence
+
+from stepbot.robot.model import Rgba, Visual
+
+from .assets import MeshAssets
+from .binder import Binder
+from .collisions import Placed
+from .material_assignment import default_color
+
+GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
+
+
+def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Placed]) -> tuple[Visual, ...]:
+    """Visual geometry of a link, component by component in file order; a component's ``visual`` beats its link's."""
+    assembly = binder.assembly
+    drawn = binder.document.links[link].visual is not False
+    default = default_color(binder.document) or GREY
+    found = []
+    for part in parts:
+        component = assembly.components[part.index]
+        if part.matter.visual is False or (part.matter.visual is None and not drawn):
+            continue
+        if not len(assembly.bodies[component.body].mesh.faces):
+            continue
+        groups = assets.by_color(component.body, component, part.matter.color, default)
+        found += [(group, part.X_LC) for group in groups]
+    return tuple(
+        Visual(f"{link}_visual_{i}", group.geometry, X_LG, group.rgba) for i, (group, X_LG) in enumerate(found, start=1)
+    )

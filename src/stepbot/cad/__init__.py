@@ -1,4 +1,0 @@
-"""STEP -> Assembly: the only package that imports the geometry kernel, and only in a worker process."""
-
-KERNEL = "stepbot.cad.worker:read"
-"""The function that runs in the kernel's process."""

@@ -1,0 +1,195 @@
+"""What stepbot says about its input: collected, placed, coded, with a remedy.
+
+    StepbotError            raised only where a stage ends and its diagnostics hold errors
+
+Untrusted data gives diagnostics, all of them at once; any other exception is a bug of ours and keeps its traceback.
+Codes never change their meaning and are never used again; :mod:`stepbot.diagnostics.codes` is their table.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from typing import Literal
+
+from .codes import CODES, Severity
+
+_LONGEST_COMPARED = 200
+"""Characters of a name that may be compared with others."""
+ExitCode = Literal[0, 1, 2]
+
+
+@dataclass(frozen=True, order=True)
+class Span:
+    """A place in a file. Lines and columns count from 1; line 0 means the file as a whole."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+    end_column: int = 0
+    """Column after the last character on ``line``; 0 where the extent is unknown."""
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One finding: complete in its first line, with the remedies below."""
+
+    code: str
+    severity: Severity
+    message: str
+    """``subject: what is wrong``, one line, no full stop."""
+    span: Span
+    help: tuple[str, ...] = ()
+    """Remedies, most useful first; near matches and snippets to paste."""
+    notes: tuple[str, ...] = ()
+    """Facts that explain the message: candidates, measured values."""
+
+    @property
+    def remedies(self) -> tuple[str, ...]:
+        """What to do about it: :attr:`help`; for an error without help, the advice of its code."""
+        return self.help or ((CODES[self.code].fix,) if self.severity == "error" else ())
+
+    def __str__(self) -> str:
+        return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
+
+
+@dataclass(frozen=True)
+class Ignore:
+    """A request not to report findings of one code, everywhere or about one thing. Errors are never ignored."""
+
+    code: str
+    span: Span
+    """Where the request is written."""
+    subject: str = ""
+    """What the findings are about, as messages call it; empty for everywhere."""
+    first_line: int = 0
+    """First line of that thing in the file of ``span``."""
+    last_line: int = 0
+    """Its last line."""
+    pattern: str = ""
+    """Glob of component paths that findings may be about instead."""
+
+    def covers(self, diagnostic: Diagnostic) -> bool:
+        """Whether a finding is not reported; one that sums up several places only where the request is for all."""
+        if diagnostic.code != self.code or diagnostic.severity == "error":
+            return False
+        if not self.subject or diagnostic.message.startswith(f"{self.subject}: "):
+            return True
+        named = re.match(r"'(.+?)': ", diagnostic.message)
+        if self.pattern and named:
+            return _matches(named[1], self.pattern)
+        here = diagnostic.span.file == self.span.file and 0 < self.first_line <= diagnostic.span.line <= self.last_line
+        return here and not diagnostic.notes
+
+
+def _matches(path: str, pattern: str) -> bool:
+    """Whether a glob means a path: ``*`` within a name, ``**/`` any names; without a star the path's end will do."""
+    expression = re.escape(pattern).replace(r"\*\*/", "(.+/)?").replace(r"\*\*", ".*").replace(r"\*", "[^/]*")
+    return re.fullmatch(expression if "*" in pattern else f"(.+/)?{expression}", path) is not None
+
+
+class Diagnostics:
+    """Collects the findings of one run, in the order in which they were found."""
+
+    def __init__(self) -> None:
+        self._found: dict[Diagnostic, None] = {}
+        self._ignores: list[Ignore] = []
+        self._ignored: dict[Diagnostic, None] = {}
+
+    def add(
+        self, code: str, message: str, span: Span, *, help: Iterable[str] = (), notes: Iterable[str] = ()
+    ) -> Diagnostic:
+        """Record a finding; its severity is the code's.
+
+        Raises:
+            KeyError: There is no such code.
+        """
+        diagnostic = Diagnostic(code, CODES[code].severity, one_line(message), span, tuple(help), tuple(notes))
+        return self.extend([diagnostic])[0]
+
+    def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """Take over findings made elsewhere; one that is already there is not repeated."""
+        taken = list(diagnostics)
+        for diagnostic in taken:
+            ignored = any(rule.covers(diagnostic) for rule in self._ignores)
+            (self._ignored if ignored else self._found)[diagnostic] = None
+        return taken
+
+    def ignore(self, rules: Iterable[Ignore]) -> None:
+        """Do not report what these rules cover: of what was found so far, and from now on."""
+        self._ignores += rules
+        found, self._found = self._found, {}
+        self.extend(found)
+
+    def add_ignored(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Take over findings that were ignored elsewhere."""
+        self._ignored.update(dict.fromkeys(diagnostics))
+
+    @property
+    def ignored(self) -> tuple[Diagnostic, ...]:
+        """Findings that are not reported because somebody asked for it."""
+        return tuple(self._ignored)
+
+    @property
+    def unused_ignores(self) -> tuple[Ignore, ...]:
+        """The rules that cover nothing that was found."""
+        return tuple(rule for rule in self._ignores if not any(map(rule.covers, self._ignored)))
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any finding is an error."""
+        return any(d.severity == "error" for d in self._found)
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """0 clean (notes and warnings count as clean), 1 findings, 2 stepbot could not do its work."""
+        errors = [d for d in self._found if d.severity == "error"]
+        if any(CODES[d.code].could_not_run for d in errors):
+            return 2
+        return 1 if errors else 0
+
+    def make_strict(self) -> None:
+        """Turn every warning into an error (``--strict``)."""
+        self._found = {replace(d, severity="error") if d.severity == "warning" else d: None for d in self._found}
+
+    def raise_if_errors(self) -> None:
+        """End the stage where errors were found.
+
+        Raises:
+            StepbotError: At least one finding is an error.
+        """
+        if self.has_errors:
+            raise StepbotError(self)
+
+
+class StepbotError(Exception):
+    """A stage ended with errors; ``diagnostics`` holds everything that was found up to there."""
+
+    def __init__(self, diagnostics: Diagnostics) -> None:
+        self.diagnostics = diagnostics
+        super().__init__("\n".join(str(d) for d in diagnostics if d.severity == "error"))
+
+
+def one_line(text: str) -> str:
+    """``text`` with line breaks and control characters as escapes: names in files may hold any character."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
+    """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing."""
+    names = list(dict.fromkeys(candidates))
+    same = [name for name in names if name.casefold() == word.casefold()]
+    comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes time to the square
+    near = same or (get_close_matches(word, comparable, n=3, cutoff=0.6) if len(word) <= _LONGEST_COMPARED else [])
+    if not near:
+        return ()
+    return ("did you mean " + " or ".join(f"'{name}'" for name in near) + "?",)

@@ -1,0 +1,105 @@
+"""SB0xx: files, environment, missing extras."""
+
+from .code import Code
+
+CODES = (
+    Code(
+        "SB001",
+        "error",
+        "file not found",
+        "A file that was named does not exist or cannot be read.",
+        "Without it there is nothing to convert.",
+        "Correct the path. A sidecar's `step` is relative to the sidecar itself.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB002",
+        "error",
+        "system library missing",
+        "The geometry kernel could not be loaded because a shared library of the system is missing.",
+        "The kernel's wheel links to libGL, libX11 and libexpat, even though stepbot never opens a window.",
+        "On Debian or Ubuntu: `apt-get install libgl1 libx11-6 libexpat1`.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB003",
+        "error",
+        "package missing",
+        "A Python package that this command needs is not installed.",
+        "The command cannot do what it was asked to do, and will not pretend that it did.",
+        "Install the extra that the message names.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB004",
+        "error",
+        "output cannot be written",
+        "The output folder, or a file in it, cannot be written.",
+        "Nothing was changed: stepbot writes all files or none.",
+        "Choose another folder with `-o`, or give yourself the right to write there.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB005",
+        "error",
+        "required engine not available",
+        "`--require` names an engine that is not installed or does not start.",
+        "A check that did not run is not a check that passed.",
+        "Install the engine, or drop the requirement.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB006",
+        "note",
+        "cache cannot be used",
+        "Results could not be kept in the cache folder.",
+        "What was computed is right, but the next run computes it again.",
+        "Make the folder writable, or free some space; `--cache DIR` names another folder, `--no-cache` uses none.",
+    ),
+    Code(
+        "SB007",
+        "error",
+        "output not up to date",
+        "A file in the output folder is not, byte by byte, what stepbot would write now; or the folder is missing. Of "
+        "`report.json` the proof is not compared, as it depends on the engines that are installed.",
+        "Whoever loads it gets another robot than the sidecar and the STEP describe: it was edited by hand, or one of them, "
+        "or stepbot itself, has changed since.",
+        "Convert again and commit what was written; what was edited by hand belongs in the sidecar.",
+    ),
+    Code(
+        "SB008",
+        "error",
+        "two robots of one name",
+        "Two sidecars of a batch would be written to the same folder.",
+        "The files of one would replace those of the other.",
+        "Rename one of the sidecars, or the folder that it is in.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB009",
+        "error",
+        "cluster cannot be used",
+        "The scheduler named by `--scheduler` does not answer, or a worker of it has another stepbot.",
+        "Robots cannot be converted there, or not to the same files.",
+        "Start it with `dask scheduler`, workers with `dask worker tcp://host:8786`, with the same stepbot everywhere.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB010",
+        "error",
+        "wrong usage",
+        "The command line has an unknown command or option, a missing argument, or a value that an option does not take.",
+        "Nothing was done. With `--json` the fault is reported in JSON, like every other.",
+        "`stepbot COMMAND --help` lists the arguments and options, with an example.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB011",
+        "note",
+        "output folder cannot be locked",
+        "The file system of the output folder, such as some network ones, has no locks.",
+        "Two conversions into one folder at the same time do not wait for each other, and the list of its files may lose "
+        "those of one: a later run would not remove its old meshes.",
+        "Convert into one folder at a time, or give each robot a folder of its own with `-o`.",
+    ),
+)

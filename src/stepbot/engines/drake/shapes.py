@@ -1,0 +1,64 @@
+"""What Drake made of a link's shapes: the boxes around them, their names, their colours."""
+
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Pose, vector3
+from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+
+from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
+from ..observation import EngineCannotRead, ObservedShape
+from .plant import Built
+from .poses import pose
+
+
+def bounds_of(built: Built, geometry: Any) -> Bounds:
+    """Box [m] of a shape in its link's frame."""
+    inspector = built.scene.model_inspector()
+    X_LG, shape = pose(inspector.GetPoseInFrame(geometry)), inspector.GetShape(geometry)
+    hull = inspector.GetConvexHull(geometry)  # of meshes alone
+    if hull is not None:
+        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+        return mesh_bounds(vertices, X_LG)
+    return _primitive_bounds(shape, X_LG)
+
+
+def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
+    """Name of a shape, and what colours it has, if it is one to see."""
+    inspector = built.scene.model_inspector()
+    name = inspector.GetName(geometry).removeprefix(f"{built.name}::")
+    if not seen:
+        return ObservedShape(name)
+    properties = inspector.GetIllustrationProperties(geometry)
+    shaded = built.request.format.endswith("sdf")
+    return ObservedShape(name, _color(properties, "diffuse"), _color(properties, "ambient") if shaded else None)
+
+
+def _color(properties: Any, name: str) -> tuple[float, ...]:
+    """Red, green, blue and opacity; empty where the shape has no such colour."""
+    if properties is None or not properties.HasProperty("phong", name):
+        return ()
+    color = properties.GetProperty("phong", name)
+    return color.r(), color.g(), color.b(), color.a()
+
+
+def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:
+    """Box of a primitive.
+
+    Raises:
+        EngineCannotRead: A kind of shape that is none of the formats'.
+    """
+    kind = type(shape).__name__
+    if kind == "Box":
+        return primitive_bounds(Box(vector3(shape.size())), X_LG)
+    if kind == "Sphere":
+        return primitive_bounds(Sphere(shape.radius()), X_LG)
+    if kind == "Cylinder":
+        return primitive_bounds(Cylinder(shape.radius(), shape.length()), X_LG)
+    if kind == "Capsule":
+        return primitive_bounds(Capsule(shape.radius(), shape.length()), X_LG)
+    if kind == "Ellipsoid":
+        half = np.sqrt(((X_LG.R * np.array([shape.a(), shape.b(), shape.c()])) ** 2).sum(axis=1))
+        return vector3(X_LG.p - half), vector3(X_LG.p + half)
+    raise EngineCannotRead(f"Drake reports a shape of kind {kind}")

@@ -1,0 +1,155 @@
+"""What a robot description makes engines open, looked at before any of them reads it; runs in a process of its own.
+
+Engines open whatever a file names. MuJoCo and PyBullet take the content of every ``<include>`` of an MJCF, wherever it
+is, and a named pipe or a device in place of a mesh holds them until their time is up. Meshes and textures may be
+anywhere, since descriptions share them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from .resources import candidates
+
+Element = Any
+"""``lxml.etree._Element``, whose stubs know neither ``sourceline`` nor entities."""
+
+ENTITIES = "SB820"
+OUTSIDE = "SB821"
+NOT_REGULAR = "SB822"
+
+_MOST_INCLUDES = 1000
+_CHUNK = 1 << 16
+_SUFFIXED = ("", "right", "left", "up", "down", "front", "back")
+_ATTRIBUTES = ("filename", *(f"file{suffix}" for suffix in _SUFFIXED))
+"""Attributes that name files; six of them are the sides of a texture in MJCF."""
+_FOLDERS = ("meshdir", "texturedir", "assetdir")
+"""Attributes of MJCF's ``<compiler>``."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why engines must not read a file."""
+
+    code: str
+    message: str
+    file: str
+    line: int = 0
+
+
+def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
+    """Why engines must not read a file; empty where they may, and where the file is not XML, which they report.
+
+    Args:
+        file: Path of the description.
+        written_in: Its format.
+    """
+    given, main = Path(file), Path(file).resolve()  # engines start from where a link leads
+    return tuple(replace(one, file=_shown(one.file, main, given)) for one in _refusals(main, written_in == "mjcf"))
+
+
+def _shown(file: str, main: Path, given: Path) -> str:
+    """What the user would call a file."""
+    path = Path(file)
+    if path == main:
+        return str(given)
+    return str(given.parent / path.relative_to(main.parent)) if path.is_relative_to(main.parent) else file
+
+
+def first_element(path: Path) -> Element:
+    """The first element of an XML file, read no further than that; its document type comes with it.
+
+    Raises:
+        XMLSyntaxError: The file is not XML.
+        OSError: It cannot be read.
+    """
+    from lxml import etree
+
+    parser = etree.XMLPullParser(events=("start",), resolve_entities=False, no_network=True)
+    with path.open("rb") as file:  # lxml itself opens no file whose name is not UTF-8
+        while chunk := file.read(_CHUNK):
+            fault = None
+            try:
+                parser.feed(chunk)
+            except etree.XMLSyntaxError as error:  # it may be behind the first element
+                fault = error
+            for _, element in parser.read_events():
+                return element
+            if fault is not None:
+                raise fault
+    return parser.close()
+
+
+def declares_entities(root: Element) -> bool:
+    """Whether the document of its first element declares entities: engines differ in what they take these for."""
+    declared = root.getroottree().docinfo.internalDTD
+    return declared is not None and next(iter(declared.iterentities()), None) is not None
+
+
+def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
+    pending, seen = [main], {main}
+    roots: list[tuple[Path, Element]] = []
+    while pending:
+        path = pending.pop()
+        root = _parsed(path)
+        if root is None:
+            continue
+        if declares_entities(root):
+            yield Refusal(ENTITIES, "declares XML entities", str(path))
+            continue
+        roots.append((path, root))
+        for element in root.iter("include") if has_includes else ():
+            name = element.get("file", "")
+            if not name:
+                continue
+            included = main.parent / name
+            if not included.resolve().is_relative_to(main.parent.resolve()):
+                message = f"includes '{name}', which is outside of the folder of {main.name}"
+                yield Refusal(OUTSIDE, message, str(path), element.sourceline or 0)
+            elif _is_irregular(included):
+                yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
+            elif included.is_file() and included.resolve() not in seen and len(seen) < _MOST_INCLUDES:
+                seen.add(included.resolve())
+                pending.append(included)
+    # The settings of one file hold in all that are included together.
+    folders = [main.parent / folder for folder in ("", *(name for _, root in roots for name in _folders(root)))]
+    for path, root in roots:
+        for element in root.iter("*"):
+            if not (has_includes and element.tag == "include"):
+                yield from _irregular(element, main, folders, path)
+
+
+def _parsed(path: Path) -> Element | None:
+    """The first element; without its content where the document declares entities, which may stand for gigabytes."""
+    from lxml import etree
+
+    try:
+        first = first_element(path)
+        if declares_entities(first):
+            return first
+        return etree.fromstring(path.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True))
+    except (etree.XMLSyntaxError, OSError):
+        return None
+
+
+def _folders(root: Element) -> list[str]:
+    return [folder for compiler in root.iter("compiler") for name in _FOLDERS if (folder := compiler.get(name))]
+
+
+def _irregular(element: Element, main: Path, folders: list[Path], path: Path) -> Iterator[Refusal]:
+    names = [element.get(attribute) or "" for attribute in _ATTRIBUTES]
+    if element.tag == "uri":
+        names.append((element.text or "").strip())
+    for name in filter(None, names):
+        places = [*candidates(name, main), *(folder / one for folder in folders for one in (name, Path(name).name))]
+        if any(map(_is_irregular, places)):
+            yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
+
+
+def _is_irregular(path: Path) -> bool:
+    """Whether something is there that is neither a file nor a folder: a pipe, a device, a socket."""
+    try:
+        return path.exists() and not path.is_file() and not path.is_dir()
+    except (OSError, ValueError):  # a name that no file can have
+        return False

@@ -1,0 +1,86 @@
+"""Gazebo's own parser of SDFormat, libsdformat, by its command: ``gz sdf`` or, in older distributions, ``ign sdf``.
+
+It says whether the file is valid and what it complains of. Its exit code is no help: a file of a later version than it
+knows is ``Valid.``, with an error in the text before that. https://gazebosim.org/libs/sdformat
+"""
+
+import re
+import subprocess
+from functools import cache
+from pathlib import Path
+
+from stepbot.runtime.programs import sdf_programs
+
+from .observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request
+
+NAME = "libsdformat"
+FORMATS = ("sdf", "drake.sdf")
+OPTIONAL = True
+INSTALL = "apt-get install libsdformat-dev ignition-tools"
+
+_TOLD = frozenset({Quantity.LOAD, Quantity.WARNINGS})
+_ONLY_PARSES = "its command says whether a file is valid, and no more"
+_COLOR = re.compile(r"\x1b\[[0-9;]*m")
+_PLACE = re.compile(r"^(Error|Warning) \[[^\]]*\]\s*|^Error Code \d+:\s*(\[[^\]]*\]:\s*)?(Msg:\s*)?")
+_LATER = re.compile(r"Unable to convert from SDF version (\S+) to (\S+)")
+_SECONDS = 120.0
+
+
+@cache
+def _command() -> str | None:
+    """The command that has ``sdf`` among its own."""
+    return next((program for program in sdf_programs() if _run(program, "--versions").strip()), None)
+
+
+def _run(program: str, *arguments: str) -> str:
+    """What ``sdf`` prints, errors too."""
+    command = [program, "sdf", *arguments]
+    run = subprocess.run(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        timeout=_SECONDS,
+    )
+    return "" if run.returncode and arguments == ("--versions",) else run.stdout
+
+
+def available() -> str | None:
+    """Why the engine cannot run here; None where it can."""
+    return None if any(sdf_programs()) else "libsdformat is not installed"
+
+
+def prepare() -> None:
+    """There is no slow import: the command is a program of its own."""
+
+
+def observe(request: Request) -> Observation:
+    """Let libsdformat check the file.
+
+    Raises:
+        EngineRefused: It says that the file is wrong.
+        EngineCannotRead: The file is of a later version than it knows, or its command is not there.
+    """
+    program = _command()
+    if program is None:
+        raise EngineCannotRead("neither `gz sdf` nor `ign sdf` is there")
+    folder = f"{Path(request.file).parent.as_posix()}/"
+    text = _COLOR.sub("", _run(program, "--check", request.file)).replace(folder, "")
+    later = _LATER.search(text)
+    if later is not None:
+        raise EngineCannotRead(f"the file says version {later[1]}, libsdformat here reads up to {later[2]}")
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    # A library that only makes backtraces prettier; its absence says nothing of the file.
+    lines = [line for line in lines if "backward.so" not in line]
+    if "Valid." not in lines:
+        raise EngineRefused("; ".join(dict.fromkeys(_PLACE.sub("", line) for line in lines)))
+    return Observation(
+        engine=NAME,
+        version=_run(program, "--versions").split("\n")[-2].strip(),
+        format=request.format,
+        warnings=tuple(dict.fromkeys(_PLACE.sub("", line) for line in lines if line != "Valid.")),
+        not_run={quantity: _ONLY_PARSES for quantity in Quantity if quantity not in _TOLD},
+    )

@@ -1,0 +1,41 @@
+"""A compiled MuJoCo model with the coordinates that move it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from stepbot.geometry.spatial import Pose
+
+from .coordinates import Balls, Coordinates
+from .model import NamedModel
+
+
+@dataclass(frozen=True)
+class Compiled(NamedModel):
+    """A compiled model that can be posed."""
+
+    balls: Balls
+    """For each ball joint the names of its coordinates."""
+
+    @cached_property
+    def coordinates(self) -> Coordinates:
+        """What the joints are moved by."""
+        return Coordinates(self, self.balls)
+
+    def data(self, q: Mapping[str, float]) -> Any:
+        """State at a configuration, at rest, with the kinematics computed."""
+        data = self.engine.MjData(self.model)
+        self.coordinates.place(data.qpos, q)
+        self.engine.mj_kinematics(self.model, data)
+        self.engine.mj_comPos(self.model, data)
+        return data
+
+    def X_WB(self, data: Any, body: int) -> Pose:
+        """Pose of a body in the world."""
+        return Pose.of(data.xmat[body].reshape(3, 3), data.xpos[body])
+
+    def poses(self, data: Any) -> dict[str, Pose]:
+        """Pose of every link with respect to the first."""
+        X_RW = self.X_WB(data, 1).inverse()
+        return {self.name("BODY", body): X_RW @ self.X_WB(data, body) for body in self.bodies}

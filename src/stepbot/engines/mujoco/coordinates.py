@@ -1,0 +1,100 @@
+"""What moves a MuJoCo model, in the coordinates of the reference: balls by yaw, pitch and roll, screws by one angle."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, rotation_from_rpy, rpy_from_rotation
+from stepbot.geometry.spatial import quaternion_from_rotation as quaternion
+from stepbot.geometry.spatial import rotation_from_quaternion as rotation
+from stepbot.robot.dynamics import Rates
+
+from ..ball_coordinates import ball_bias, ball_rates
+from .joints import screw_pitch
+
+if TYPE_CHECKING:
+    from .model import NamedModel
+
+Balls = Mapping[str, tuple[str, str, str]]
+
+
+class Coordinates:
+    """Positions and velocities of a model's joints as functions of named coordinates.
+
+    MuJoCo holds the pose of a ball as a quaternion, and its speed as the angular velocity in the child's frame.
+    """
+
+    def __init__(self, compiled: "NamedModel", balls: Balls) -> None:
+        """Sort the joints.
+
+        Args:
+            compiled: The model.
+            balls: The coordinates yaw, pitch and roll of each ball joint; a ball that is not among them does not move.
+        """
+        engine, model = compiled.engine, compiled.model
+        self._model = model
+        self._single: dict[str, int] = {}
+        self._screws: list[tuple[int, str, float]] = []
+        self._balls: dict[tuple[str, str, str], int] = {}
+        names: list[str] = []
+        for joint in range(model.njnt):
+            kind, name = compiled.joint_type(joint), compiled.name("JOINT", joint)
+            pitch = screw_pitch(compiled, joint) if kind == engine.mjtJoint.mjJNT_SLIDE else None
+            if pitch is not None:
+                self._screws.append((joint, compiled.name("JOINT", joint + 1), pitch))
+            elif kind in (engine.mjtJoint.mjJNT_HINGE, engine.mjtJoint.mjJNT_SLIDE):
+                self._single[name] = joint
+                names.append(name)
+            elif kind == engine.mjtJoint.mjJNT_BALL and name in balls:
+                self._balls[balls[name]] = joint
+                names += balls[name]
+        self.names = tuple(names)
+
+    def place(self, qpos: Any, q: Mapping[str, float]) -> None:
+        """Put the joints where ``q`` has them; coordinates that it does not name at 0."""
+        address = self._model.jnt_qposadr
+        for name, joint in self._single.items():
+            qpos[address[joint]] = q.get(name, 0.0)
+        for joint, leader, pitch in self._screws:
+            qpos[address[joint]] = pitch * q.get(leader, 0.0)
+        for names, joint in self._balls.items():
+            yaw, pitch, roll = (q.get(name, 0.0) for name in names)
+            start = address[joint]
+            qpos[start : start + 4] = quaternion(rotation_from_rpy((roll, pitch, yaw)))
+
+    def read(self, qpos: Any) -> dict[str, float]:
+        """The coordinates at which a model is; what a screw's slide says beside its hinge is not among them."""
+        address = self._model.jnt_qposadr
+        q = {name: float(qpos[address[joint]]) for name, joint in self._single.items()}
+        for names, joint in self._balls.items():
+            roll, pitch, yaw = rpy_from_rotation(rotation(qpos[address[joint] : address[joint] + 4].tolist()))
+            q.update(zip(names, (yaw, pitch, roll), strict=True))
+        return {name: q[name] for name in self.names}
+
+    def rates(self, q: Mapping[str, float]) -> Array:
+        """MuJoCo's velocities per unit speed of each coordinate, shape (nv, n)."""
+        E = np.zeros((self._model.nv, len(self.names)))
+        column = {name: i for i, name in enumerate(self.names)}
+        address = self._model.jnt_dofadr
+        for name, joint in self._single.items():
+            E[address[joint], column[name]] = 1.0
+        for joint, leader, pitch in self._screws:
+            E[address[joint], column[leader]] = pitch
+        for names, joint in self._balls.items():
+            E[self._of_ball(joint), [column[name] for name in names]] = ball_rates([q.get(name, 0.0) for name in names])
+        return E
+
+    def moving(self, q: Mapping[str, float], rates: Rates) -> tuple[Array, Array]:
+        """MuJoCo's velocities (nv,) and accelerations (nv,) for those of the coordinates."""
+        E = self.rates(q)
+        v, a = (np.array([rate.get(name, 0.0) for name in self.names]) for rate in rates)
+        accelerations = E @ a
+        for names, joint in self._balls.items():
+            at, speed = ([given.get(name, 0.0) for name in names] for given in (q, rates[0]))
+            accelerations[self._of_ball(joint)] += ball_bias(at, speed)
+        return E @ v, accelerations
+
+    def _of_ball(self, joint: int) -> slice:
+        start = self._model.jnt_dofadr[joint]
+        return slice(start, start + 3)

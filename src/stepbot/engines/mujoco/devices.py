@@ -1,0 +1,216 @@
+"""Drives, sensors and frames of a MuJoCo model.
+
+MuJoCo's sensors tell one reading each: those whose names begin alike, up to a slash, are one sensor. What a group of
+readings is, follows from what they are; groups that are none of the known kinds are told in MuJoCo's words.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import atan, inf, pi, radians, tan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import ActuatorKind
+from stepbot.robot.sensors import SensorKind
+
+from ..observation import ObservedActuator, ObservedSensor
+
+if TYPE_CHECKING:
+    from .compiled import Compiled
+
+_GROUPS = {
+    frozenset({"accelerometer", "gyro", "framequat"}): SensorKind.IMU,
+    frozenset({"force", "torque"}): SensorKind.FORCE_TORQUE,
+    frozenset({"jointpos", "jointvel"}): SensorKind.JOINT,
+    frozenset({"ballquat", "ballangvel"}): SensorKind.JOINT,
+    frozenset({"jointpos", "jointvel", "ballquat", "ballangvel"}): SensorKind.JOINT,
+    frozenset({"rangefinder"}): SensorKind.LIDAR,
+    frozenset({"contact"}): SensorKind.CONTACT,
+}
+_FOUND_FORCE_TORQUE, _NET_FORCE = 0b111, 3
+"""What a contact sensor of stepbot's asks for: `data` and `reduce`, as MuJoCo keeps them."""
+# Axes of a camera, and of a ray, in those of the sensor: a camera looks along -z with y up, a ray goes along z.
+_R_SC = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+_R_SRay = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+_EVEN = 1e-9
+"""How far [m or rad] a ray may be from where even spacing has it."""
+
+
+def observed_frames(compiled: "Compiled", sensors: Sequence[ObservedSensor]) -> dict[str, tuple[str, Pose]]:
+    """Sites by name, without those that only mark where a sensor is."""
+    marks = {sensor.name for sensor in sensors}
+    model = compiled.model
+    names = [(s, compiled.name("SITE", s)) for s in range(model.nsite)]
+    return {name: _site(compiled, s) for s, name in names if "/" not in name or name.split("/")[0] not in marks}
+
+
+def _site(compiled: "Compiled", s: int) -> tuple[str, Pose]:
+    model = compiled.model
+    link = compiled.name("BODY", int(model.site_bodyid[s]))
+    return link, Pose.from_quaternion(model.site_quat[s].tolist(), model.site_pos[s])
+
+
+def observed_actuators(compiled: "Compiled") -> tuple[ObservedActuator, ...]:
+    """What drives the joints."""
+    return tuple(_actuator(compiled, a) for a in range(compiled.model.nu))
+
+
+def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
+    """A drive; told apart by its bias, as MuJoCo's shortcuts set it."""
+    model = compiled.model
+    gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
+    joint = compiled.name("JOINT", int(model.actuator_trnid[a][0]))
+    gear = float(model.actuator_gear[a][0])
+    control = _range(model.actuator_ctrlrange[a], model.actuator_ctrllimited[a])
+    force = _range(model.actuator_forcerange[a], model.actuator_forcelimited[a])
+    seen = ObservedActuator(compiled.name("ACTUATOR", a), joint, ActuatorKind.MOTOR.value, gear=gear)
+    seen = replace(seen, control=control, force=force)
+    if bias[1]:
+        return replace(seen, kind=ActuatorKind.POSITION.value, kp=gain, kv=-bias[2])
+    if bias[2]:
+        return replace(seen, kind=ActuatorKind.VELOCITY.value, kv=gain)
+    return replace(seen, gear=gear * gain)
+
+
+def _range(bounds: Any, limited: Any) -> tuple[float, float]:
+    low, high = bounds.tolist() if limited else (-inf, inf)
+    return low, high
+
+
+def observed_sensors(compiled: "Compiled") -> tuple[ObservedSensor, ...]:
+    """What measures: groups of readings, and cameras."""
+    groups: dict[str, list[_Reading]] = {}
+    for s in range(compiled.model.nsensor):
+        reading = _reading(compiled, s)
+        groups.setdefault(reading.name.split("/")[0], []).append(reading)
+    sensors = [_sensor(compiled, name, readings) for name, readings in groups.items()]
+    return (*sensors, *_cameras(compiled))
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """One of MuJoCo's sensors."""
+
+    index: int
+    name: str
+    word: str
+    """MuJoCo's word for what it tells."""
+    on: tuple[str, int]
+    """Kind and index of what it is on."""
+
+
+def _reading(compiled: "Compiled", s: int) -> _Reading:
+    engine, model = compiled.engine, compiled.model
+    word = engine.mjtSensor(model.sensor_type[s]).name.removeprefix("mjSENS_").lower()
+    on = engine.mjtObj(model.sensor_objtype[s]).name.removeprefix("mjOBJ_")
+    return _Reading(s, compiled.name("SENSOR", s), word, (on, int(model.sensor_objid[s])))
+
+
+def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> ObservedSensor:
+    """The sensor that a group of readings is."""
+    model = compiled.model
+    words = sorted({reading.word for reading in readings})
+    kind = _GROUPS.get(frozenset(words))
+    rates = {float(model.sensor_interval[reading.index][0]) for reading in readings}
+    interval = rates.pop()
+    seen = ObservedSensor(name, " and ".join(words), rate=1.0 / interval if interval else 0.0)
+    if kind is None or rates:
+        return seen
+    told = dict(_TELLERS[kind](compiled, readings))
+    return replace(seen, **{"kind": kind.value, **told}) if told else seen
+
+
+def _at_a_site(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
+    """Where an inertial unit is: all of its readings at one site."""
+    places = {reading.on for reading in readings}
+    if len(places) == 1 and len(readings) == len({reading.word for reading in readings}):
+        on, s = places.pop()
+        if on == "SITE":
+            link, X_LS = _site(compiled, s)
+            yield from (("link", link), ("X_LS", X_LS))
+
+
+def _in_a_joint(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
+    """Where a force-torque sensor is: at a site of the body that hangs from the joint."""
+    yield from _at_a_site(compiled, readings)
+    model = compiled.model
+    body = int(model.site_bodyid[readings[0].on[1]])
+    if model.body_jntnum[body] == 1:
+        yield "joint", compiled.name("JOINT", int(model.body_jntadr[body]))
+
+
+def _of_joints(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
+    """The joint, or what the names of several joints begin with; each tells its position and its velocity."""
+    words: dict[str, set[str]] = {}
+    for reading in readings:
+        words.setdefault(compiled.name("JOINT", reading.on[1]), set()).add(reading.word)
+    if all(len(told) == 2 for told in words.values()) and len(readings) == 2 * len(words):
+        names = list(words)
+        stems = {name.rpartition("_")[0] for name in names}
+        yield "joint", names[0] if len(names) == 1 else stems.pop() if len(stems) == 1 else ""
+
+
+def _of_a_body(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
+    """The link that a contact sensor watches, where it asks for the net force of all that touches it."""
+    on, body = readings[0].on
+    asked = compiled.model.sensor_intprm[readings[0].index].tolist()
+    if len(readings) == 1 and on == "BODY" and asked[:2] == [_FOUND_FORCE_TORQUE, _NET_FORCE]:
+        yield "link", compiled.name("BODY", body)
+
+
+def _of_rays(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
+    """The field of view of evenly spread rays, and where its middle is."""
+    if {reading.on[0] for reading in readings} != {"SITE"}:
+        return
+    places = [_site(compiled, reading.on[1]) for reading in readings]
+    rays = [Pose.of(X_LR.R @ _R_SRay.T, X_LR.p) for _, X_LR in places]
+    step = _turn_about_z(rays[0], rays[1]) if len(rays) > 1 else 0.0
+    fov = step * (len(rays) - 1)
+    X_LS = rays[0] @ _about_z(0.5 * fov)
+    even = [X_LS @ _about_z(i * step - 0.5 * fov) for i in range(len(rays))]
+    off = max(max(ray.distance_to(wanted)) for ray, wanted in zip(rays, even, strict=True))
+    farthest = {float(compiled.model.sensor_cutoff[reading.index]) for reading in readings}
+    if off < _EVEN and len(farthest) == 1 and len({link for link, _ in places}) == 1:
+        yield from (("link", places[0][0]), ("X_LS", X_LS), ("fov", fov), ("columns", len(rays)), ("rows", 1))
+        yield "farthest", farthest.pop() or inf
+
+
+def _about_z(angle: float) -> Pose:
+    return Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, angle))
+
+
+def _turn_about_z(a: Pose, b: Pose) -> float:
+    """Angle [rad] from one ray to the next, to the left and less than a turn."""
+    R_AB = a.R.T @ b.R
+    return float(np.arctan2(R_AB[1, 0], R_AB[0, 0])) % (2.0 * pi)
+
+
+_TELLERS = {
+    SensorKind.IMU: _at_a_site,
+    SensorKind.FORCE_TORQUE: _in_a_joint,
+    SensorKind.JOINT: _of_joints,
+    SensorKind.LIDAR: _of_rays,
+    SensorKind.CONTACT: _of_a_body,
+}
+"""For each kind what else there is to tell of it; nothing where the readings do not belong together."""
+
+
+def _cameras(compiled: "Compiled") -> Iterator[ObservedSensor]:
+    """Cameras that are fixed to a body; they draw when they are asked to, all from one near to one far plane."""
+    model = compiled.model
+    for c in range(model.ncam):
+        X_LC = Pose.from_quaternion(model.cam_quat[c].tolist(), model.cam_pos[c])
+        columns, rows = model.cam_resolution[c].tolist()
+        fov = 2.0 * atan(tan(0.5 * radians(float(model.cam_fovy[c]))) * columns / rows)
+        stays = model.cam_mode[c] == compiled.engine.mjtCamLight.mjCAMLIGHT_FIXED
+        yield ObservedSensor(
+            compiled.name("CAMERA", c),
+            SensorKind.CAMERA.value if stays else "camera that turns by itself",
+            compiled.name("BODY", int(model.cam_bodyid[c])),
+            X_LS=Pose.of(X_LC.R @ _R_SC.T, X_LC.p),
+            fov=fov,
+            columns=columns,
+            rows=rows,
+        )

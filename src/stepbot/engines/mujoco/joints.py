@@ -1,0 +1,188 @@
+"""The joints of a MuJoCo model: single ones, and several in one body that are one joint of several freedoms."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import inf, nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepbot.geometry.spatial import vector3
+from stepbot.robot.model import JointDynamics, Limit, Mimic
+
+from ..observation import ObservedJoint
+
+if TYPE_CHECKING:
+    from .model import NamedModel
+
+VELOCITY = "/velocity"
+"""End of the name of the custom number that holds a joint's velocity limit, which MJCF has no attribute for."""
+
+_TURNING = ("revolute", "continuous")
+_SQUARE = 1e-9
+"""Largest cosine of the angle between axes that count as normal to each other."""
+
+
+def observed_joints(compiled: "NamedModel", body: int, mjcf: bool) -> Iterator[ObservedJoint]:
+    """The joint above a body; a body without one is fixed to its parent, under no name.
+
+    Several joints in one body are one joint of several freedoms, where they make one of the kinds that there are;
+    otherwise each is told by itself.
+    """
+    engine, model = compiled.engine, compiled.model
+    parent, child = (compiled.name("BODY", index) for index in (model.body_parentid[body], body))
+    above = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
+    if not above and model.body_parentid[body] > 0:
+        yield ObservedJoint("", "fixed", parent, child)
+    free = engine.mjtJoint.mjJNT_FREE
+    if any(compiled.joint_type(joint) == free and model.body_parentid[body] == 0 for joint in above):
+        return
+    seen = [_single_joint(compiled, joint, parent, child, mjcf) for joint in above]
+    whole = _as_one(compiled, above, seen) if len(seen) > 1 else None
+    yield from seen if whole is None else (_with_steps(compiled, whole, seen),)
+
+
+def _with_steps(compiled: "NamedModel", whole: ObservedJoint, seen: Sequence[ObservedJoint]) -> ObservedJoint:
+    """A joint, with those that it is said by; the two of a screw have one coordinate between them.
+
+    The velocity limit that is kept under its name is that of each joint that turns.
+    """
+    if whole.kind == "screw":
+        return whole
+    velocity = _velocity_limits(compiled).get(whole.name, inf)
+    steps = (
+        replace(step, limit=replace(step.limit, velocity=min(step.limit.velocity, velocity)))
+        if step.limit is not None and step.kind != "prismatic"
+        else step
+        for step in seen
+    )
+    limit = whole.limit and replace(whole.limit, velocity=min(whole.limit.velocity, velocity))
+    return replace(whole, limit=limit, steps=tuple(steps))
+
+
+def _as_one(compiled: "NamedModel", above: range, seen: Sequence[ObservedJoint]) -> ObservedJoint | None:
+    """The joint that several joints of a body are; None where they are none of the known kinds."""
+    kinds = tuple("turn" if joint.kind in _TURNING else joint.kind for joint in seen)
+    axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in seen]
+    last, first = seen[-1], seen[0]
+    stem = first.name.rpartition("_")[0]
+    name = stem if all(joint.name.startswith(f"{stem}_") for joint in seen) else ""
+    if kinds == ("turn", "turn"):
+        limit = first.limit if first.limit is not None and first.limit == last.limit else Limit(nan, nan, nan, nan)
+        dynamics = first.dynamics if first.dynamics == last.dynamics else JointDynamics(*[nan] * 5)
+        return replace(first, name=name, kind="universal", axis2=last.axis, limit=limit, dynamics=dynamics)
+    if kinds == ("prismatic", "turn") and np.array_equal(axes[0], axes[1]):
+        pitch = screw_pitch(compiled, above[0])
+        if pitch is not None:
+            return replace(last, kind="screw", pitch=pitch)
+        return replace(last, name=name, kind="cylindrical")
+    flat = len(axes) == 3 and max(abs(float(axes[2] @ axis)) for axis in axes[:2]) < _SQUARE
+    if kinds == ("prismatic", "prismatic", "turn") and flat:
+        return replace(last, name=name, kind="planar")
+    if kinds == ("prismatic", "prismatic", "prismatic", "ball") and np.array_equal(axes[:3], np.eye(3)):
+        return replace(last, name=name, kind="floating")
+    return None
+
+
+def screw_pitch(compiled: "NamedModel", joint: int) -> float | None:
+    """How far a sliding joint advances with the hinge after it in its body; None where nothing makes it follow that."""
+    model, follows = compiled.model, _mimic(compiled, joint)
+    after = joint + 1
+    if follows is None or follows.offset or after >= model.njnt or model.jnt_bodyid[after] != model.jnt_bodyid[joint]:
+        return None
+    return follows.multiplier if follows.joint == compiled.name("JOINT", after) else None
+
+
+def _single_joint(compiled: "NamedModel", joint: int, parent: str, child: str, mjcf: bool) -> ObservedJoint:
+    engine = compiled.engine
+    kind = compiled.joint_type(joint)
+    if kind in (engine.mjtJoint.mjJNT_HINGE, engine.mjtJoint.mjJNT_SLIDE):
+        return _moving_joint(compiled, joint, parent, child, mjcf)
+    if kind == engine.mjtJoint.mjJNT_BALL:
+        velocities, name = _velocity_limits(compiled), compiled.name("JOINT", joint)
+        widest = float(compiled.model.jnt_range[joint][1]) if compiled.model.jnt_limited[joint] else inf
+        return ObservedJoint(
+            name,
+            "ball",
+            parent,
+            child,
+            anchor=vector3(compiled.model.jnt_pos[joint]),
+            limit=Limit(upper=widest, velocity=velocities.get(name, inf)),  # a cone, in MuJoCo alone
+            limit_fields=("upper", "velocity") if mjcf else (),
+            dynamics=_passive(compiled, joint, 0.0),
+            dynamics_fields=("damping", "friction", "stiffness", "armature"),
+        )
+    return ObservedJoint(compiled.name("JOINT", joint), "floating", parent, child)
+
+
+def _passive(compiled: "NamedModel", joint: int, reference: float) -> JointDynamics:
+    model = compiled.model
+    dof = model.jnt_dofadr[joint]
+    return JointDynamics(
+        damping=float(model.dof_damping[dof]),
+        friction=float(model.dof_frictionloss[dof]),
+        stiffness=float(model.jnt_stiffness[joint]),
+        spring_reference=reference,
+        armature=float(model.dof_armature[dof]),
+    )
+
+
+def _moving_joint(compiled: "NamedModel", joint: int, parent: str, child: str, mjcf: bool) -> ObservedJoint:
+    model, name = compiled.model, compiled.name("JOINT", joint)
+    position = model.jnt_qposadr[joint]
+    limited, forced = bool(model.jnt_limited[joint]), bool(model.jnt_actfrclimited[joint])
+    kind = "prismatic"
+    if compiled.joint_type(joint) == compiled.engine.mjtJoint.mjJNT_HINGE:
+        kind = "revolute" if limited else "continuous"
+    velocities = _velocity_limits(compiled)
+    lower, upper = model.jnt_range[joint].tolist() if limited else (-inf, inf)
+    limit = Limit(lower, upper, velocities.get(name, inf), _effort(*model.jnt_actfrcrange[joint]) if forced else inf)
+    return ObservedJoint(
+        name,
+        kind,
+        parent,
+        child,
+        axis=vector3(model.jnt_axis[joint]),
+        anchor=vector3(model.jnt_pos[joint]),
+        limit=limit,
+        limit_fields=("lower", "upper", *(("velocity",) if mjcf else ()), "effort"),
+        dynamics=_passive(compiled, joint, float(model.qpos_spring[position])),
+        dynamics_fields=("damping", "friction", *(("stiffness", "spring_reference", "armature") if mjcf else ())),
+        mimic=_mimic(compiled, joint),
+        mimic_read=True,
+    )
+
+
+def _effort(lower: float, upper: float) -> float:
+    """The effort limit that a range of forces means; not a number where it is not the same in both directions."""
+    return float(upper) if lower == -upper else nan
+
+
+def _velocity_limits(compiled: "NamedModel") -> dict[str, float]:
+    """Velocity limits [rad/s] or [m/s] that are kept as custom numbers, by joint."""
+    model = compiled.model
+    names = {compiled.name("NUMERIC", i): int(model.numeric_adr[i]) for i in range(model.nnumeric)}
+    return {
+        name.removesuffix(VELOCITY): float(model.numeric_data[address])
+        for name, address in names.items()
+        if name.endswith(VELOCITY)
+    }
+
+
+def _mimic(compiled: "NamedModel", joint: int) -> Mimic | None:
+    """The relation of an equality of two joints, carried over from MuJoCo's reference positions to q = 0."""
+    engine, model = compiled.engine, compiled.model
+    for e in range(model.neq):
+        if (
+            engine.mjtEq(model.eq_type[e]) != engine.mjtEq.mjEQ_JOINT
+            or model.eq_obj1id[e] != joint
+            or not model.eq_active0[e]
+        ):
+            continue
+        leader = int(model.eq_obj2id[e])
+        offset, multiplier = model.eq_data[e][:2].tolist()
+        if leader < 0:
+            return None
+        reference = [float(model.qpos0[model.jnt_qposadr[j]]) for j in (joint, leader)]
+        return Mimic(compiled.name("JOINT", leader), multiplier, offset + reference[0] - multiplier * reference[1])
+    return None

@@ -1,0 +1,25 @@
+"""A compiled MuJoCo model, and the names that its numbers belong to."""
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class NamedModel:
+    """A compiled model, with the names that its numbers belong to."""
+
+    engine: Any
+    model: Any
+
+    def name(self, kind: str, index: int) -> str:
+        """Name of an element; empty where it has none. ``kind`` as in ``mjOBJ_<kind>``."""
+        return self.engine.mj_id2name(self.model, getattr(self.engine.mjtObj, f"mjOBJ_{kind}"), index) or ""
+
+    @property
+    def bodies(self) -> range:
+        """Indices of the links: every body but the world."""
+        return range(1, self.model.nbody)
+
+    def joint_type(self, joint: int) -> Any:
+        """MuJoCo's word for the kind of a joint."""
+        return self.engine.mjtJoint(self.model.jnt_type[joint])

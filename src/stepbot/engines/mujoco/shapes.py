@@ -1,0 +1,66 @@
+"""What MuJoCo made of a link's shapes: the boxes around them, their names, their colours."""
+
+from dataclasses import replace
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Pose, vector3
+from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+
+from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
+from ..observation import ObservedShape
+
+if TYPE_CHECKING:
+    from .compiled import Compiled
+
+
+def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: bool) -> tuple[ObservedShape, ...]:
+    """The shapes that are touched, or else those that are only seen; of URDF, MuJoCo keeps no names of them."""
+    shapes = []
+    for g in _geoms(compiled, body, touched):
+        model = compiled.model
+        shape = ObservedShape(
+            bounds=_bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
+        )
+        if mjcf:
+            rgba = None if touched else tuple(model.geom_rgba[g].tolist())
+            shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, group=int(model.geom_group[g]))
+        shapes.append(shape)
+    return tuple(shapes)
+
+
+def _geoms(compiled: "Compiled", body: int, touched: bool) -> list[int]:
+    model = compiled.model
+    geoms = range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
+    return [g for g in geoms if bool(model.geom_contype[g] or model.geom_conaffinity[g]) is touched]
+
+
+def _bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
+    engine, model = compiled.engine, compiled.model
+    kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
+    if kind == engine.mjtGeom.mjGEOM_MESH:
+        # MuJoCo keeps vertices about the mesh's own centre and carries the shift in the pose of the geom.
+        mesh = model.geom_dataid[g]
+        start = model.mesh_vertadr[mesh]
+        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+        return mesh_bounds(np.asarray(vertices, dtype=np.float64), X_LG)
+    return _primitive_bounds(engine, kind, size, X_LG)
+
+
+def _primitive_bounds(engine: Any, kind: Any, size: list[float], X_LG: Pose) -> Bounds:
+    """Box of a primitive; MuJoCo has half lengths. Planes and height fields have no end."""
+    types = engine.mjtGeom
+    if kind == types.mjGEOM_BOX:
+        return primitive_bounds(Box((2 * size[0], 2 * size[1], 2 * size[2])), X_LG)
+    if kind == types.mjGEOM_SPHERE:
+        return primitive_bounds(Sphere(size[0]), X_LG)
+    if kind == types.mjGEOM_CYLINDER:
+        return primitive_bounds(Cylinder(size[0], 2 * size[1]), X_LG)
+    if kind == types.mjGEOM_CAPSULE:
+        return primitive_bounds(Capsule(size[0], 2 * size[1]), X_LG)
+    if kind == types.mjGEOM_ELLIPSOID:
+        half = np.sqrt(((X_LG.R * np.array(size)) ** 2).sum(axis=1))
+        return vector3(X_LG.p - half), vector3(X_LG.p + half)
+    return (-inf, -inf, -inf), (inf, inf, inf)

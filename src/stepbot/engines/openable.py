@@ -1,0 +1,42 @@
+"""Paths that every engine can open: those that are UTF-8.
+
+On POSIX a name is bytes, and engines and XML libraries take text. Where a path is not UTF-8 they get another one, by
+symbolic links in the temporary folder of the run.
+"""
+
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from stepbot.runtime.temporary import run_folder
+
+
+@cache
+def openable(path: Path) -> Path:
+    """An absolute path of a file, in UTF-8; files beside the file and below its folder have the same way from there.
+
+    Raises:
+        OSError: There cannot be a symbolic link.
+    """
+    path = path.resolve()
+    if _is_utf8(path):
+        return path
+    place = Path(tempfile.mkdtemp(dir=run_folder()))
+    if _is_utf8(Path(path.name)):
+        folder = next(folder for folder in path.parents if not _is_utf8(Path(folder.name)))
+        (place / "folder").symlink_to(folder, target_is_directory=True)
+        return place / "folder" / path.relative_to(folder)
+    for beside in path.parent.iterdir():
+        if _is_utf8(Path(beside.name)):
+            (place / beside.name).symlink_to(beside, target_is_directory=beside.is_dir())
+    description = place / f"{place.name}{path.suffix if _is_utf8(Path(path.suffix)) else ''}"
+    description.symlink_to(path)
+    return description
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:  # it has bytes that are not, as surrogates
+        return False
+    return True

@@ -1,0 +1,311 @@
+"""Pinocchio as an observer of URDF and MJCF: rigid body algorithms that share nothing with those of the simulators.
+
+It melts what is fixed to a link into that link's inertia, and gives a joint that turns without end two coordinates,
+its cosine and sine. https://github.com/stack-of-tasks/pinocchio
+"""
+
+import importlib.metadata
+import importlib.util
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import cos, inf, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, matrix3, quaternion_from_rotation, rotation_from_rpy, vector3
+from stepbot.robot.dynamics import GRAVITY, Rates
+from stepbot.robot.model import JointDynamics, Limit, Mimic
+
+from .ball_coordinates import ball_bias, ball_rates
+from .captured_output import printed
+from .observation import (
+    Dynamics,
+    EngineCannotRead,
+    EngineRefused,
+    Observation,
+    ObservedJoint,
+    ObservedLink,
+    Quantity,
+    Request,
+)
+
+NAME = "pinocchio"
+FORMATS = ("urdf", "mjcf")
+OPTIONAL = True
+INSTALL = "pip install 'stepbot[verify]'"
+
+_NOT_RUN: Mapping[Quantity, str] = {
+    Quantity.MESHES: "left to the engines that simulate",
+    Quantity.SIMULATION: "Pinocchio does not simulate",
+    Quantity.CLOSURES: "left to the engines that simulate",
+    Quantity.ACTUATORS: "Pinocchio does not read actuators",
+    Quantity.SENSORS: "Pinocchio does not read sensors",
+}
+_MJCF_NOT_RUN: Mapping[Quantity, str] = {
+    Quantity.MIMIC: "Pinocchio does not read equalities of joints",
+    Quantity.LIMITS: "Pinocchio takes other bounds where MJCF gives none, and no actuatorfrcrange",
+    Quantity.DYNAMICS: "Pinocchio reads springs and friction of MJCF in ways of its own",
+}
+_TURNING = ("R", "Revolute")
+_HOME = "home"
+
+
+def available() -> str | None:
+    """Why the engine cannot run here; None where it can."""
+    # A test framework of the same name is on the package index as well; only the real one is installed as `pin`.
+    try:
+        importlib.metadata.version("pin")
+    except importlib.metadata.PackageNotFoundError:
+        return "pinocchio is not installed"
+    return None
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import pinocchio  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Build the model and say what is in it.
+
+    Raises:
+        EngineRefused: Pinocchio does not build it.
+        EngineCannotRead: Several joints in one body, whose names Pinocchio forgets.
+    """
+    import pinocchio as engine
+
+    with printed() as lines:
+        try:
+            build = engine.buildModelFromUrdf if request.format == "urdf" else engine.buildModelFromMJCF
+            model = build(request.file)
+            built = _Built(engine, model, request)
+            mimics = _mimics(engine, request)
+        except (ValueError, RuntimeError, IndexError) as error:
+            folder = f"{Path(request.file).parent.as_posix()}/"
+            raise EngineRefused(str(error).replace(folder, "").strip()) from error
+        observation = built.observation(mimics)
+    return replace(observation, warnings=tuple(dict.fromkeys(lines)))
+
+
+def _mimics(engine: Any, request: Request) -> dict[str, Mimic] | str:
+    """The mimic of each joint that has one, from a model that follows them; or why they are not told."""
+    if request.format != "urdf":
+        return _MJCF_NOT_RUN[Quantity.MIMIC]
+    try:
+        model = engine.buildModelFromUrdf(request.file, mimic=True)
+    except (ValueError, RuntimeError) as error:
+        return f"Pinocchio follows none of them: {error}"
+    mimics = {}
+    for follower, leader in zip(model.mimicking_joints, model.mimicked_joints, strict=True):
+        joint = model.joints[follower].extract()
+        mimics[model.names[follower]] = Mimic(model.names[leader], float(joint.scaling), float(joint.offset))
+    return mimics
+
+
+@dataclass(frozen=True)
+class _Built:
+    """A model, and how its frames hang together."""
+
+    engine: Any
+    model: Any
+    request: Request
+
+    def observation(self, mimics: dict[str, Mimic] | str) -> Observation:
+        model, request = self.model, self.request
+        columns = tuple(self.columns)
+        model.gravity.linear = np.array(GRAVITY)
+        model.armature[:] = 0.0  # compared by itself, where an engine tells of it
+        data = model.createData()
+        closed = [q for way in request.ways for q in way]
+        mjcf = request.format == "mjcf"
+        not_run = {**_NOT_RUN, **(_MJCF_NOT_RUN if mjcf else {})}
+        if isinstance(mimics, str):
+            not_run[Quantity.MIMIC] = mimics
+        return Observation(
+            engine=NAME,
+            version=importlib.metadata.version("pin"),
+            format=request.format,
+            base=("floating" if self.floats else "fixed") if mjcf else None,
+            links=tuple(self.link(body) for body in self.bodies.values()),
+            joints=tuple(self.joints(mimics if isinstance(mimics, dict) else None)),
+            coordinates=columns,
+            poses=tuple(self.poses(data, q) for q in [*request.configurations, *closed]),
+            dynamics=tuple(self.dynamics(data, *at) for at in request.moments),
+            not_run=not_run,
+        )
+
+    @cached_property
+    def bodies(self) -> dict[str, int]:
+        """Frame of each link by name, the root first."""
+        body = self.engine.FrameType.BODY
+        return {
+            frame.name: index
+            for index, frame in enumerate(self.model.frames)
+            if frame.type == body and frame.name != "universe"
+        }
+
+    @cached_property
+    def above(self) -> dict[str, Any]:
+        """Frame of the joint above each link, fixed or moving; the root has none."""
+        types = self.engine.FrameType
+        found = {}
+        for name, index in self.bodies.items():
+            holder = self.model.frames[index].parentFrame
+            frame = self.model.frames[holder]
+            if holder and frame.type in (types.FIXED_JOINT, types.JOINT) and not self._frees(frame):
+                found[name] = frame
+        return found
+
+    def _frees(self, frame: Any) -> bool:
+        kind = str(self.model.joints[frame.parentJoint].shortname())
+        return kind == "JointModelFreeFlyer" and bool(frame.type == self.engine.FrameType.JOINT)
+
+    @cached_property
+    def floats(self) -> bool:
+        """Whether the root hangs from a free joint."""
+        return any(joint.shortname() == "JointModelFreeFlyer" for joint in self.model.joints)
+
+    @cached_property
+    def columns(self) -> dict[str, int]:
+        """For each coordinate the joint that it belongs to.
+
+        Raises:
+            EngineCannotRead: Several joints in one body.
+        """
+        columns: dict[str, int] = {}
+        for index, joint in enumerate(self.model.joints):
+            kind, name = joint.shortname(), self.model.names[index]
+            if kind == "JointModelComposite":
+                raise EngineCannotRead(f"Pinocchio forgets the names of several joints in one body ({name})")
+            if kind == "JointModelSpherical":
+                columns |= dict.fromkeys(self.request.balls.get(name, ()), index)
+            elif index and kind != "JointModelFreeFlyer":
+                columns[name] = index
+        return columns
+
+    def link(self, index: int) -> ObservedLink:
+        """A link; of one that others are fixed to Pinocchio knows the sum only."""
+        frame, types = self.model.frames[index], self.engine.FrameType
+        above = self.above.get(frame.name)
+        if above is None:
+            inertia = frame.inertia if not self.floats else self._whole(frame.parentJoint)
+        elif above.type == types.FIXED_JOINT:
+            inertia = above.inertia
+        else:
+            inertia = self._whole(frame.parentJoint)
+        if inertia is None:
+            return ObservedLink(frame.name)
+        return ObservedLink(frame.name, float(inertia.mass), vector3(inertia.lever), matrix3(np.array(inertia.inertia)))
+
+    def _whole(self, joint: int) -> Any:
+        """Inertia of all that hangs on a joint without another; None where that is more than one link."""
+        mine = [name for name, index in self.bodies.items() if self.model.frames[index].parentJoint == joint]
+        return self.model.inertias[joint] if len(mine) == 1 else None
+
+    def joints(self, mimics: Mapping[str, Mimic] | None) -> Iterator[ObservedJoint]:
+        """The joint above each link."""
+        for child, frame in self.above.items():
+            parent = self._link_above(frame)
+            if frame.type == self.engine.FrameType.FIXED_JOINT:
+                name = frame.name if self.request.format == "urdf" else ""
+                yield ObservedJoint(name, "fixed", parent, child, mimic_read=mimics is not None)
+            else:
+                yield self._moving(frame, parent, child, mimics)
+
+    def _link_above(self, frame: Any) -> str:
+        """The link that a joint's frame hangs from."""
+        above = self.model.frames[frame.parentFrame]
+        while above.type != self.engine.FrameType.BODY:
+            above = self.model.frames[above.parentFrame]
+        return str(above.name)
+
+    def _moving(self, frame: Any, parent: str, child: str, mimics: Mapping[str, Mimic] | None) -> ObservedJoint:
+        model, joint = self.model, self.model.joints[frame.parentJoint]
+        kind, v, q = joint.shortname().removeprefix("JointModel"), joint.idx_v, joint.idx_q
+        if kind == "Spherical":
+            return ObservedJoint(frame.name, "ball", parent, child, mimic_read=mimics is not None)
+        endless = joint.nq == 2
+        lower, upper = (-inf, inf) if endless else (model.lowerPositionLimit[q], model.upperPositionLimit[q])
+        word = "prismatic" if not kind.startswith(_TURNING) else "continuous" if endless else "revolute"
+        return ObservedJoint(
+            frame.name,
+            word,
+            parent,
+            child,
+            axis=vector3(self._axis(joint, word)),
+            limit=Limit(*map(float, (lower, upper, model.upperVelocityLimit[v], model.upperEffortLimit[v]))),
+            dynamics=JointDynamics(float(model.damping[v]), float(model.upperDryFrictionLimit[v])),
+            mimic=None if mimics is None else mimics.get(frame.name),
+            mimic_read=mimics is not None,
+        )
+
+    def _axis(self, joint: Any, word: str) -> Array:
+        """Axis in the child's frame: what the joint's speed makes of it, sliding before turning."""
+        data = joint.createData()
+        joint.calc(data, self.engine.neutral(self.model))
+        motion: Array = np.array(data.S).reshape(6)
+        return motion[:3] if word == "prismatic" else motion[3:]
+
+    def q(self, at: Mapping[str, float]) -> Array:
+        """Pinocchio's configuration vector."""
+        q: Array = np.array(self.engine.neutral(self.model))
+        for name, index in self.columns.items():
+            joint, value = self.model.joints[index], float(at.get(name, 0.0))
+            if joint.nq == 1:
+                q[joint.idx_q] = value
+            elif joint.nq == 2:
+                q[joint.idx_q : joint.idx_q + 2] = cos(value), sin(value)
+        for names, start, _ in self._balls:
+            yaw, pitch, roll = (float(at.get(name, 0.0)) for name in names)
+            w, x, y, z = quaternion_from_rotation(rotation_from_rpy((roll, pitch, yaw)))
+            q[start : start + 4] = x, y, z, w
+        return q
+
+    @cached_property
+    def _balls(self) -> list[tuple[tuple[str, str, str], int, int]]:
+        """Coordinates of each ball, and where it starts in q and in v."""
+        balls = self.request.balls
+        joints = {name: self.model.joints[index] for index, name in enumerate(self.model.names)}
+        return [
+            (names, joints[ball].idx_q, joints[ball].idx_v)
+            for ball, names in balls.items()
+            if ball in joints and joints[ball].shortname() == "JointModelSpherical"
+        ]
+
+    def rates(self, at: Mapping[str, float]) -> Array:
+        """Pinocchio's velocities per unit speed of each coordinate, shape (nv, n)."""
+        E = np.zeros((self.model.nv, len(self.columns)))
+        column = {name: i for i, name in enumerate(self.columns)}
+        for name, index in self.columns.items():
+            if self.model.joints[index].nv == 1:
+                E[self.model.joints[index].idx_v, column[name]] = 1.0
+        for names, _, start in self._balls:
+            E[start : start + 3, [column[name] for name in names]] = ball_rates([at.get(name, 0.0) for name in names])
+        return E
+
+    def poses(self, data: Any, at: Mapping[str, float]) -> dict[str, Pose]:
+        """Pose of every link with respect to the first."""
+        self.engine.framesForwardKinematics(self.model, data, self.q(at))
+        X_W = {name: Pose.of(data.oMf[i].rotation, data.oMf[i].translation) for name, i in self.bodies.items()}
+        if not X_W:
+            return {}
+        X_RW = next(iter(X_W.values())).inverse()
+        return {name: X_RW @ X for name, X in X_W.items()}
+
+    def dynamics(self, data: Any, at: Mapping[str, float], rates: Rates) -> Dynamics:
+        """Mass matrix, gravity forces and inverse dynamics over the coordinates."""
+        engine, model, q = self.engine, self.model, self.q(at)
+        E = self.rates(at)
+        v, a = (np.array([float(rate.get(name, 0.0)) for name in self.columns]) for rate in rates)
+        upper = np.triu(np.array(engine.crba(model, data, q)))
+        M = upper + np.triu(upper, 1).T
+        gravity = np.array(engine.computeGeneralizedGravity(model, data, q))
+        acceleration = E @ a
+        for names, _, start in self._balls:
+            angles, speeds = ([float(given.get(name, 0.0)) for name in names] for given in (at, rates[0]))
+            acceleration[start : start + 3] += ball_bias(angles, speeds)
+        inverse = np.array(engine.rnea(model, data, q, E @ v, acceleration))
+        return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)

@@ -1,0 +1,203 @@
+"""PyBullet in motion: a second of falling, and loops closed by constraints, because no file tells it of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import ceil, dist, isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
+from stepbot.robot.dynamics import GRAVITY
+from stepbot.robot.model import JointKind, LoopClosure
+
+from ..observation import ObservedClosure, Request
+
+if TYPE_CHECKING:
+    from .body import Body
+
+STEP = 1e-3
+"""Step [s] of all simulations here."""
+SWEEPS = 200
+"""Iterations of the solver in each step where loops share joints: it takes the constraints one by one, and its default,
+50, leaves loops that depend on each other open four to eight times as wide."""
+SPEED = 1.0
+"""Speed of a driven joint [rad/s]."""
+SLIDING_SPEED = 0.1
+"""Speed of a driven prismatic joint [m/s]."""
+SECOND_POINT = 0.05
+"""Distance [m] along the axis of a revolute closure at which a second point is held, so that the axes stay aligned."""
+_HELD_BY_FRAMES = frozenset({JointKind.FIXED, JointKind.PRISMATIC})
+"""Kinds of closures that PyBullet has constraints of their own for; the others are held by points."""
+STRENGTH = 1e3
+"""Force [N], [N m] that motors and constraints may use, per newton of weight: enough to start at once, and little
+enough not to jam a loop whose pins are not exactly parallel."""
+
+
+def simulate(body: "Body", request: Request) -> bool:
+    """Let the body fall from the initial pose, without motors; whether everything stayed finite."""
+    engine = body.engine
+    engine.setTimeStep(STEP)
+    body.set(request.initial)
+    release(body)
+    gears(body, request)
+    for _ in range(round(request.simulate / STEP)):
+        engine.stepSimulation()
+    states = [engine.getJointState(body.id, index)[:2] for index in body.coordinates.values()]
+    base = [*engine.getBasePositionAndOrientation(body.id), *engine.getBaseVelocity(body.id)]
+    return all(isfinite(value) for state in (*states, *base) for value in state)
+
+
+def strength(body: "Body") -> float:
+    """Force [N], [N m] that motors and constraints may use on a body."""
+    masses = [float(body.engine.getDynamicsInfo(body.id, index)[0]) for index in range(-1, len(body.joints))]
+    return STRENGTH * max(1e-3, exact_sum(masses)) * float(np.linalg.norm(GRAVITY))
+
+
+def release(body: "Body") -> None:
+    """Switch off the velocity motors that PyBullet puts on every joint."""
+    for index in body.coordinates.values():
+        body.engine.setJointMotorControl2(body.id, index, body.engine.VELOCITY_CONTROL, force=0.0)
+
+
+def gears(body: "Body", request: Request) -> None:
+    """Make mimicking joints follow, by a gear from the leader's link to theirs.
+
+    PyBullet's ratio counts the other way round: leader + ratio * follower = const.
+    """
+    engine = body.engine
+    for name, mimic in request.mimics.items():
+        follower, leader = body.coordinates[name], body.coordinates[mimic.joint]
+        if mimic.multiplier == 0.0:
+            continue
+        axis = body.joints[follower][13]
+        gear = engine.createConstraint(
+            body.id, leader, body.id, follower, engine.JOINT_GEAR, axis, [0, 0, 0], [0, 0, 0]
+        )
+        engine.changeConstraint(gear, gearRatio=-1.0 / mimic.multiplier, maxForce=strength(body))
+
+
+def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedClosure, ...], tuple[str, ...]]:
+    """Drive the mechanism through its range, loops held by constraints, and say how far they open.
+
+    Joint damping is switched off: it says nothing about where the links are.
+    """
+    engine = body.engine
+    engine.setTimeStep(STEP)
+    if len(request.closures) > 1:
+        engine.setPhysicsEngineParameter(numSolverIterations=SWEEPS)
+    for index in body.coordinates.values():
+        engine.changeDynamics(body.id, index, jointDamping=0.0)
+    held = [_Held(body, closure, _points(closure, request)) for closure in request.closures]
+    gears(body, request)
+    deviation = 0.0
+    for way in request.ways:
+        body.set(way[0])
+        release(body)
+        for q in way[1:]:
+            _drive(body, request.driven, q, held)
+            deviation = max(deviation, _deviation(body, request, q))
+    closures = tuple(replace(one.observed, residual=one.widest, angle_error=deviation) for one in held)
+    return closures, ("loops closed by point-to-point constraints of ours, 1 ms steps, 1 rad/s",)
+
+
+class _Held:
+    """A closure held by constraints; points are given in the inertial frames of the links."""
+
+    def __init__(self, body: "Body", closure: LoopClosure, points: Sequence[Array]) -> None:
+        self.observed = ObservedClosure(closure.name, closure.kind.value, closure.link_a, closure.link_b)
+        self.widest = 0.0
+        self._body, self._closure = body, closure
+        self._ends = []
+        for link, X_LF in ((closure.link_a, closure.X_AF), (closure.link_b, closure.X_BF)):
+            index = body.links.index(link) - 1
+            self._ends.append((index, body.X_LI[index + 1].inverse() @ X_LF))
+        (a, X_IF), (b, X_JF) = self._ends
+        if closure.kind in _HELD_BY_FRAMES:
+            self._hold_frames(closure)
+            return
+        for p_F in points:
+            point = body.engine.createConstraint(
+                body.id,
+                a,
+                body.id,
+                b,
+                body.engine.JOINT_POINT2POINT,
+                [0, 0, 0],
+                X_IF.apply(p_F).tolist(),
+                X_JF.apply(p_F).tolist(),
+            )
+            body.engine.changeConstraint(point, maxForce=strength(body))
+
+    def _hold_frames(self, closure: LoopClosure) -> None:
+        """Hold by a constraint of the closure's own kind."""
+        engine = self._body.engine
+        (a, X_IF), (b, X_JF) = self._ends
+        # PyBullet slides along the axis of the first link's inertial frame.
+        turned = [(x, y, z, w) for w, x, y, z in (X_IF.quaternion, X_JF.quaternion)]
+        kind = engine.JOINT_FIXED if closure.kind is JointKind.FIXED else engine.JOINT_PRISMATIC
+        axis = X_IF.turn(closure.axis).tolist()
+        held = engine.createConstraint(
+            self._body.id, a, self._body.id, b, kind, axis, X_IF.position, X_JF.position, *turned
+        )
+        engine.changeConstraint(held, maxForce=strength(self._body))
+
+    def measure(self) -> None:
+        """Keep the gap if it is the widest so far."""
+        engine, ends = self._body.engine, []
+        for index, X_IF in self._ends:
+            if index < 0:
+                frame = engine.getBasePositionAndOrientation(self._body.id)
+            else:
+                frame = engine.getLinkState(self._body.id, index, computeForwardKinematics=1)[:2]
+            ends.append(engine.multiplyTransforms(*frame, X_IF.position, (0.0, 0.0, 0.0, 1.0))[0])
+        gap = dist(*ends)
+        if self._closure.kind is JointKind.PRISMATIC:  # along its axis it is free
+            (a, X_IF), _ = self._ends
+            axis_W = (self._body.X_WI(a) @ X_IF).turn(self._closure.axis)
+            gap = float(np.linalg.norm(np.cross(axis_W, np.subtract(*ends))))
+        self.widest = max(self.widest, gap)
+
+
+def _points(closure: LoopClosure, request: Request) -> list[Array]:
+    """Points of F that hold what the closure holds."""
+    if closure.kind is JointKind.BALL or closure.name in request.held_by_a_point:
+        return [np.zeros(3)]
+    return [np.zeros(3), SECOND_POINT * np.array(closure.axis)]
+
+
+def _drive(body: "Body", driven: Sequence[str], goal: Mapping[str, float], held: Sequence[_Held]) -> None:
+    """Move the driven joints to where ``goal`` has them, no faster than asked, and measure the gaps on the way."""
+    engine, force = body.engine, strength(body)
+    start = {name: _position(body, name) for name in driven}
+    steps = max(1, *(ceil(abs(goal[name] - start[name]) / (_speed(body, name) * STEP)) for name in driven))
+    for step in range(1, steps + 1):
+        for name in driven:
+            planned = start[name] + step / steps * (goal[name] - start[name])
+            engine.setJointMotorControl2(
+                body.id,
+                body.coordinates[name],
+                engine.VELOCITY_CONTROL,
+                targetVelocity=(planned - _position(body, name)) / STEP,
+                force=force,
+            )
+        engine.stepSimulation()
+        for one in held:
+            one.measure()
+
+
+def _position(body: "Body", name: str) -> float:
+    return float(body.engine.getJointState(body.id, body.coordinates[name])[0])
+
+
+def _speed(body: "Body", name: str) -> float:
+    prismatic = body.joints[body.coordinates[name]][2] == body.engine.JOINT_PRISMATIC
+    return SLIDING_SPEED if prismatic else SPEED
+
+
+def _deviation(body: "Body", request: Request, q: Mapping[str, float]) -> float:
+    """Largest distance [rad] or [m] of a following joint from where the reference has it."""
+    return max(
+        (abs(_position(body, name) - q[name]) for name in body.coordinates if name not in request.driven), default=0.0
+    )

@@ -1,0 +1,131 @@
+"""Where the frames of an SDFormat model are: poses with ``relative_to``, axes with ``expressed_in``.
+
+http://sdformat.org/tutorials?tut=pose_frame_semantics
+"""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose
+
+from ..observation import EngineRefused
+from .tree import ends
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+MODEL = "__model__"
+
+
+def numbers(text: str | None) -> list[float]:
+    """The numbers of a text.
+
+    Raises:
+        EngineRefused: One of them is none.
+    """
+    try:
+        return [float(word) for word in (text or "").split()]
+    except ValueError as error:
+        raise EngineRefused(str(error)) from error
+
+
+def number_at(element: Element | None, path: str, default: float) -> float:
+    """The number below an element, or the default where there is none.
+
+    Raises:
+        EngineRefused: There are several.
+    """
+    text = None if element is None else element.findtext(path)
+    values = numbers(text) if text is not None else [default]
+    if len(values) != 1:
+        raise EngineRefused(f"<{path}> holds {len(values)} numbers, 1 expected")
+    return values[0]
+
+
+def read_pose(element: Element | None) -> Pose:
+    """The ``<pose>`` below an element, in the frame that it is relative to; the identity where there is none.
+
+    Raises:
+        EngineRefused: It has not as many numbers as its format wants.
+    """
+    pose = None if element is None else element.find("pose")
+    if pose is None or not (pose.text or "").strip():
+        return Pose()
+    values = numbers(pose.text)
+    if pose.get("rotation_format") == "quat_xyzw":
+        if len(values) != 7:
+            raise EngineRefused(f"a pose with {len(values)} numbers, 7 expected")
+        x, y, z, w = values[3:]
+        return Pose.from_quaternion((w, x, y, z), values[:3])
+    if len(values) != 6:
+        raise EngineRefused(f"a pose with {len(values)} numbers, 6 expected")
+    angles = [math.radians(angle) for angle in values[3:]] if pose.get("degrees") == "true" else values[3:]
+    return Pose.from_xyz_rpy(values[:3], angles)
+
+
+class Frames:
+    """The frames of a model: the model itself, its links, joints and frames."""
+
+    def __init__(self, model: Element) -> None:
+        self._element: dict[str, Element] = {}
+        for kind in ("link", "joint", "frame"):
+            for element in model.findall(kind):
+                self._element.setdefault(element.get("name", ""), element)
+        self._known: dict[str, Pose] = {MODEL: Pose()}
+
+    def X_M(self, name: str) -> Pose:
+        """Pose of a frame in the model, with all joints at 0.
+
+        Raises:
+            EngineRefused: There is no such frame, or it is defined by itself.
+        """
+        return self._resolved(name, ())
+
+    def axis(self, joint: Element, axis: Element) -> Array:
+        """Direction (3,) of a joint's axis, in the model, not yet of length 1."""
+        xyz = axis.find("xyz")
+        direction = numbers(xyz.text if xyz is not None else "0 0 1")
+        if len(direction) != 3:
+            raise EngineRefused(f"an axis with {len(direction)} numbers, 3 expected")
+        frame = (xyz.get("expressed_in", "") if xyz is not None else "") or joint.get("name", "")
+        if axis.findtext("use_parent_model_frame", "").strip() in ("1", "true"):
+            frame = MODEL
+        return self.X_M(frame).turn(np.array(direction))
+
+    def link_of(self, name: str) -> str:
+        """The link that a frame is attached to."""
+        for _ in self._element:
+            element = self._element.get(name)
+            if element is None or element.tag == "link":
+                return name
+            name = (element.get("attached_to") or MODEL) if element.tag == "frame" else ends(element)[1]
+        raise EngineRefused(f"frame '{name}' is attached to itself")
+
+    def _relative_to(self, element: Element) -> str:
+        pose = element.find("pose")
+        return "" if pose is None else pose.get("relative_to", "")
+
+    def _resolved(self, name: str, above: tuple[str, ...]) -> Pose:
+        if name in self._known:
+            return self._known[name]
+        if name in above:
+            raise EngineRefused(f"frame '{name}' is relative to itself")
+        element = self._element.get(name)
+        if element is None:
+            raise EngineRefused(f"there is no frame '{name}'")
+        base = self._relative_to(element) or _DEFAULT_BASE[str(element.tag)](element)
+        X = self._resolved(base, (*above, name)) @ read_pose(element)
+        self._known[name] = X
+        return X
+
+
+_DEFAULT_BASE: dict[str, Callable[[Element], str]] = {
+    "link": lambda link: MODEL,
+    "joint": lambda joint: ends(joint)[1],
+    "frame": lambda frame: frame.get("attached_to") or MODEL,
+}

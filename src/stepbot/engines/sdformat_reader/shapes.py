@@ -1,0 +1,90 @@
+"""The shapes of an SDFormat link: names, colours, and the boxes around them."""
+
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, join_bounds
+from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+
+from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
+from ..observation import ObservedShape
+from ..resources import resolve
+from .frames import numbers, read_pose
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+
+def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
+    """All shapes in the link's frame, and the mesh files that are not there.
+
+    A shape has no box where this reader does not know its extent.
+    """
+    seen: list[ObservedShape] = []
+    missing: list[str] = []
+    for shape in shapes:
+        bounds, lost = _bounds(shape.find("geometry"), read_pose(shape), file)
+        missing += lost
+        rgba, ambient = (_color(shape, name) if shape.tag == "visual" else None for name in ("diffuse", "ambient"))
+        seen.append(ObservedShape(shape.get("name", ""), rgba, ambient, bounds))
+    return tuple(seen), missing
+
+
+def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
+    """Box [m] around all shapes; None where there is no shape, or one whose box is not known."""
+    known = [shape.bounds for shape in shapes if shape.bounds is not None]
+    return join_bounds(known) if known and len(known) == len(shapes) else None
+
+
+def _color(shape: Element, name: str) -> tuple[float, ...]:
+    """Red, green, blue and opacity; empty where the file gives none."""
+    values = numbers(shape.findtext(f"material/{name}"))
+    return tuple(values if len(values) != 3 else (*values, 1.0))
+
+
+def _bounds(geometry: Element | None, X_LG: Pose, file: Path) -> tuple[Bounds | None, list[str]]:
+    """The box of a shape, if it is known, and the mesh file that is not there."""
+    mesh = None if geometry is None else geometry.find("mesh")
+    if geometry is None:
+        return None, []
+    if mesh is None:
+        return _primitive_bounds(geometry, X_LG), []
+    uri = (mesh.findtext("uri") or "").strip()
+    path = resolve(uri, file)
+    if path is None:
+        return None, [uri]
+    if path.suffix.lower() != ".obj":
+        return None, []
+    scale = np.array(numbers(mesh.findtext("scale") or "1 1 1"))
+    return mesh_bounds(_vertices(path.read_bytes()) * scale, X_LG), []
+
+
+def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
+    def number(path: str) -> float:
+        return numbers(geometry.findtext(path))[0]
+
+    if geometry.find("box") is not None:
+        x, y, z = numbers(geometry.findtext("box/size"))
+        return primitive_bounds(Box((x, y, z)), X_LG)
+    if geometry.find("sphere") is not None:
+        return primitive_bounds(Sphere(number("sphere/radius")), X_LG)
+    if geometry.find("cylinder") is not None:
+        return primitive_bounds(Cylinder(number("cylinder/radius"), number("cylinder/length")), X_LG)
+    if geometry.find("capsule") is not None:
+        return primitive_bounds(Capsule(number("capsule/radius"), number("capsule/length")), X_LG)
+    return None
+
+
+@lru_cache(maxsize=1024)
+def _vertices(obj: bytes) -> Array:
+    """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
+    words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
+    vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
+    vertices.setflags(write=False)
+    return vertices

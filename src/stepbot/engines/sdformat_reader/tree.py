@@ -1,0 +1,143 @@
+"""A copy of an SDFormat file that PyBullet can read: one model in a world, a tree of links, no joint to the world.
+
+PyBullet refuses a joint whose parent is ``world``, crashes on a second joint to a link and on a second root, and takes
+no notice of ``relative_to``. What is left out is named, so that the report can say so. A fixed joint to the world
+becomes ``<static>``, by which PyBullet holds the base, and only that.
+"""
+
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..observation import EngineCannotRead, EngineRefused
+from ..resources import resolve
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+
+def read_model(file: Path) -> Element:
+    """The only model of an SDFormat file.
+
+    Raises:
+        EngineRefused: The file is not XML.
+        EngineCannotRead: It holds no model, several, models within models, or an include.
+    """
+    from lxml import etree
+
+    try:
+        top = etree.parse(str(file), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
+    except etree.XMLSyntaxError as error:
+        raise EngineRefused(f"not XML: {error.msg}") from error
+    models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
+    if len(models) != 1:
+        raise EngineCannotRead(f"{len(models)} models in the file, one expected")
+    if models[0].find("model") is not None or models[0].find("include") is not None:
+        raise EngineCannotRead("models within models are not read")
+    if top.find("include") is not None or top.find("world/include") is not None:
+        raise EngineCannotRead("<include> is not read")
+    return models[0]
+
+
+def ends(joint: Element) -> tuple[str, str]:
+    """Names of the parent and the child link of a joint."""
+    return (joint.findtext("parent") or "").strip(), (joint.findtext("child") or "").strip()
+
+
+def joints_to_world(model: Element) -> list[Element]:
+    """The joints that hold a model in the world; old files have a link of their own that is called ``world``."""
+    if any(link.get("name") == "world" for link in model.findall("link")):
+        return []
+    return [joint for joint in model.findall("joint") if "world" in ends(joint)]
+
+
+def closing_joints(joints: Iterable[Element]) -> list[Element]:
+    """The joints that close a loop: their child hangs already from a joint before them, or they close a circle."""
+    above: dict[str, str] = {}
+    closing = []
+    for joint in joints:
+        parent, child = ends(joint)
+        if child in above or _is_above(child, parent, above):
+            closing.append(joint)
+        else:
+            above[child] = parent
+    return closing
+
+
+def _is_above(link: str, other: str, above: dict[str, str]) -> bool:
+    while other != link and other in above:
+        other = above[other]
+    return other == link
+
+
+def round_shapes(file: Path) -> int:
+    """How many cylinders and capsules a file has, visuals and collisions together."""
+    return sum(
+        1 for geometry in read_model(file).iter("geometry") for _ in geometry.iterchildren("cylinder", "capsule")
+    )
+
+
+@contextmanager
+def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterator[tuple[Path, list[str]]]:
+    """Path of the copy, which lives as long as the context, and what was left out.
+
+    Args:
+        file: The SDFormat file.
+        held: Whether what a fixed joint holds in the world stays held; PyBullet tells no mass of such a base.
+        shapes: Whether the copy has them; to load them takes most of the time.
+
+    Raises:
+        EngineRefused: The file is not XML.
+        EngineCannotRead: Even a copy would make PyBullet crash or misread it.
+    """
+    from lxml import etree
+
+    model = read_model(file)
+    to_world = joints_to_world(model)
+    closing = closing_joints(joint for joint in model.findall("joint") if joint not in to_world)
+    notes = [f"read from a copy without joint '{joint.get('name', '')}' to the world" for joint in to_world]
+    notes += [f"read from a copy without closing joint '{joint.get('name', '')}'" for joint in closing]
+    for joint in (*to_world, *closing):
+        model.remove(joint)
+    check_readable(model)
+    links = {link.get("name") for link in model.findall("link")}
+    if held and any(joint.get("type") == "fixed" and set(ends(joint)) & links for joint in to_world):
+        etree.SubElement(model, "static").text = "1"
+    if not shapes:
+        for link in model.iterfind("link"):
+            for shape in (*link.findall("visual"), *link.findall("collision")):
+                link.remove(shape)
+    for uri in model.iter("uri"):
+        mesh = resolve((uri.text or "").strip(), file)
+        if mesh is not None:
+            uri.text = mesh.absolute().as_posix()
+    top = etree.Element("sdf", {"version": "1.9"})
+    etree.SubElement(top, "world", {"name": "default"}).append(model)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "model.sdf"
+        copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
+        yield copy, notes
+
+
+def check_readable(model: Element) -> None:
+    """Make sure that PyBullet is not asked what it is known to crash on or to misread.
+
+    Raises:
+        EngineCannotRead: The model has something of the kind.
+    """
+    relative = model.xpath(".//pose[@relative_to and @relative_to!='']|.//xyz[@expressed_in and @expressed_in!='']")
+    if relative:
+        raise EngineCannotRead("PyBullet takes no notice of relative_to and expressed_in")
+    kinds = sorted(
+        {str(joint.get("type")) for joint in model.findall("joint")} - {"fixed", "revolute", "continuous", "prismatic"}
+    )
+    if kinds:
+        raise EngineCannotRead(f"PyBullet does not read joints of type {', '.join(kinds)} in SDFormat")
+    children = {ends(joint)[1] for joint in model.findall("joint")}
+    roots = [link.get("name", "") for link in model.findall("link") if link.get("name") not in children]
+    if len(roots) != 1:
+        raise EngineCannotRead(f"PyBullet crashes on {len(roots)} root links: {', '.join(roots)}")

@@ -1,0 +1,219 @@
+"""Drives and sensors of a URDF as ros2_control and the transmissions of ROS 1 have them, read from their documentation.
+
+https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf
+from typing import TYPE_CHECKING
+
+from stepbot.robot.model import ActuatorKind
+from stepbot.robot.sensors import SensorKind
+
+from ..observation import EngineRefused, ObservedActuator, ObservedSensor
+from ..sdformat_reader.frames import number_at, numbers
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+_COMMANDS = {"position": ActuatorKind.POSITION, "velocity": ActuatorKind.VELOCITY, "effort": ActuatorKind.MOTOR}
+_INTERFACES = {f"hardware_interface/{word.capitalize()}JointInterface": kind for word, kind in _COMMANDS.items()}
+"""ROS 1's words for what a drive takes."""
+_TRANSMISSION = "ros2_control/transmission"
+_SIMPLE = "transmission_interface/SimpleTransmission"
+_STATES = {"position", "velocity", "effort"}
+_READINGS = {
+    frozenset({"position", "velocity"}): SensorKind.JOINT,
+    frozenset(f"{what}.{axis}" for what in ("force", "torque") for axis in "xyz"): SensorKind.FORCE_TORQUE,
+    frozenset(
+        (
+            *(f"orientation.{axis}" for axis in "xyzw"),
+            *(f"{what}.{axis}" for what in ("angular_velocity", "linear_acceleration") for axis in "xyz"),
+        )
+    ): SensorKind.IMU,
+}
+"""What a sensor is, by its state interfaces."""
+_WITH_STATES = (SensorKind.IMU.value, SensorKind.FORCE_TORQUE.value)
+"""Kinds of sensors that ros2_control has broadcasters for."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A sensor in `<ros2_control>`."""
+
+    name: str
+    kind: str
+    joint: str | None
+
+    def beside(self, sensor: ObservedSensor) -> ObservedSensor:
+        """The sensor of the same name in a block of Gazebo's, if both say the same."""
+        if self.kind != sensor.kind:
+            return replace(sensor, kind=f"{sensor.kind} in <gazebo>, {self.kind} in <ros2_control>")
+        if sensor.joint is not None and self.joint != sensor.joint:
+            return replace(sensor, joint=f"{sensor.joint} in <gazebo>, {self.joint} in <ros2_control>")
+        return sensor
+
+    def alone(self) -> ObservedSensor:
+        """The sensor, which no block of Gazebo's knows."""
+        kind = self.kind if self.kind not in _WITH_STATES else f"{self.kind} in <ros2_control> alone"
+        return ObservedSensor(self.name, kind, joint=self.joint or "")
+
+
+def in_gazebo_alone(sensor: ObservedSensor) -> ObservedSensor:
+    """A sensor of Gazebo's that ros2_control does not know, which is right for those that it has no words for."""
+    return replace(sensor, kind=f"{sensor.kind} in <gazebo> alone") if sensor.kind in _WITH_STATES else sensor
+
+
+def state_sensors(top: Element) -> dict[str, State]:
+    """The sensors that ros2_control has, by name."""
+    found = {}
+    for element in top.findall("ros2_control/sensor"):
+        readings = frozenset(one.get("name", "") for one in element.findall("state_interface"))
+        kind = _READINGS.get(readings)
+        name, joint = element.get("name", ""), _parameter(element, "joint")
+        found[name] = State(name, kind.value if kind else " and ".join(sorted(readings)), joint)
+    return found
+
+
+def _parameter(element: Element, name: str) -> str | None:
+    texts = [one.text or "" for one in element.findall("param") if one.get("name") == name]
+    return texts[0].strip() if texts else None
+
+
+def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
+    """The drives: what their joints take, behind the gears of their transmissions.
+
+    Drives without a transmission have no names; what only a transmission of ROS 1 knows, has neither gains nor bounds.
+    """
+    old = {one.get("name", ""): one for one in top.findall("transmission")}
+    taken: set[tuple[str, str]] = set()
+    for element in top.findall(_TRANSMISSION):
+        actuator = _behind_gear(element, old.pop(element.get("name", ""), None), top)
+        taken.add((actuator.joint, actuator.kind))
+        yield actuator
+    for element in old.values():
+        joint, word, gear = _of_ros_1(element)
+        taken.add((joint, word))
+        yield ObservedActuator(element.get("name", ""), joint, word, gear=gear)
+    for holder in top.findall("ros2_control/joint"):
+        joint = holder.get("name", "")
+        for command in holder.findall("command_interface"):
+            kind = _COMMANDS.get(command.get("name", ""))
+            if kind is not None and (joint, kind.value) not in taken:
+                yield _commanded("", joint, kind, command, 1.0)
+
+
+def _behind_gear(element: Element, old: Element | None, top: Element) -> ObservedActuator:
+    """A drive with a transmission in `<ros2_control>`; the one of ROS 1 with the same name tells what it takes."""
+    motor, driven = element.find("actuator"), element.find("joint")
+    name = "" if motor is None else motor.get("name", "")
+    joint = "" if driven is None else driven.get("name", "")
+    gear = number_at(driven, "mechanical_reduction", 1.0)
+    inputs = {
+        command.get("name", ""): command
+        for holder in top.findall("ros2_control/joint")
+        if holder.get("name") == joint
+        for command in holder.findall("command_interface")
+    }
+    if old is None:
+        word = next(iter(inputs), "")
+        kind = _COMMANDS.get(word)
+    else:
+        joint_1, kind_1, gear_1 = _of_ros_1(old)
+        kind = next((one for one in ActuatorKind if one.value == kind_1), None)
+        word = next((word for word, one in _COMMANDS.items() if one is kind), "")
+        if (joint_1, gear_1) != (joint, gear):
+            return ObservedActuator(name, joint, f"{kind_1} with another <transmission> on {joint_1}", gear=gear)
+    if kind is None or word not in inputs:
+        return ObservedActuator(name, joint, "drive without a <command_interface> of its kind", gear=gear)
+    return _commanded(name, joint, kind, inputs[word], gear)
+
+
+def _of_ros_1(element: Element) -> tuple[str, str, float]:
+    """Joint, kind and gear of a transmission."""
+    joint, motor = element.find("joint"), element.find("actuator")
+    interface = (element.findtext("joint/hardwareInterface") or "").strip()
+    kind = _INTERFACES.get(interface)
+    gear = number_at(motor, "mechanicalReduction", 1.0)
+    return ("" if joint is None else joint.get("name", "")), (kind.value if kind else interface), gear
+
+
+def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear: float) -> ObservedActuator:
+    """A drive whose input is a command interface; bounds are carried from the joint to the drive."""
+    values = {one.get("name", ""): _one(one) for one in command.findall("param")}
+    low, high = values.get("min", -inf), values.get("max", inf)
+    scale = 1.0 / gear if kind is ActuatorKind.MOTOR else gear
+    low, high = sorted((low * scale, high * scale))
+    seen = ObservedActuator(name, joint, kind.value, gear=gear, control=(low, high))
+    if kind is ActuatorKind.MOTOR:
+        return seen
+    force = values.get("max_effort", inf) / abs(gear)
+    return replace(seen, kp=values.get("kp", 0.0), kv=values.get("kv", 0.0), force=(-force, force))
+
+
+def _one(parameter: Element) -> float:
+    found = numbers(parameter.text)
+    if len(found) != 1:
+        raise EngineRefused(f"parameter '{parameter.get('name')}' holds {len(found)} numbers, 1 expected")
+    return found[0]
+
+
+def faults(top: Element) -> Iterator[str]:
+    """What ros2_control and ROS 1 would refuse: names, types and roles that are missing or unknown."""
+    for system in top.findall("ros2_control"):
+        if not system.get("name") or system.get("type") not in ("system", "sensor", "actuator"):
+            yield "<ros2_control> needs a name, and a type that is system, sensor or actuator"
+        if not (system.findtext("hardware/plugin") or "").strip():
+            yield "<ros2_control> needs a <plugin> in its <hardware>"
+        for joint in system.findall("joint"):
+            states = {one.get("name", "") for one in joint.findall("state_interface")}
+            if joint.findall("command_interface") and states != _STATES:
+                told = ", ".join(sorted(states)) or "nothing"
+                yield f"joint '{joint.get('name', '')}' in <ros2_control> tells {told}"
+        for element in system.findall("transmission"):
+            yield from _transmission_faults(element, "plugin")
+            roles = [one.get("role") for one in (*element.findall("actuator"), *element.findall("joint"))]
+            if roles != ["actuator1", "joint1"]:
+                yield f"transmission '{element.get('name', '')}': its actuator and joint need the roles that it has"
+    for element in top.findall("transmission"):
+        yield from _transmission_faults(element, "type")
+        if element.find("actuator/mechanicalReduction") is None:
+            yield f"transmission '{element.get('name', '')}': its actuator needs a <mechanicalReduction>"
+    old, new = ([one.get("name", "") for one in top.findall(path)] for path in ("transmission", _TRANSMISSION))
+    for name in sorted(set(old) ^ set(new)) if old and new else ():
+        where = "<robot>" if name in old else "<ros2_control>"
+        yield f"transmission '{name}': it is in {where} alone, unlike others"
+    for sensor in (*top.findall("gazebo/sensor"), *top.findall("ros2_control/sensor")):
+        if not sensor.get("name"):
+            yield f"a sensor of type {sensor.get('type', 'unknown')} has no name"
+    yield from _merged_joints(top)
+
+
+def _merged_joints(top: Element) -> Iterator[str]:
+    """Fixed joints that Gazebo merges away unless it is told not to, though sensors need them.
+
+    With the joint goes a force-torque sensor in it, and shapes of the child, which a contact sensor names, are renamed.
+    """
+    kept, sensing = set(), set()
+    for block in top.findall("gazebo"):
+        on = block.get("reference", "")
+        if (block.findtext("preserveFixedJoint") or "").strip() in ("true", "1"):
+            kept.add(on)
+        sensing |= {(on, one.get("type")) for one in block.findall("sensor")}
+    for joint in top.findall("joint"):
+        name, child = joint.get("name", ""), joint.find("child")
+        needed = {(name, "force_torque"), ("" if child is None else child.get("link", ""), "contact")}
+        if joint.get("type") == "fixed" and name not in kept and needed & sensing:
+            yield f"joint '{name}': without <preserveFixedJoint> a sensor is lost"
+
+
+def _transmission_faults(element: Element, word: str) -> Iterator[str]:
+    name = element.get("name", "")
+    motor = element.find("actuator")
+    if not name or motor is None or motor.get("name") != name:
+        yield f"transmission '{name}': it needs a name, and an actuator of that name"
+    if (element.findtext(word) or "").strip() != _SIMPLE:
+        yield f"transmission '{name}': it is no simple one"

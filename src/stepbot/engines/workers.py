@@ -1,0 +1,176 @@
+"""Runs the engines: one process for each engine and file, started before there is anything to observe.
+
+An engine that is missing, refuses a file or dies over it is an outcome like any other: the others go on.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from types import TracebackType
+
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Start, Worker, WorkerDied
+
+from . import Engine, engines, engines_for
+from .observation import Observation, Request
+from .observation_cache import Memory
+
+
+class Fate(StrEnum):
+    """What became of an engine and a file."""
+
+    OBSERVED = "observed"
+    ABSENT = "absent"
+    """The engine is not installed, or does not start."""
+    UNREADABLE = "unreadable"
+    """The engine is known not to read such a file; nothing is said against the file."""
+    REFUSED = "refused"
+    """The engine says that the file is wrong."""
+    DIED = "died"
+    """The engine crashed, was killed, or took too long."""
+    BROKEN = "broken"
+    """Our own code failed around the engine."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What one engine said of one file."""
+
+    key: str
+    """What the caller calls the file."""
+    format: str
+    engine: str
+    fate: Fate
+    observation: Observation | None = None
+    reason: str = ""
+    """Why there is no observation."""
+    last_lines: tuple[str, ...] = ()
+    """The end of what a dead engine printed, or of the traceback."""
+
+
+class Engines:
+    """Started workers, waiting for their requests."""
+
+    def __init__(self, files: Mapping[str, str], memory_limit: int | None = None, start: Start | None = None) -> None:
+        """Start a worker for every file and every engine that is there and reads its format.
+
+        Args:
+            files: What the caller calls each file, and its format.
+            memory_limit: Address space [bytes] of each worker; None for no limit.
+            start: What starts their processes; None to start new interpreters.
+        """
+        self._files: dict[str, str] = {}
+        self._memory_limit, self._start = memory_limit, start
+        self._asked: dict[str, Request] = {}
+        self._memory = Memory(None, {})
+        self._remembered: dict[tuple[str, str], Observation] = {}
+        self._absent: dict[str, str] = {}
+        self._workers: dict[tuple[str, str], Worker] = {}
+        self.start(files)
+
+    def start(self, files: Mapping[str, str]) -> None:
+        """Start what further files need; files that are known already stay as they are."""
+        for key, written_in in files.items():
+            if key in self._files:
+                continue
+            self._files[key] = written_in
+            for engine in engines_for(written_in):
+                reason = engine.available()
+                if reason is None:
+                    function = f"{engine.__name__}:observe"
+                    worker = Worker(function, memory_limit=self._memory_limit, start=self._start)
+                    self._workers[key, engine.NAME] = worker
+                else:
+                    self._absent[engine.NAME] = reason
+
+    def submit(self, requests: Mapping[str, Request], memory: Memory | None = None) -> None:
+        """Hand every worker the request for its file; returns at once.
+
+        Args:
+            requests: For each file that is to be observed, by the caller's name for it.
+            memory: What was seen before; engines that are remembered are not asked again.
+        """
+        self._asked = {key: requests[key] for key in self._files if key in requests}
+        self._memory = memory or self._memory
+        for key, request in self._asked.items():
+            for engine in engines_for(self._files[key]):
+                self._ask(key, engine, request)
+
+    def _ask(self, key: str, engine: Engine, request: Request) -> None:
+        worker = self._workers.get((key, engine.NAME))
+        if worker is None:
+            return
+        remembered = self._memory.recall(key, engine, request)
+        if remembered is None:
+            worker.submit(request)
+        else:
+            worker.close()
+            self._remembered[key, engine.NAME] = remembered
+
+    def results(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[Outcome, ...]:
+        """Wait for all workers, each of which may take ``timeout`` [s]; by file, then by engine."""
+        return tuple(
+            self._outcome(key, engine, timeout) for key in self._asked for engine in engines_for(self._files[key])
+        )
+
+    def close(self) -> None:
+        """End all workers that still run."""
+        for worker in self._workers.values():
+            worker.close()
+
+    def __enter__(self) -> "Engines":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _outcome(self, key: str, engine: Engine, timeout: float) -> Outcome:
+        written_in, name = self._files[key], engine.NAME
+        if name in self._absent:
+            return Outcome(key, written_in, name, Fate.ABSENT, reason=self._absent[name])
+        if (key, name) in self._remembered:
+            return Outcome(key, written_in, name, Fate.OBSERVED, self._remembered[key, name])
+        try:
+            observation = self._workers[key, name].result(timeout)
+        except WorkerDied as death:
+            return Outcome(key, written_in, name, Fate.DIED, reason=death.reason, last_lines=death.last_lines)
+        except RemoteError as error:
+            fate = _FATES.get(error.kind, Fate.BROKEN)
+            lines = tuple(error.trace.splitlines()[-6:]) if fate is Fate.BROKEN else ()
+            return Outcome(key, written_in, name, fate, reason=error.text or error.kind, last_lines=lines)
+        self._memory.keep(key, engine, self._asked[key], observation)
+        return Outcome(key, written_in, name, Fate.OBSERVED, observation)
+
+
+_FATES = {
+    "EngineRefused": Fate.REFUSED,
+    "EngineCannotRead": Fate.UNREADABLE,
+    "ImportError": Fate.ABSENT,
+    "ModuleNotFoundError": Fate.ABSENT,
+}
+
+
+def check_required(names: Iterable[str], found: Diagnostics) -> None:
+    """Report required engines that are unknown or not installed (SB005)."""
+    known = {engine.NAME: engine for engine in engines()}
+    for name in names:
+        engine = known.get(name.lower())
+        if engine is None:
+            help = did_you_mean(name.lower(), known) or (f"engines: {', '.join(known)}",)
+            found.add("SB005", f"--require {name}: there is no such engine", Span("stepbot"), help=help)
+            continue
+        reason = engine.available()
+        if reason is not None:
+            install = getattr(engine, "INSTALL", f"pip install {engine.NAME}")
+            found.add("SB005", f"--require {name}: {reason}", Span("stepbot"), help=(install,))
+
+
+def check_started(required: Iterable[str], outcomes: Iterable[Outcome], found: Diagnostics) -> None:
+    """Report required engines that are installed but did not start (SB005)."""
+    installed = {engine.NAME for engine in engines() if engine.available() is None}
+    wanted = {name.lower() for name in required} & installed
+    for outcome in outcomes:
+        if outcome.engine in wanted and outcome.fate is Fate.ABSENT:
+            found.add("SB005", f"--require {outcome.engine}: {outcome.reason}", Span("stepbot"))

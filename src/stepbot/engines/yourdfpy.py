@@ -1,0 +1,181 @@
+"""yourdfpy as an observer of URDF: a parser of its own, with forward kinematics that obeys mimics.
+
+It has no dynamics, and its meshes are left to the engines that simulate with them.
+https://github.com/clemense/yourdfpy
+"""
+
+import importlib.metadata
+import importlib.util
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
+from stepbot.robot.model import JointDynamics, Limit, Mimic
+from stepbot.runtime.light_import import import_lightly
+
+from .observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
+
+NAME = "yourdfpy"
+FORMATS = ("urdf",)
+
+_NO_DYNAMICS = "yourdfpy has no dynamics"
+_EXTENSION = "yourdfpy passes over the blocks that hold it"
+_NOT_RUN: Mapping[Quantity, str] = {
+    Quantity.MASS_MATRIX: _NO_DYNAMICS,
+    Quantity.GRAVITY: _NO_DYNAMICS,
+    Quantity.INVERSE_DYNAMICS: _NO_DYNAMICS,
+    Quantity.SIMULATION: _NO_DYNAMICS,
+    Quantity.MESHES: "left to the engines that simulate",
+    Quantity.CLOSURES: "URDF holds no loops",
+    Quantity.ACTUATORS: _EXTENSION,
+    Quantity.SENSORS: _EXTENSION,
+}
+_MOVING = ("revolute", "continuous", "prismatic")
+
+
+def available() -> str | None:
+    """Why the engine cannot run here; None where it can."""
+    if importlib.util.find_spec("yourdfpy") is None:
+        return "yourdfpy is not installed"
+    return None
+
+
+def prepare() -> None:
+    """Do the slow import, in a process that only reads: it needs nothing that trimesh takes from scipy or networkx."""
+    import_lightly("yourdfpy", ("networkx", "scipy"))
+
+
+def observe(request: Request) -> Observation:
+    """Parse the file and say what is in it.
+
+    Raises:
+        EngineRefused: yourdfpy cannot make a tree of it.
+    """
+    import yourdfpy as engine
+
+    with _warnings() as warnings:
+        try:
+            urdf = engine.URDF.load(request.file, load_meshes=False, build_collision_scene_graph=False)
+            urdf.validate()
+            joints = tuple(_joint(joint) for joint in urdf.robot.joints)
+            chained = _mimic_chains(joints)
+            closed = [q for way in request.ways for q in way]
+            poses = () if chained else tuple(_poses(urdf, q) for q in [*request.configurations, *closed])
+        except (ValueError, KeyError, TypeError, AttributeError, IndexError, engine.urdf.URDFError) as error:
+            raise EngineRefused(f"{type(error).__name__}: {error}") from error
+    not_run = dict(_NOT_RUN)
+    if chained:
+        not_run[Quantity.POSES] = f"yourdfpy does not follow a mimic of a mimic: {', '.join(chained)}"
+        warnings = [text for text in warnings if "supposed to mimic" not in text]
+    return Observation(
+        engine=NAME,
+        version=importlib.metadata.version("yourdfpy"),
+        format=request.format,
+        name=urdf.robot.name,
+        links=tuple(_link(link) for link in urdf.robot.links),
+        joints=joints,
+        coordinates=tuple(joint.name for joint in joints if joint.kind in _MOVING),
+        poses=poses,
+        warnings=tuple(dict.fromkeys([*warnings, *(str(error) for error in urdf.errors)])),
+        not_run=not_run,
+    )
+
+
+@contextmanager
+def _warnings() -> Iterator[list[str]]:
+    """Collect what yourdfpy logs as a warning or worse."""
+    collected: list[str] = []
+
+    class Collector(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            collected.append(record.getMessage())
+
+    logger, collector = logging.getLogger("yourdfpy"), Collector(logging.WARNING)
+    logger.addHandler(collector)
+    try:
+        yield collected
+    finally:
+        logger.removeHandler(collector)
+
+
+def _link(link: Any) -> ObservedLink:
+    inertial = link.inertial
+    bare = ObservedLink(
+        link.name,
+        0.0,
+        has_visuals=bool(link.visuals),
+        has_collisions=bool(link.collisions),
+        visuals=tuple(ObservedShape(shape.name or "", _rgba(shape.material)) for shape in link.visuals),
+        collisions=tuple(ObservedShape(shape.name or "") for shape in link.collisions),
+    )
+    if inertial is None:
+        return bare
+    X_LI = Pose() if inertial.origin is None else Pose.from_matrix(inertial.origin)
+    inertia = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
+    return replace(
+        bare,
+        mass=float(inertial.mass or 0.0),
+        com=X_LI.position,
+        inertia=matrix3(turn_inertia(X_LI.R, inertia)),
+    )
+
+
+def _rgba(material: Any) -> tuple[float, ...]:
+    """The colour that a visual has of its own."""
+    if material is None or material.color is None:
+        return ()
+    return tuple(float(channel) for channel in material.color.rgba)
+
+
+def _joint(joint: Any) -> ObservedJoint:
+    if joint.type not in _MOVING:
+        return ObservedJoint(joint.name, joint.type, joint.parent, joint.child, mimic_read=True)
+    mimic = joint.mimic
+    return ObservedJoint(
+        joint.name,
+        joint.type,
+        joint.parent,
+        joint.child,
+        axis=vector3(unit(joint.axis)),
+        limit=_limit(joint),
+        dynamics=JointDynamics(
+            damping=float((joint.dynamics and joint.dynamics.damping) or 0.0),
+            friction=float((joint.dynamics and joint.dynamics.friction) or 0.0),
+        ),
+        mimic=None if mimic is None else Mimic(mimic.joint, float(mimic.multiplier), float(mimic.offset)),
+        mimic_read=True,
+    )
+
+
+def _limit(joint: Any) -> Limit:
+    given = joint.limit
+    if given is None:
+        return Limit()
+    bounded = joint.type != "continuous"
+    return Limit(
+        lower=_number(given.lower, -inf) if bounded else -inf,
+        upper=_number(given.upper, inf) if bounded else inf,
+        velocity=_number(given.velocity, inf),
+        effort=_number(given.effort, inf),
+    )
+
+
+def _number(value: float | None, default: float) -> float:
+    return default if value is None else float(value)
+
+
+def _mimic_chains(joints: tuple[ObservedJoint, ...]) -> list[str]:
+    """Joints that mimic a joint that mimics."""
+    followers = {joint.name for joint in joints if joint.mimic}
+    return [joint.name for joint in joints if joint.mimic and joint.mimic.joint in followers]
+
+
+def _poses(urdf: Any, q: Mapping[str, float]) -> dict[str, Pose]:
+    urdf.update_cfg({name: q.get(name, 0.0) for name in urdf.actuated_joint_names})
+    return {link.name: Pose.from_matrix(urdf.get_transform(link.name)) for link in urdf.robot.links}

@@ -1,0 +1,178 @@
+"""Drives and sensors rewritten to what a format can hold."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, isinf
+
+from stepbot.geometry.spatial import IDENTITY
+from stepbot.robot.actuators import drive_limit, joint_range
+from stepbot.robot.model import Actuator, ActuatorKind, Frame, Limit, Robot
+from stepbot.robot.sensors import SEEING, Sensor, SensorKind
+from stepbot.robot.unique_names import free_name
+
+from .joints import UNLIMITED, frames_as_links
+
+NEAREST, FARTHEST = 0.1, 100.0
+"""Range [m] of a camera or a lidar where a format wants one and the robot has none: SDFormat's own for a camera."""
+
+_WITH_PLACE = (SensorKind.IMU, SensorKind.CAMERA, SensorKind.LIDAR)
+"""Kinds of sensors that ROS looks for at a link of their own."""
+
+
+def sensors_where(condition: Callable[[Sensor], bool]) -> Callable[[Robot], list[str]]:
+    """Names of the sensors that satisfy a condition, and what they are on."""
+    return lambda robot: [
+        f"'{sensor.name}' on '{sensor.joint or sensor.link}'" for sensor in robot.sensors if condition(sensor)
+    ]
+
+
+def sensors_of(kind: SensorKind) -> Callable[[Robot], list[str]]:
+    """Names of the sensors of a kind."""
+    return sensors_where(lambda sensor: sensor.kind is kind)
+
+
+def drives_where(condition: Callable[[Robot, Actuator], bool]) -> Callable[[Robot], list[str]]:
+    """Names of the drives that satisfy a condition, and their joints."""
+    return lambda robot: [
+        f"'{actuator.name}' on '{actuator.joint}'" for actuator in robot.actuators if condition(robot, actuator)
+    ]
+
+
+def without_drives(robot: Robot) -> Robot:
+    """The robot without its drives."""
+    return replace(robot, actuators=())
+
+
+def without_sensors(kind: SensorKind) -> Callable[[Robot], Robot]:
+    """The robot without its sensors of a kind."""
+    return lambda robot: replace(robot, sensors=tuple(s for s in robot.sensors if s.kind is not kind))
+
+
+def _each_sensor(rewrite: Callable[[Sensor], Sensor]) -> Callable[[Robot], Robot]:
+    return lambda robot: replace(robot, sensors=tuple(rewrite(sensor) for sensor in robot.sensors))
+
+
+def gears_at_joints(robot: Robot) -> Robot:
+    """The robot with drives without gears: what a gain and an input count at the drive, they count at the joint."""
+
+    def direct(actuator: Actuator) -> Actuator:
+        square = actuator.gear**2
+        return replace(actuator, kp=actuator.kp * square, kv=actuator.kv * square, gear=1.0)
+
+    return replace(robot, actuators=tuple(direct(actuator) for actuator in robot.actuators))
+
+
+def is_bounded_drive(robot: Robot, actuator: Actuator) -> bool:
+    """Whether a drive's input has narrower bounds than its joint."""
+    joint = robot.joint_by_name[actuator.joint]
+    return joint_range(actuator, joint) != joint_range(_as_joint(actuator), joint)
+
+
+def _as_joint(actuator: Actuator) -> Actuator:
+    """The drive without bounds of its own input; that of a motor is its effort."""
+    effort = inf if actuator.kind is ActuatorKind.MOTOR else actuator.limit.effort
+    return replace(actuator, limit=Limit(effort=effort))
+
+
+def bounded_by_joints(robot: Robot) -> Robot:
+    """The robot with drives whose inputs have no bounds but those of their joints."""
+    return replace(robot, actuators=tuple(_as_joint(actuator) for actuator in robot.actuators))
+
+
+def is_open_drive(robot: Robot, actuator: Actuator) -> bool:
+    """Whether a drive that is controlled has no limit to its effort."""
+    limit = drive_limit(actuator, robot.joint_by_name[actuator.joint])
+    return actuator.kind is not ActuatorKind.MOTOR and isinf(limit.effort)
+
+
+def bound_drives(robot: Robot) -> Robot:
+    """The robot with a number for every effort limit that a drive does not have."""
+    actuators = [
+        replace(a, limit=replace(a.limit, effort=UNLIMITED)) if is_open_drive(robot, a) else a for a in robot.actuators
+    ]
+    return replace(robot, actuators=tuple(actuators))
+
+
+def is_open_view(sensor: Sensor) -> bool:
+    """Whether a camera or a lidar sees without end, or nothing is too near for it."""
+    return sensor.kind in SEEING and (sensor.view.nearest == 0.0 or isinf(sensor.view.farthest))
+
+
+def _bounded(sensor: Sensor) -> Sensor:
+    if not is_open_view(sensor):
+        return sensor
+    nearest = sensor.view.nearest or min(NEAREST, 0.1 * sensor.view.farthest)
+    farthest = max(FARTHEST, 10.0 * nearest) if isinf(sensor.view.farthest) else sensor.view.farthest
+    return replace(sensor, view=replace(sensor.view, nearest=nearest, farthest=farthest))
+
+
+bound_views = _each_sensor(_bounded)
+"""The robot with numbers for the range of every camera and lidar."""
+
+
+def has_place(sensor: Sensor) -> bool:
+    """Whether a sensor is away from the frame of its link."""
+    return sensor.kind in _WITH_PLACE and sensor.X_LS != IDENTITY
+
+
+def sensors_as_links(robot: Robot) -> Robot:
+    """The robot with a link without mass, on a fixed joint, for every sensor away from the frame of its link."""
+    taken = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
+    taken |= {closure.name for closure in robot.closures}
+    frames: list[Frame] = []
+    sensors: list[Sensor] = []
+    for sensor in robot.sensors:
+        if has_place(sensor):
+            frames.append(Frame(free_name(sensor.name, "_sensor", taken), sensor.link, sensor.X_LS))
+            sensors.append(replace(sensor, link=frames[-1].name, X_LS=IDENTITY))
+        else:
+            sensors.append(sensor)
+    mounted = frames_as_links(replace(robot, frames=tuple(frames), sensors=tuple(sensors)))
+    return replace(mounted, frames=robot.frames)
+
+
+def is_off_joint(sensor: Sensor) -> bool:
+    """Whether a force-torque sensor is away from the origin of its joint, where torques are told about."""
+    return sensor.kind is SensorKind.FORCE_TORQUE and any(sensor.X_LS.position)
+
+
+def has_camera_extras(sensor: Sensor) -> bool:
+    """Whether a camera has a rate, or bounds to what it sees."""
+    bounded = sensor.view.nearest != 0.0 or not isinf(sensor.view.farthest)
+    return sensor.kind is SensorKind.CAMERA and (sensor.rate != 0.0 or bounded)
+
+
+def is_blind_when_near(sensor: Sensor) -> bool:
+    """Whether a lidar sees nothing that is too near."""
+    return sensor.kind is SensorKind.LIDAR and sensor.view.nearest != 0.0
+
+
+without_rates = _each_sensor(lambda sensor: replace(sensor, rate=0.0))
+"""The robot with sensors that measure in every step."""
+
+
+def _plain(sensor: Sensor) -> Sensor:
+    view = replace(sensor.view, nearest=0.0, farthest=inf)
+    return replace(sensor, rate=0.0, view=view) if sensor.kind is SensorKind.CAMERA else sensor
+
+
+without_camera_extras = _each_sensor(_plain)
+"""The robot with cameras that have neither rate nor range."""
+
+
+def _near(sensor: Sensor) -> Sensor:
+    view = replace(sensor.view, nearest=0.0)
+    return replace(sensor, view=view) if sensor.kind is SensorKind.LIDAR else sensor
+
+
+seeing_what_is_near = _each_sensor(_near)
+"""The robot with lidars that nothing is too near for."""
+
+
+def is_timed_encoder(sensor: Sensor) -> bool:
+    """Whether a joint sensor has a rate."""
+    return sensor.kind is SensorKind.JOINT and sensor.rate != 0.0
+
+
+without_encoder_rates = _each_sensor(lambda sensor: replace(sensor, rate=0.0) if is_timed_encoder(sensor) else sensor)
+"""The robot with joint sensors that tell in every step."""

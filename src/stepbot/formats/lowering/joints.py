@@ -1,0 +1,194 @@
+"""Joints and loops rewritten to what a format can hold."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, isinf
+
+from stepbot.robot.kinematics import displacement, mimic_relation
+from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Mimic, Robot
+from stepbot.robot.unique_names import free_name
+
+UNLIMITED = 1e9
+"""What stands for `no limit` where a format wants a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
+
+BOUNDED = frozenset({JointKind.REVOLUTE, JointKind.PRISMATIC})
+"""Kinds of joints that have position limits."""
+
+
+def joints_where(condition: Callable[[Joint], bool]) -> Callable[[Robot], list[str]]:
+    """Names of the joints that satisfy a condition."""
+    return lambda robot: [f"'{joint.name}'" for joint in robot.joints if condition(joint)]
+
+
+def joints_of(kind: JointKind) -> Callable[[Robot], list[str]]:
+    """Names of the joints of a kind."""
+    return joints_where(lambda joint: joint.kind is kind)
+
+
+def each_joint(rewrite: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
+    """The robot with every joint rewritten."""
+    return lambda robot: replace(robot, joints=tuple(rewrite(joint) for joint in robot.joints))
+
+
+def is_open(joint: Joint) -> bool:
+    """Whether a joint that has position limits lacks one."""
+    return joint.kind in BOUNDED and (isinf(joint.limit.lower) or isinf(joint.limit.upper))
+
+
+def bound(joint: Joint) -> Joint:
+    """The joint with numbers for position limits that it does not have; a revolute one without any is continuous."""
+    if not is_open(joint):
+        return joint
+    lower, upper = joint.limit.lower, joint.limit.upper
+    if joint.kind is JointKind.REVOLUTE and isinf(lower) and isinf(upper):
+        return replace(joint, kind=JointKind.CONTINUOUS)
+    return replace(joint, limit=replace(joint.limit, lower=max(lower, -UNLIMITED), upper=min(upper, UNLIMITED)))
+
+
+def lacks_effort(joint: Joint) -> bool:
+    """Whether a joint that moves lacks the effort or velocity limit that its format wants beside its other limits."""
+    missing = (isinf(joint.limit.effort), isinf(joint.limit.velocity))
+    return (
+        any(missing) if joint.kind in BOUNDED else joint.kind is JointKind.CONTINUOUS and any(missing) != all(missing)
+    )
+
+
+def bound_effort(joint: Joint) -> Joint:
+    """The joint with numbers for effort and velocity limits that it does not have."""
+    if not lacks_effort(joint):
+        return joint
+    limit = replace(
+        joint.limit, effort=min(joint.limit.effort, UNLIMITED), velocity=min(joint.limit.velocity, UNLIMITED)
+    )
+    return replace(joint, limit=limit)
+
+
+def is_limited_ball(joint: Joint) -> bool:
+    """Whether a ball joint has a limit of effort or velocity."""
+    return joint.kind is JointKind.BALL and joint.limit != Limit()
+
+
+def without_ball_limit(joint: Joint) -> Joint:
+    """The joint, a ball joint without limits."""
+    return replace(joint, limit=Limit()) if joint.kind is JointKind.BALL else joint
+
+
+def is_loaded_ball(joint: Joint) -> bool:
+    """Whether a ball joint has damping, friction or a spring."""
+    return joint.kind is JointKind.BALL and replace(joint.dynamics, armature=0.0) != JointDynamics()
+
+
+def without_ball_force(joint: Joint) -> Joint:
+    """The joint, a ball joint without passive forces."""
+    kept = JointDynamics(armature=joint.dynamics.armature)
+    return replace(joint, dynamics=kept) if joint.kind is JointKind.BALL else joint
+
+
+def without_spring(joint: Joint) -> Joint:
+    """The joint without its spring."""
+    return replace(joint, dynamics=replace(joint.dynamics, stiffness=0.0, spring_reference=0.0))
+
+
+def without_armature(joint: Joint) -> Joint:
+    """The joint without the inertia of its drive."""
+    return replace(joint, dynamics=replace(joint.dynamics, armature=0.0))
+
+
+def chained_mimics(robot: Robot) -> list[str]:
+    """Joints that mimic one that mimics another."""
+    mimics = {joint.name: joint.mimic for joint in robot.joints if joint.mimic is not None}
+    return [f"'{name}' after '{mimic.joint}'" for name, mimic in mimics.items() if mimic.joint in mimics]
+
+
+def flatten_mimics(robot: Robot) -> Robot:
+    """The robot with every mimic referring to the joint that leads its chain."""
+
+    def flat(joint: Joint) -> Joint:
+        return replace(joint, mimic=Mimic(*mimic_relation(robot, joint.name))) if joint.mimic is not None else joint
+
+    return each_joint(flat)(robot)
+
+
+def describe_closures(condition: Callable[[LoopClosure], bool]) -> Callable[[Robot], list[str]]:
+    """The closures that satisfy a condition, with what they join."""
+    return lambda robot: [
+        f"'{closure.name}' ({closure.kind}, '{closure.link_a}' to '{closure.link_b}')"
+        for closure in robot.closures
+        if condition(closure)
+    ]
+
+
+def drop_closures(robot: Robot) -> Robot:
+    """The spanning tree."""
+    return replace(robot, closures=())
+
+
+def loop_zeros(robot: Robot) -> list[str]:
+    """Joints of loops that were drawn at another position than q = 0."""
+    moved = _joints_in_loops(robot)
+    return [
+        f"'{joint.name}' by {joint.drawn_position:.6g}"
+        for joint in robot.joints
+        if joint.name in moved and joint.drawn_position != 0.0
+    ]
+
+
+def move_loop_zeros(robot: Robot) -> Robot:
+    """The robot with q = 0 at the drawn position for every joint of a loop; limits, springs and mimics move along."""
+    in_loops = _joints_in_loops(robot)
+    shift = {joint.name: joint.drawn_position if joint.name in in_loops else 0.0 for joint in robot.joints}
+
+    def moved(joint: Joint) -> Joint:
+        by = shift[joint.name]
+        mimic = joint.mimic
+        if mimic is not None:
+            mimic = replace(mimic, offset=mimic.offset + mimic.multiplier * shift[mimic.joint] - by)
+        if by == 0.0:
+            return replace(joint, mimic=mimic)
+        return replace(
+            joint,
+            X_PC=joint.X_PC @ displacement(joint, by),
+            limit=replace(joint.limit, lower=joint.limit.lower - by, upper=joint.limit.upper - by),
+            dynamics=replace(joint.dynamics, spring_reference=_moved_spring(joint.dynamics, by)),
+            mimic=mimic,
+            drawn_position=0.0,
+        )
+
+    return each_joint(moved)(robot)
+
+
+def _moved_spring(dynamics: JointDynamics, by: float) -> float:
+    return dynamics.spring_reference - by if dynamics.stiffness else dynamics.spring_reference
+
+
+def _joints_in_loops(robot: Robot) -> set[str]:
+    """Joints on the way through the tree from one side of a closure to the other."""
+    above = {joint.child: joint for joint in robot.joints}
+
+    def way_up(link: str) -> list[str]:
+        joints = []
+        while link in above:
+            joints.append(above[link].name)
+            link = above[link].parent
+        return joints
+
+    # What both ways up share lies above the loop.
+    return {name for c in robot.closures for name in set(way_up(c.link_a)) ^ set(way_up(c.link_b))}
+
+
+def frames_as_links(robot: Robot) -> Robot:
+    """The robot with a link without mass, on a fixed joint, for every frame."""
+    taken = {joint.name for joint in robot.joints} | {closure.name for closure in robot.closures}
+    joints = tuple(
+        Joint(
+            free_name(f"{frame.name}_mount", "_joint", taken),
+            JointKind.FIXED,
+            frame.link,
+            frame.name,
+            frame.X_LF,
+            limit=Limit(-inf, inf),
+        )
+        for frame in robot.frames
+    )
+    links = tuple(Link(frame.name) for frame in robot.frames)
+    return replace(robot, links=robot.links + links, joints=robot.joints + joints, frames=())

@@ -1,0 +1,127 @@
+"""Drives and sensors of MJCF.
+
+What a sensor of several readings consists of is called ``<sensor>/<reading>``, and its place ``<sensor>/site``, which
+no name of the robot can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
+"""
+
+from math import atan, degrees, isfinite, tan
+
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.actuators import control_range, force_range
+from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Link, Robot
+from stepbot.robot.multi_dof import steps_by_child
+from stepbot.robot.sensors import Sensor, SensorKind
+
+from ..xml import Element, Value, element
+
+SITE = "site"
+"""Last part of the name of a sensor's place."""
+RAY = "ray"
+"""Last part of the names of a lidar's rays, before their numbers."""
+
+# The camera's x, y, z in the axes of the sensor: right is -y, up is z, and it looks along x.
+_X_SC = Pose(((0.0, 0.0, -1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+_QUARTER_ABOUT_Y = Pose(((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (-1.0, 0.0, 0.0)))
+"""Pose of a ray, which is z of its site, along x of the sensor."""
+
+_READINGS = {
+    SensorKind.IMU: {"accelerometer": "accelerometer", "gyro": "gyro", "orientation": "framequat"},
+    SensorKind.FORCE_TORQUE: {"force": "force", "torque": "torque"},
+}
+"""For each kind of sensor at a site the names of its readings, and their elements."""
+
+
+def actuators(top: Element, robot: Robot) -> None:
+    """Add the drives."""
+    if robot.actuators:
+        xml = element(top, "actuator")
+        for actuator in robot.actuators:
+            _actuator(xml, actuator, robot.joint_by_name[actuator.joint])
+
+
+def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
+    """A drive; its control and force are on the drive's side of the gear, its joint's limits on the other."""
+    optional: dict[str, Value] = {"gear": actuator.gear} if actuator.gear != 1.0 else {}
+    if actuator.kind is ActuatorKind.POSITION:
+        optional["kp"] = actuator.kp
+    if actuator.kind is ActuatorKind.VELOCITY or actuator.kv:
+        optional["kv"] = actuator.kv
+    control, force = control_range(actuator, joint), force_range(actuator, joint)
+    if all(map(isfinite, control)):
+        optional["ctrlrange"] = control
+    if isfinite(force[1]) and actuator.kind is not ActuatorKind.MOTOR:
+        optional["forcerange"] = force
+    element(parent, actuator.kind.value, name=actuator.name, joint=actuator.joint, **optional)
+
+
+def mounts(body: Element, link: Link, robot: Robot) -> None:
+    """Add the places of the sensors on a link."""
+    for sensor in robot.sensors:
+        if sensor.link != link.name:
+            continue
+        if sensor.kind in _READINGS:
+            element(body, "site", name=f"{sensor.name}/{SITE}", **mjcf_pose(sensor.X_LS))
+        elif sensor.kind is SensorKind.CAMERA:
+            view = sensor.view
+            fovy = degrees(2.0 * atan(tan(0.5 * view.fov) * view.rows / view.columns))
+            place = mjcf_pose(sensor.X_LS @ _X_SC)
+            element(body, "camera", name=sensor.name, **place, fovy=fovy, resolution=(view.columns, view.rows))
+        elif sensor.kind is SensorKind.LIDAR:
+            _rays(body, sensor)
+
+
+def _rays(body: Element, sensor: Sensor) -> None:
+    """A site for each ray of a lidar, from the right edge of its field of view to the left one."""
+    view = sensor.view
+    first = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, -0.5 * view.fov))
+    holder = element(body, "frame", **mjcf_pose(sensor.X_LS @ first))
+    step = view.fov / (view.columns - 1) if view.columns > 1 else 0.0
+    rays = element(holder, "replicate", count=view.columns, euler=(0.0, 0.0, step), sep="/")
+    element(rays, "site", name=f"{sensor.name}/{RAY}", **mjcf_pose(_QUARTER_ABOUT_Y))
+
+
+def sensors(top: Element, robot: Robot) -> None:
+    """Add the readings of the sensors; a camera has none, it is asked for its picture."""
+    measuring = [sensor for sensor in robot.sensors if sensor.kind is not SensorKind.CAMERA]
+    if measuring:
+        xml = element(top, "sensor")
+        for sensor in measuring:
+            _readings(xml, sensor, robot)
+
+
+def _readings(xml: Element, sensor: Sensor, robot: Robot) -> None:
+    timing: dict[str, Value] = {"interval": 1.0 / sensor.rate} if sensor.rate else {}
+    match sensor.kind:
+        case SensorKind.IMU | SensorKind.FORCE_TORQUE:
+            for reading, tag in _READINGS[sensor.kind].items():
+                site = f"{sensor.name}/{SITE}"
+                place = {"objtype": "site", "objname": site} if tag == "framequat" else {"site": site}
+                element(xml, tag, name=f"{sensor.name}/{reading}", **place, **timing)
+        case SensorKind.JOINT:
+            steps = [step for step in steps_by_child(robot)[sensor.link] if step.mimic is None]
+            for step in steps or [robot.joint_by_name[sensor.joint]]:
+                _joint_readings(xml, sensor, step, alone=len(steps) <= 1, timing=timing)
+        case SensorKind.LIDAR:
+            farthest: dict[str, Value] = {"cutoff": sensor.view.farthest} if isfinite(sensor.view.farthest) else {}
+            site = f"{sensor.name}/{RAY}"
+            element(xml, "rangefinder", name=f"{sensor.name}/range", site=site, **farthest, **timing)
+        case SensorKind.CONTACT:
+            what: dict[str, Value] = {"data": "found force torque", "reduce": "netforce"}
+            element(xml, "contact", name=sensor.name, body1=sensor.link, **what, **timing)
+
+
+def _joint_readings(xml: Element, sensor: Sensor, step: Joint, *, alone: bool, timing: dict[str, Value]) -> None:
+    ball = step.kind is JointKind.BALL
+    stem = sensor.name if alone else f"{sensor.name}/{step.name}"
+    element(xml, "ballquat" if ball else "jointpos", name=f"{stem}/position", joint=step.name, **timing)
+    element(xml, "ballangvel" if ball else "jointvel", name=f"{stem}/velocity", joint=step.name, **timing)
+
+
+def mjcf_pose(X: Pose) -> dict[str, Value]:
+    """The attributes of a pose; none for the identity."""
+    pose: dict[str, Value] = {}
+    if any(X.position):
+        pose["pos"] = X.position
+    if X.rotation != Pose().rotation:
+        pose["quat"] = X.quaternion
+    return pose

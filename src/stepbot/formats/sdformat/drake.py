@@ -1,0 +1,60 @@
+"""The SDFormat that Drake reads of a robot with loops: https://drake.mit.edu, ``drake:ball_constraint``.
+
+Drake takes no joint that closes a loop, and a file that holds both its own elements and such a joint is read by nobody:
+hence a file of its own beside the SDFormat that all others read. A constraint holds a point of one body to a point of
+another. Drake wants a discrete plant with the SAP solver for them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.robot.model import JointKind, LoopClosure, Robot
+
+from ..xml import Element, element
+
+URI = "http://drake.mit.edu"
+"""Namespace of the elements, bound to the prefix that Drake looks for."""
+PREFIX = "drake"
+FORMAT = "drake.sdf"
+"""What engines call the format of the file."""
+
+
+def for_drake(robot: Robot) -> Robot:
+    """The robot without sensors, which Drake knows none of, and without drives of universal joints.
+
+    Drake takes any limit but 0 for an actuator, and has none on joints of several freedoms.
+    """
+    joints = tuple(
+        replace(joint, limit=replace(joint.limit, effort=0.0)) if joint.kind is JointKind.UNIVERSAL else joint
+        for joint in robot.joints
+    )
+    return replace(robot, joints=joints, sensors=())
+
+
+def constrain(model: Element, robot: Robot) -> None:
+    """Add what holds the loops of a robot together; no closure slides."""
+    for closure in robot.closures:
+        for p_F in _points(closure):
+            held = element(model, f"{{{URI}}}ball_constraint")
+            _say(held, "body_A", closure.link_a)
+            _say(held, "p_AP", closure.X_AF.apply(p_F).tolist())
+            _say(held, "body_B", closure.link_b)
+            _say(held, "p_BQ", closure.X_BF.apply(p_F).tolist())
+
+
+def _say(held: Element, name: str, value: str | Sequence[float]) -> None:
+    element(held, f"{{{URI}}}ball_constraint_{name}", value)
+
+
+def _points(closure: LoopClosure) -> list[Array]:
+    """Points of F [m] that hold what the closure holds: one, two of an axis, three of a body."""
+    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
+    if closure.kind is JointKind.BALL:
+        return [np.zeros(3)]
+    if closure.kind is JointKind.FIXED:
+        x, y, _ = perpendicular_frame(closure.axis).T
+        return [np.zeros(3), reach * x, reach * y]
+    return [np.zeros(3), reach * np.array(closure.axis)]

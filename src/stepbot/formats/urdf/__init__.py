@@ -1,0 +1,183 @@
+"""URDF, as ROS and most simulators read it: http://wiki.ros.org/urdf/XML.
+
+The root link is the robot's; there is no link called ``world``, because loaders disagree on it. Inertias are about the
+centre of mass along the axes of the link (rpy = 0), since some readers ignore that rotation. Every link has an
+``<inertial>``, zero where it weighs nothing: some engines take a link without one for 1 kg.
+"""
+
+from math import isfinite
+
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import (
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointKind,
+    Link,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+
+from ..companion import Companion
+from ..lowering import Notion, exact, lowered, refused, reported
+from ..lowering.shapes import upright
+from ..xml import Element, document, element, root
+from .extensions import extensions
+
+NAME = "urdf"
+ALIASES: tuple[str, ...] = ()
+SUFFIX = ".urdf"
+TITLE = "URDF"
+
+EXPRESSES = {
+    Notion.FIXED_BASE: reported("SB707", "whoever loads the file decides whether the base is fixed"),
+    Notion.FLOATING_BASE: reported("SB707", "whoever loads the file decides whether the base is fixed"),
+    Notion.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
+    Notion.MESH: exact("OBJ in metres, path relative to the file"),
+    Notion.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
+    Notion.CAPSULE: lowered("SB709", "a cylinder and two spheres stand for each capsule"),
+    Notion.FLAT_COLLISION: exact("as any mesh"),
+    Notion.CONCAVE_COLLISION: exact("as any mesh"),
+    Notion.COLOR: exact("`<material>` of its own in each visual"),
+    Notion.NEIGHBOURS: exact("readers leave it out between parent and child"),
+    Notion.FIXED: exact("`fixed`"),
+    Notion.REVOLUTE: exact("`revolute`"),
+    Notion.CONTINUOUS: exact("`continuous`"),
+    Notion.PRISMATIC: exact("`prismatic`"),
+    Notion.BALL: lowered("SB720", "yaw, pitch and roll stand for a ball joint, locked at pitch = ±90°"),
+    Notion.UNIVERSAL: lowered("SB720", "two continuous joints stand for a universal one"),
+    Notion.CYLINDRICAL: lowered("SB720", "a prismatic and a continuous joint stand for a cylindrical one"),
+    Notion.SCREW: lowered("SB720", "a revolute joint and a prismatic one that follows it stand for a screw"),
+    Notion.PLANAR: lowered("SB720", "two prismatic joints and a continuous one stand for a planar one"),
+    Notion.FLOATING: lowered("SB720", "three prismatic joints and a ball joint stand for a floating one"),
+    Notion.BALL_LIMIT: exact("limits of yaw, pitch and roll"),
+    Notion.BALL_FORCE: exact("forces on yaw, pitch and roll"),
+    Notion.OPEN_POSITION: lowered(
+        "SB704", "1e9 stands for a missing position limit; a revolute joint without any is continuous"
+    ),
+    Notion.OPEN_EFFORT: lowered("SB704", "1e9 stands for a missing effort or velocity limit"),
+    Notion.EFFORT: exact("`effort`"),
+    Notion.VELOCITY: exact("`velocity`"),
+    Notion.FRICTION: exact("`<dynamics>`"),
+    Notion.SPRING: lowered("SB725", "springs are in `<gazebo>`"),
+    Notion.ARMATURE: reported("SB703", "armatures are left out"),
+    Notion.MIMIC: exact("`<mimic>`"),
+    Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
+    Notion.CLOSURE: reported("SB701", "a tree has no closed loops; closures are left out"),
+    Notion.SLIDING_CLOSURE: reported("SB701", "a tree has no closed loops; closures are left out"),
+    Notion.STUCK_CLOSURE: reported("SB701", "a tree has no closed loops; closures are left out"),
+    Notion.LOOP_ZERO: exact("the tree alone is written"),
+    Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
+    Notion.FRAME: lowered("SB708", "frames are links without mass on fixed joints"),
+    Notion.ACTUATOR: lowered("SB725", "actuators are in `<ros2_control>` and `<transmission>`"),
+    Notion.GEAR: exact("`<mechanicalReduction>`"),
+    Notion.DRIVE_INPUT: exact("`min`, `max` of the command interface"),
+    Notion.OPEN_DRIVE: exact("no limit"),
+    Notion.JOINT_SENSOR: lowered("SB725", "joint sensors are in `<ros2_control>`"),
+    Notion.IMU: lowered("SB725", "IMUs are in `<gazebo>` and `<ros2_control>`"),
+    Notion.FORCE_TORQUE: lowered("SB725", "force-torque sensors are in `<gazebo>` and `<ros2_control>`"),
+    Notion.OFF_JOINT: reported("SB728", "torques count about the joint's origin"),
+    Notion.CAMERA: lowered("SB725", "cameras are in `<gazebo>`"),
+    Notion.LIDAR: lowered("SB725", "lidars are in `<gazebo>`"),
+    Notion.CONTACT: lowered("SB725", "contact sensors are in `<gazebo>`"),
+    Notion.SENSOR_PLACE: lowered("SB708", "these sensors are on links without mass, on fixed joints"),
+    Notion.SENSOR_RATE: exact("`<update_rate>`"),
+    Notion.ENCODER_RATE: reported("SB727", "ros2_control reads all joints at its own rate"),
+    Notion.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
+    Notion.LIDAR_NEAREST: exact("`<range>`"),
+    Notion.OPEN_VIEW: lowered("SB704", "0.1 m and 100 m stand for missing bounds of what a sensor sees"),
+    Notion.JOINT_NAME: exact("links and joints have names of their own"),
+    Notion.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
+    Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
+}
+
+
+def reserves(name: str) -> bool:
+    """Whether readers take the name for the world itself."""
+    return name == "world"
+
+
+def render(robot: Robot) -> bytes:
+    """The URDF of a lowered robot."""
+    top = root("robot", robot.source, name=robot.name)
+    for link in robot.links:
+        _link(top, link, robot)
+    for joint in robot.joints:
+        _joint(top, joint)
+    extensions(top, robot)
+    return document(top)
+
+
+def companions(_robot: Robot) -> tuple[Companion, ...]:
+    """No files beside the main one and its meshes."""
+    return ()
+
+
+def _link(top: Element, link: Link, robot: Robot) -> None:
+    xml = element(top, "link", name=link.name)
+    mass = link.mass_properties
+    inertial = element(xml, "inertial")
+    _origin(inertial, Pose.of(position=mass.com))
+    element(inertial, "mass", value=mass.mass)
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
+    for visual in link.visuals:
+        shape = _shape(xml, "visual", visual, robot)
+        material = element(shape, "material", name=visual.name)
+        element(material, "color", rgba=visual.rgba)
+    for collision in link.collisions:
+        _shape(xml, "collision", collision, robot)
+
+
+def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+    xml = element(parent, tag, name=shape.name)
+    _origin(xml, upright(shape))
+    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    return xml
+
+
+def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
+    match geometry:
+        case Box(size):
+            element(parent, "box", size=size)
+        case Cylinder(radius, length):
+            element(parent, "cylinder", radius=radius, length=length)
+        case Sphere(radius):
+            element(parent, "sphere", radius=radius)
+        case MeshRef(name):
+            element(parent, "mesh", filename=robot.mesh_by_name[name].path)
+        case Capsule():
+            raise ValueError("capsules are lowered before they are written")
+
+
+def _joint(top: Element, joint: Joint) -> None:
+    xml = element(top, "joint", name=joint.name, type=joint.kind.value)
+    _origin(xml, joint.X_PC)
+    element(xml, "parent", link=joint.parent)
+    element(xml, "child", link=joint.child)
+    if joint.kind is JointKind.FIXED:
+        return
+    element(xml, "axis", xyz=joint.axis)
+    limit = joint.limit
+    if joint.kind is not JointKind.CONTINUOUS:
+        element(xml, "limit", lower=limit.lower, upper=limit.upper, effort=limit.effort, velocity=limit.velocity)
+    elif isfinite(limit.effort):
+        element(xml, "limit", effort=limit.effort, velocity=limit.velocity)
+    dynamics = {"damping": joint.dynamics.damping, "friction": joint.dynamics.friction}
+    if any(dynamics.values()):
+        element(xml, "dynamics", **{name: value for name, value in dynamics.items() if value})
+    if joint.mimic is not None:
+        multiplier, offset = joint.mimic.multiplier, joint.mimic.offset
+        relation = {"multiplier": multiplier} if multiplier != 1.0 else {}
+        element(xml, "mimic", joint=joint.mimic.joint, **relation, **({"offset": offset} if offset else {}))
+
+
+def _origin(parent: Element, X: Pose) -> None:
+    place = {name: value for name, value in (("xyz", X.position), ("rpy", X.rpy)) if any(value)}
+    if place:
+        element(parent, "origin", **place)

@@ -1,0 +1,50 @@
+"""What a URDF says to some of its readers alone: `<gazebo>`, `<transmission>` and `<ros2_control>`.
+
+https://github.com/gazebosim/sdf_tutorials/blob/master/docs/urdf/sdf_extensions.md
+"""
+
+from stepbot.robot.model import Joint, JointKind, Link, Robot
+from stepbot.robot.sensors import SensorKind
+
+from ..sdformat.sensors import sensors_on_joint, sensors_on_link
+from ..xml import Element, element
+from .ros2_control import ros2_control, transmissions
+
+
+def extensions(top: Element, robot: Robot) -> None:
+    """Add springs, drives and sensors."""
+    for joint in robot.joints:
+        _of_joint(top, joint, robot)
+    for link in robot.links:
+        block = element(top, "gazebo", reference=link.name)
+        sensors_on_link(block, link, robot.sensors, _shapes_in_gazebo(link))
+        if not len(block):
+            top.remove(block)
+    transmissions(top, robot)
+    ros2_control(top, robot)
+
+
+def _shapes_in_gazebo(link: Link) -> list[str]:
+    """What Gazebo calls the collision shapes of a link when it makes SDFormat of a URDF."""
+    numbers = ["", *(f"_{i}" for i in range(1, len(link.collisions)))]
+    return [f"{shape.name}_collision{number}" for shape, number in zip(link.collisions, numbers, strict=False)]
+
+
+def _of_joint(top: Element, joint: Joint, robot: Robot) -> None:
+    """What Gazebo is told of a joint.
+
+    Fixed ones it would merge away, and with them a force-torque sensor, and the names of what a contact sensor watches.
+    """
+    fixed = joint.kind is JointKind.FIXED
+    weighed = any(s.kind is SensorKind.FORCE_TORQUE and s.joint == joint.name for s in robot.sensors)
+    watched = fixed and any(s.kind is SensorKind.CONTACT and s.link == joint.child for s in robot.sensors)
+    spring = joint.dynamics.stiffness
+    if not (weighed or watched or spring):
+        return
+    block = element(top, "gazebo", reference=joint.name)
+    if spring:
+        element(block, "springStiffness", spring)
+        element(block, "springReference", joint.dynamics.spring_reference)
+    if fixed:
+        element(block, "preserveFixedJoint", "true")
+    sensors_on_joint(block, joint.name, robot.sensors)

@@ -1,0 +1,83 @@
+"""Drives and sensors as ros2_control finds them in a URDF: https://control.ros.org/rolling/doc.
+
+What moves the joints is a plugin that only the owner of the hardware, or of the simulation, can name: the one that is
+written plays every command back, and belongs to ros2_control itself. Inputs and limits are given at the joint. Gears
+are transmissions, once more in the form of ROS 1, which a URDF has had since before ros2_control.
+"""
+
+from stepbot.robot.actuators import drive_limit, joint_range
+from stepbot.robot.model import Actuator, ActuatorKind, Robot
+from stepbot.robot.sensors import SensorKind
+
+from ..lowering import UNLIMITED
+from ..xml import Element, element
+
+HARDWARE = "mock_components/GenericSystem"
+"""Stands for the hardware; its successor is a matter of configuration."""
+_SIMPLE = "transmission_interface/SimpleTransmission"
+_COMMANDS = {ActuatorKind.POSITION: "position", ActuatorKind.VELOCITY: "velocity", ActuatorKind.MOTOR: "effort"}
+_STATES = ("position", "velocity", "effort")
+_READINGS = {
+    SensorKind.IMU: (
+        *(f"orientation.{axis}" for axis in "xyzw"),
+        *(f"angular_velocity.{axis}" for axis in "xyz"),
+        *(f"linear_acceleration.{axis}" for axis in "xyz"),
+    ),
+    SensorKind.FORCE_TORQUE: (*(f"force.{axis}" for axis in "xyz"), *(f"torque.{axis}" for axis in "xyz")),
+    SensorKind.JOINT: ("position", "velocity"),
+}
+"""The state interfaces that broadcasters of ros2_control look for."""
+
+
+def transmissions(top: Element, robot: Robot) -> None:
+    """Add a transmission for every drive, between its motor and its joint."""
+    for actuator in robot.actuators:
+        xml = element(top, "transmission", name=actuator.name)
+        element(xml, "type", _SIMPLE)
+        interface = f"hardware_interface/{_COMMANDS[actuator.kind].capitalize()}JointInterface"
+        element(element(xml, "joint", name=actuator.joint), "hardwareInterface", interface)
+        motor = element(xml, "actuator", name=actuator.name)
+        element(motor, "mechanicalReduction", actuator.gear)
+
+
+def ros2_control(top: Element, robot: Robot) -> None:
+    """Add the system of all drives, and of the sensors that ros2_control reads."""
+    sensors = [sensor for sensor in robot.sensors if sensor.kind in _READINGS]
+    if not (robot.actuators or sensors):
+        return
+    system = element(top, "ros2_control", name=robot.name, type="system")
+    element(element(system, "hardware"), "plugin", HARDWARE)
+    driven = dict.fromkeys(actuator.joint for actuator in robot.actuators)
+    for name in driven:
+        joint = element(system, "joint", name=name)
+        for actuator in robot.actuators:
+            if actuator.joint == name:
+                _command(joint, actuator, robot)
+        for state in _STATES:
+            element(joint, "state_interface", name=state)
+    for sensor in sensors:
+        xml = element(system, "sensor", name=sensor.name)
+        for reading in _READINGS[sensor.kind]:
+            element(xml, "state_interface", name=reading)
+        if sensor.kind is not SensorKind.IMU:
+            element(xml, "param", sensor.joint, name="joint")
+    for actuator in robot.actuators:
+        xml = element(system, "transmission", name=actuator.name)
+        element(xml, "plugin", _SIMPLE)
+        element(xml, "actuator", name=actuator.name, role="actuator1")
+        joint = element(xml, "joint", name=actuator.joint, role="joint1")
+        if actuator.gear != 1.0:
+            element(joint, "mechanical_reduction", actuator.gear)
+
+
+def _command(joint: Element, actuator: Actuator, robot: Robot) -> None:
+    command = element(joint, "command_interface", name=_COMMANDS[actuator.kind])
+    driven = robot.joint_by_name[actuator.joint]
+    low, high = joint_range(actuator, driven)
+    parameters = {"min": low, "max": high}
+    if actuator.kind is not ActuatorKind.MOTOR:
+        effort = drive_limit(actuator, driven).effort
+        parameters |= {"max_effort": effort, "kp": actuator.kp, "kv": actuator.kv}
+    for name, value in parameters.items():
+        if abs(value) < UNLIMITED and (value or name not in ("kp", "kv")):
+            element(command, "param", value, name=name)

@@ -1,0 +1,53 @@
+"""Mass, centre of mass and inertia of rigid bodies, moved, scaled and combined."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .spatial import ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, matrix3, shift_inertia, turn_inertia, vector3
+from .sums import exact_sum
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass, centre of mass and inertia of a rigid body."""
+
+    mass: float = 0.0
+    """Mass [kg]."""
+    com: Vector3 = ZERO3
+    """Centre of mass [m], in the body's frame."""
+    inertia: Matrix3 = ZERO33
+    """Inertia [kg m^2] about the centre of mass, along the axes of the body's frame."""
+
+    @staticmethod
+    def of(mass: float, com: Iterable[float], inertia: Array) -> "MassProperties":
+        """From anything array-like; the inertia is made exactly symmetric."""
+        I = np.asarray(inertia, dtype=np.float64)  # noqa: E741 - the field's letter
+        return MassProperties(float(mass), vector3(tuple(com)), matrix3(0.5 * (I + I.T)))
+
+    def moved(self, X_AB: Pose) -> "MassProperties":
+        """The same body, given in B, expressed in A."""
+        return MassProperties.of(self.mass, X_AB.apply(self.com).tolist(), turn_inertia(X_AB.R, np.array(self.inertia)))
+
+    def scaled(self, factor: float) -> "MassProperties":
+        """The same shape with ``factor`` times the density."""
+        return MassProperties.of(self.mass * factor, self.com, np.array(self.inertia) * factor)
+
+
+def combined(bodies: Iterable[MassProperties]) -> MassProperties:
+    """Mass properties of several bodies as one; all in the same frame, as is the result.
+
+    One body alone stays what it is, bit for bit.
+    """
+    parts = [body for body in bodies if body.mass != 0.0]
+    if len(parts) == 1:
+        return parts[0]
+    mass = exact_sum(body.mass for body in parts)
+    if mass == 0.0:
+        return MassProperties()
+    com = sum((body.mass * np.array(body.com) for body in parts), np.zeros(3)) / mass
+    inertia = sum(
+        (shift_inertia(body.inertia, body.mass, np.array(body.com) - com) for body in parts), np.zeros((3, 3))
+    )
+    return MassProperties.of(mass, com.tolist(), inertia)

@@ -1,0 +1,50 @@
+"""Mass properties of a mesh, by trimesh: the only module that measures with it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepbot.runtime.light_import import import_lightly
+
+from .mesh import TriMesh
+from .volume import VolumeProperties
+
+_UNUSED = (
+    *("networkx", "scipy"),
+    *("PIL", "embreex", "fcl", "jsonschema", "lxml", "manifold3d", "rtree", "shapely"),
+)
+"""What integrals over triangles need nothing of."""
+
+
+def prepare() -> None:
+    """Do the slow import, in a process that only measures."""
+    import_lightly("trimesh.triangles", _UNUSED)
+
+
+def measured_all(meshes: Sequence[TriMesh]) -> tuple[VolumeProperties | None, ...]:
+    """What :func:`measured` says of each mesh."""
+    return tuple(map(measured, meshes))
+
+
+def measured(mesh: TriMesh) -> VolumeProperties | None:
+    """Volume, com and inertia at 1 kg/m^3; None where the mesh is not watertight or encloses nothing.
+
+    The integrals are taken about the middle of the mesh: about a far origin they lose the digits of the distance.
+    """
+    from trimesh.geometry import faces_to_edges
+    from trimesh.graph import is_watertight
+    from trimesh.triangles import mass_properties
+
+    if not len(mesh.faces):
+        return None
+    watertight, wound = is_watertight(faces_to_edges(mesh.faces))
+    if not (watertight and wound):
+        return None
+    low, high = (np.array(corner) for corner in mesh.bounds)
+    middle = 0.5 * (low + high)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a flat mesh has no com; that is told below
+        properties = mass_properties((mesh.vertices - middle)[mesh.faces], density=1.0)
+    volume, com, inertia = properties.volume, np.asarray(properties.center_mass), np.asarray(properties.inertia)
+    if not (volume > 0.0 and np.isfinite(com).all() and np.isfinite(inertia).all()):
+        return None
+    return VolumeProperties.of(volume, com + middle, inertia)

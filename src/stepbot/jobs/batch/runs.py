@@ -1,0 +1,140 @@
+"""A batch: every robot once, whatever becomes of the others."""
+
+import time
+from collections.abc import Generator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.pipeline.conversion import Conversion, Options, write
+from stepbot.runtime.cache import bytes_digest
+from stepbot.runtime.output import stamp
+from stepbot.runtime.worker import RemoteError, WorkerDied
+
+from ..incremental import conversion_key
+from .state import State
+from .tasks import Task
+from .work import Parcel, Work, carry_out, carry_out_parcel
+
+
+class Status(StrEnum):
+    """What became of a robot."""
+
+    CONVERTED = "converted"
+    UNCHANGED = "unchanged"
+    """Its input is what it was, and its files are there."""
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one robot."""
+
+    task: Task
+    status: Status
+    diagnostics: Diagnostics
+    files: int = 0
+    """How many were written in this run."""
+    seconds: float = 0.0
+    """From when it was handed over to when its files were there."""
+
+
+def run_batch(
+    tasks: Sequence[Task],
+    options: Options,
+    folder: Path,
+    executor: Executor,
+    *,
+    at_once: int,
+    as_bytes: bool = False,
+) -> Generator[Outcome, None, None]:
+    """Convert robots; gives each outcome when it is there. Closing the iterator cancels what has not begun.
+
+    Args:
+        tasks: The robots.
+        options: How each is converted; ``output`` is that of the task.
+        folder: Where the batch keeps what it has done.
+        executor: Where they are converted.
+        at_once: How many the executor works on at a time; a few more are handed over.
+        as_bytes: Whether input travels with the tasks, for machines that do not see the files.
+    """
+    state = State(folder)
+    running: dict[Future[Work], tuple[Task, float]] = {}
+    waiting = iter(tasks)
+    left = True
+    try:
+        while left or running:
+            while left and len(running) < 2 * at_once:
+                task = next(waiting, None)
+                if task is None:
+                    left = False
+                elif state.is_done(task, options):
+                    stamp(task.output)
+                    yield Outcome(task, Status.UNCHANGED, Diagnostics())
+                else:
+                    state.begin(task)
+                    running[_submitted(executor, task, options, as_bytes)] = (task, time.monotonic())
+            if running:
+                done, _ = wait(running, return_when=FIRST_COMPLETED)
+                for future in sorted(done, key=lambda one: running[one][1]):
+                    task, began = running.pop(future)
+                    yield _finished(task, _result(future, task), state, began)
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def _submitted(executor: Executor, task: Task, options: Options, as_bytes: bool) -> Future[Work]:
+    own = replace(options, output=task.output)
+    parcel = _parcel(task, own) if as_bytes else None
+    if isinstance(parcel, Work):
+        ready: Future[Work] = Future()
+        ready.set_result(parcel)
+        return ready
+    if parcel is not None:
+        return executor.submit(carry_out_parcel, parcel)
+    return executor.submit(carry_out, task.sidecar, own)
+
+
+def _parcel(task: Task, options: Options) -> Parcel | Work:
+    """A robot's input as bytes; where the sidecar alone has errors, those."""
+    from stepbot.pipeline.stages import step_of
+
+    found = Diagnostics()
+    step = step_of(task.sidecar, options, found)
+    if step is None:
+        return Work({}, tuple(found))
+    try:
+        text, geometry = task.sidecar.read_bytes(), step.read_bytes()
+    except OSError as error:
+        found.add("SB001", f"cannot be read: {error.strerror or error}", Span(str(error.filename)))
+        return Work({}, tuple(found))
+    key = conversion_key(task.sidecar, bytes_digest(text), step, bytes_digest(geometry), options)
+    return Parcel(task.sidecar.as_posix(), text, str(step), geometry, replace(options, output=Path()), key)
+
+
+def _result(future: "Future[Work]", task: Task) -> Work:
+    """What came of a robot; whatever went wrong is its own diagnostic, and nobody else's."""
+    found, span = Diagnostics(), Span(task.sidecar.as_posix())
+    try:
+        return future.result()
+    except WorkerDied as death:
+        found.add("SB902", f"the conversion ended: {death.reason}", span, notes=death.last_lines)
+    except RemoteError as error:
+        found.add("SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:])
+    except Exception as error:  # noqa: BLE001 - executors raise what they like, the other robots go on
+        found.add("SB901", f"internal error: {type(error).__name__}: {str(error).splitlines()[:1]}", span)
+    return Work({}, tuple(found))
+
+
+def _finished(task: Task, work: Work, state: State, began: float) -> Outcome:
+    found = Diagnostics()
+    found.extend(work.diagnostics)
+    if not write(Conversion(found, files=work.files), task.output, task.sidecar).files and not found.has_errors:
+        raise AssertionError(f"{task.name}: no files, and no error that says why")
+    if not found.has_errors:
+        state.finish(task, work)
+    status = Status.FAILED if found.has_errors else Status.CONVERTED
+    return Outcome(task, status, found, len(work.files), time.monotonic() - began)

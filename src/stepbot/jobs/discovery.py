@@ -1,0 +1,58 @@
+"""Finds sidecars: those that are named, and those below folders."""
+
+import os
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+
+_SIDECAR = re.compile(r"(?:^|\.)robot\.ya?ml$")
+"""What sidecars are called, as in the hooks for pre-commit."""
+_LIST = ".txt"
+
+
+def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
+    """The sidecars that somebody means, each once, in the order of the names.
+
+    Args:
+        named: Sidecars; folders, for all sidecars below them, but for hidden folders; or ``.txt`` files that list
+            any of these, one a line, relative to the list. A line may be empty or begin with ``#``.
+        found: Receives SB001 for a list that cannot be read, and for a folder without sidecars.
+    """
+    sidecars: dict[Path, None] = {}
+    for path in named:
+        sidecars.update(dict.fromkeys(_meant(path, found)))
+    return list(sidecars)
+
+
+def _meant(path: Path, found: Diagnostics) -> list[Path]:
+    if path.is_dir():
+        below = _below(path)
+        if not below:
+            help = ["sidecars are called `<robot>.robot.yaml`"]
+            found.add("SB001", "folder without sidecars", Span(path.as_posix()), help=help)
+        return below
+    if path.suffix != _LIST:
+        return [path]
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        found.add("SB001", f"list of sidecars: cannot be read: {error}", Span(path.as_posix()))
+        return []
+    entries = [line.strip() for line in lines]
+    return find_sidecars([path.parent / entry for entry in entries if entry and not entry.startswith("#")], found)
+
+
+def _below(folder: Path) -> list[Path]:
+    sidecars = []
+    for place, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        sidecars += [Path(place, name) for name in sorted(files) if _SIDECAR.search(name)]
+    return sidecars
+
+
+def robot_name(sidecar: Path) -> str:
+    """What a sidecar's output is called: ``arm.robot.yaml`` is ``arm``, and ``arm/robot.yaml`` is too."""
+    name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
+    return (sidecar.resolve().parent.name or name) if name == "robot" else name

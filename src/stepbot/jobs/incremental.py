@@ -1,0 +1,184 @@
+"""Converts and checks what has changed; of what has not it tells what came of it the last time.
+
+Whatever a result depends on is in its key: the sidecar, the STEP, the options, the environment. To find one loads
+neither kernel nor engine, and not even numpy; only on a miss is the pipeline imported. What ended in an error of the
+kernel or of an engine is never kept, as the next try may fare better.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
+from stepbot.pipeline.conversion import Checked, Conversion, Options, write
+from stepbot.pipeline.prestart import started_kernel, started_server
+from stepbot.runtime.cache import Cache, Digest, Shelf, environment, file_digest, own_code
+from stepbot.runtime.output import check_writable
+
+_NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
+"""Options that do not show in results; the STEP does by its content."""
+_NEVER_KEPT = "SB817"
+"""Self-collision could not be checked: not an error, but the next run may do better."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What came of a conversion without errors."""
+
+    files: Mapping[str, bytes]
+    diagnostics: tuple[Diagnostic, ...]
+    ignored: tuple[Diagnostic, ...]
+    report: bytes
+    """A :class:`stepbot.report.record.Report`, encoded, for who needs it."""
+
+
+@dataclass(frozen=True)
+class _Findings:
+    """What a check said."""
+
+    diagnostics: tuple[Diagnostic, ...]
+    ignored: tuple[Diagnostic, ...]
+    checked: Checked
+
+
+def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
+    """Convert one sidecar, or find what came of it, and write the files."""
+    try:
+        check_writable(options.output)
+    except StepbotError as error:
+        return Conversion(error.diagnostics)
+    conversion = produce(sidecar, options, progress)
+    progress("save")
+    return write(conversion, options.output, sidecar)
+
+
+def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
+    """Convert one sidecar, or find what came of it; nothing is written yet."""
+    record = recorded(sidecar, options)
+    if record is not None:
+        return _conversion_of(record)
+    before = _content(sidecar, options.cache)
+    with ExitStack() as running:
+        kernel = started_kernel(sidecar, options)
+        server = started_server(options) if kernel is None else None  # one thing at a time: the kernel takes longer
+        for started in (kernel, server):
+            if started is not None:
+                running.enter_context(started)
+        from stepbot.pipeline import stages as pipeline
+
+        conversion = pipeline.produce(sidecar, options, progress, kernel, server)
+    if before and before == _content(sidecar, options.cache):
+        _keep(conversion, sidecar, before, options)
+    return conversion
+
+
+def recorded(sidecar: Path, options: Options) -> Record | None:
+    """What came of a conversion with the same input; None where nobody knows."""
+    if options.cache is None:
+        return None
+    content = _content(sidecar, options.cache)
+    step = options.step or _named_step(sidecar, content, options.cache)
+    geometry = file_digest(step) if step is not None else None
+    if step is None or geometry is None:
+        return None
+    return Shelf(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
+
+
+def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, options: Options) -> str:
+    """Key of all that a conversion depends on.
+
+    Args:
+        sidecar: Path of the sidecar, as messages name it.
+        content: Hash of its bytes.
+        step: Path of the STEP, as messages name it.
+        geometry: Hash of its bytes.
+        options: How it is converted.
+    """
+    digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
+    return digest.add(*_asked(options)).key
+
+
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
+    cache = options.cache
+    key = _check_key(sidecar, options, open_step)
+    kept = Shelf(cache, _Findings).get(key) if key else None
+    if kept is not None:
+        found.extend(kept.diagnostics)
+        found.add_ignored(kept.ignored)
+        return kept.checked
+    from stepbot.pipeline import stages as pipeline
+
+    before, local = _content(sidecar, cache), Diagnostics()
+    checked = pipeline.check(sidecar, options, local, open_step=open_step)
+    found.extend(local)
+    found.add_ignored(local.ignored)
+    if not before or before != _content(sidecar, cache):
+        return checked
+    if checked.named:
+        Shelf(cache, str).put(_name_key(before), checked.named)
+    # Of a sidecar on its own all that is said comes from its text; the kernel may fail for reasons that pass.
+    if not (open_step and local.has_errors):
+        after = _check_key(sidecar, options, open_step)
+        if after and key in ("", after):
+            Shelf(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
+    return checked
+
+
+def _conversion_of(record: Record) -> Conversion:
+    from stepbot.report.record import Report
+    from stepbot.runtime.cache import codec_of
+
+    found = Diagnostics()
+    found.extend(record.diagnostics)
+    found.add_ignored(record.ignored)
+    return Conversion(found, None, record.files, codec_of(Report).decode(record.report))
+
+
+def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
+    if conversion.named:
+        Shelf(options.cache, str).put(_name_key(content), conversion.named)
+    report, found = conversion.report, conversion.diagnostics
+    if not conversion.geometry or report is None or found.has_errors or any(one.code == _NEVER_KEPT for one in found):
+        return
+    from stepbot.report.record import Report
+    from stepbot.runtime.cache import codec_of
+
+    encoded = codec_of(Report).encode(replace(report, robot=None))
+    step = options.step or sidecar.parent / conversion.named
+    key = conversion_key(sidecar, content, step, conversion.geometry, options)
+    Shelf(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded))
+
+
+def _content(sidecar: Path, cache: Cache | None) -> str:
+    """Hash of a sidecar's text; empty where it cannot be read, or there is no cache."""
+    return (file_digest(sidecar) or "") if cache is not None else ""
+
+
+def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:
+    """The STEP that a sidecar names, if it was read before."""
+    named = Shelf(cache, str).get(_name_key(content)) if content else None
+    return sidecar.parent / named if named else None
+
+
+def _name_key(content: str) -> str:
+    return Digest("name of STEP").add(own_code(), content).key
+
+
+def _asked(options: Options) -> list[str]:
+    names = [field.name for field in fields(options) if field.name not in _NO_MATTER]
+    return [f"{name}={getattr(options, name)!r}" for name in names]
+
+
+def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
+    """Key of what a check says; empty where there is no cache, or a file that cannot be read or is not known."""
+    content = _content(sidecar, options.cache)
+    if not content:
+        return ""
+    digest = Digest("check").add(own_code(), sidecar.as_posix(), content, repr(options.ignore))
+    if not open_step:
+        return digest.key
+    source = options.step or _named_step(sidecar, content, options.cache)
+    geometry = file_digest(source) if source is not None else None
+    return digest.add(environment(), str(source), geometry, *_asked(options)).key if geometry is not None else ""

@@ -1,0 +1,106 @@
+"""The robots that come with stepbot: where their drawings, sidecars and pages are, and what the pages say of them.
+
+A wheel carries them inside the package; a checkout has them, with the scripts that draw them, in ``robot_library/``.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_PLACES = (_PACKAGE / "robots", _PACKAGE.parents[1] / "robot_library")
+"""In an installed package; in a checkout."""
+SCHEMA = "robot-1.schema.json"
+"""Name of the file with the JSON Schema of sidecars."""
+_SCHEMA_LINE = "# yaml-language-server: $schema="
+_SIDECAR = ".robot.yaml"
+_FACTS = re.compile(r"^(\d+ links?, .*\bkg)$", re.MULTILINE)
+_PICTURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
+_LINK = re.compile(r"\[([^\]]+)\]\([^)]*\)")
+
+
+@dataclass(frozen=True)
+class LibraryRobot:
+    """A robot of the library."""
+
+    folder: Path
+    """``<maker>_<robot>``, with everything that belongs to it."""
+    sidecar: Path
+
+    @property
+    def name(self) -> str:
+        """Its name among all robots, ``<maker>_<robot>``."""
+        return self.folder.name
+
+    @property
+    def short_name(self) -> str:
+        """Its name without that of its maker, which its files have."""
+        return self.sidecar.name.removesuffix(_SIDECAR)
+
+    @property
+    def step(self) -> Path:
+        """Its drawing."""
+        return self.folder / f"{self.short_name}.step"
+
+    @property
+    def page(self) -> Path:
+        """What is said of it: sources of its numbers, licence, joints, links, verification; Markdown."""
+        return self.folder / "README.md"
+
+    def source(self) -> dict[str, bytes]:
+        """Its drawing, its sidecar and the schema that the sidecar names, by the names that they have in one folder."""
+        lines = self.sidecar.read_text(encoding="utf-8").splitlines(keepends=True)
+        text = "".join(f"{_SCHEMA_LINE}{SCHEMA}\n" if line.startswith(_SCHEMA_LINE) else line for line in lines)
+        files = {self.step.name: self.step.read_bytes(), self.sidecar.name: text.encode()}
+        return {**files, SCHEMA: schema_file().read_bytes()}
+
+    def overview(self) -> str:
+        """The first paragraph of its page, on one line."""
+        paragraphs = self._text().split("\n\n")[1:]
+        said = next(text for text in paragraphs if text and not _PICTURE.match(text) and text[0] not in "#<|-`")
+        return _LINK.sub(r"\1", " ".join(said.split()))
+
+    def summary(self) -> str:
+        """The first sentence of its page."""
+        return re.split(r"(?<=\.)\s", self.overview(), maxsplit=1)[0]
+
+    def facts(self) -> str:
+        """Links, degrees of freedom, loops and mass, in a few words; nothing where its page does not tell yet."""
+        found = _FACTS.search(self._text())
+        return found[1] if found else ""
+
+    def table(self, title: str) -> list[list[str]]:
+        """Rows of cells of the table below a heading of its page, the column titles first."""
+        _, _, below = self._text().partition(f"\n## {title}\n\n")
+        lines = [line for line in below.partition("\n\n")[0].splitlines() if line.startswith("|")]
+        return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if "---" not in line]
+
+    def _text(self) -> str:
+        return self.page.read_text(encoding="utf-8")
+
+
+def schema_file() -> Path:
+    """The JSON Schema of sidecars, as a file: in an installed package, or in a checkout."""
+    return next(path for place in _PLACES if (path := place.parent / "schemas" / SCHEMA).exists())
+
+
+def library_robots() -> tuple[LibraryRobot, ...]:
+    """All robots of the library, by name; none where whoever installed stepbot left them out."""
+    for place in _PLACES:
+        found = sorted(place.glob(f"*/*{_SIDECAR}"))
+        if found:
+            return tuple(LibraryRobot(path.parent, path) for path in found)
+    return ()
+
+
+def library_robot(name: str) -> LibraryRobot:
+    """The robot of this name, with or without its maker's.
+
+    Raises:
+        KeyError: There is none, or several have this name without their makers'.
+    """
+    robots = library_robots()
+    found = [robot for robot in robots if robot.name == name] or [r for r in robots if r.short_name == name]
+    if len(found) != 1:
+        raise KeyError(name)
+    return found[0]

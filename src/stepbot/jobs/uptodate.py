@@ -1,0 +1,136 @@
+"""Whether files that were written are what would be written now.
+
+Robot files and meshes are compared byte by byte. Of ``report.json`` the part is compared that comes of the input alone:
+the robot, its bodies, names and joints. The proof in it depends on the engines that are installed, the findings on
+options. So no engine is asked, and the same files pass wherever stepbot runs.
+"""
+
+import fnmatch
+import json
+import os
+import shlex
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.pipeline.conversion import REPORT, Options
+from stepbot.runtime.output import MANIFEST, sidecars_of
+
+from .incremental import produce, recorded
+
+
+def output_folders(below: Path) -> dict[Path, list[Path]]:
+    """The output folders at and below a folder, hidden ones left out, by the sidecar that their lists name.
+
+    Args:
+        below: Where to look.
+
+    Returns:
+        For each sidecar, as an absolute path, the folders that hold files converted from it, by name.
+    """
+    folders: dict[Path, list[Path]] = {}
+    for place, subfolders, files in os.walk(below):
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        if MANIFEST in files:
+            folder = Path(place)
+            for sidecar in dict.fromkeys(sidecars_of(folder).values()):
+                folders.setdefault((folder / sidecar).resolve(), []).append(folder)
+    return folders
+
+
+def check_up_to_date(
+    sidecar: Path,
+    options: Options,
+    found: Diagnostics,
+    *,
+    ignore: Iterable[str] = (),
+    progress: Callable[[str], None] = lambda stage: None,
+) -> None:
+    """Compare the files in ``options.output`` with what a conversion would put there; writes nothing.
+
+    Args:
+        sidecar: The sidecar.
+        options: How it was converted.
+        found: Receives what is wrong with the input, and SB007 for each file that differs, or for a missing folder.
+        ignore: Globs of files that are not compared, relative to the folder.
+        progress: Told each stage.
+    """
+    ignored = tuple(ignore)
+    folder = options.output
+    remedy = [f"`{shlex.join(['stepbot', 'convert', sidecar.as_posix(), '-o', folder.as_posix()])}`"]
+    if sidecar.exists() and not folder.is_dir():
+        what = f"no such folder: nothing has been written for '{sidecar.as_posix()}' here"
+        found.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "`-o DIR` names another folder"])
+        return
+    expected, diagnostics = _expected(sidecar, options, progress)
+    if not expected:
+        found.extend(diagnostics)
+        return
+    files = {name: content for name, content in expected.items() if not _is_ignored(name, ignored)}
+    if not (folder / REPORT).exists():
+        files.pop(REPORT, None)
+    for name, what in _differences(files, folder):
+        found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
+    for name in _left_over(expected, folder, sidecar):
+        if not _is_ignored(name, ignored):
+            found.add("SB007", "is not written any more", Span((folder / name).as_posix()), help=remedy)
+
+
+def _expected(
+    sidecar: Path, options: Options, progress: Callable[[str], None]
+) -> tuple[Mapping[str, bytes], Iterable[Diagnostic]]:
+    """What a conversion would write, and no file where it would end in errors: then what it reports."""
+    for verify in (True, False):  # whichever has been done before
+        record = recorded(sidecar, replace(options, verify=verify))
+        if record is not None:
+            return record.files, record.diagnostics
+    conversion = produce(sidecar, replace(options, verify=False), progress)
+    return ({} if conversion.diagnostics.has_errors else conversion.files), conversion.diagnostics
+
+
+def _differences(files: Mapping[str, bytes], folder: Path) -> list[tuple[str, str]]:
+    different = []
+    for name, content in files.items():
+        try:
+            there = (folder / name).read_bytes()
+        except OSError:
+            different.append((name, "is missing"))
+            continue
+        if there != content and not (name == REPORT and _same_robot(there, content)):
+            different.append((name, "is not what stepbot writes now"))
+    return different
+
+
+def _same_robot(report: bytes, expected: bytes) -> bool:
+    """Whether two reports differ in their proofs and findings alone."""
+    try:
+        return _robot_part(json.loads(report)) == _robot_part(json.loads(expected))
+    except (ValueError, KeyError, TypeError, AttributeError):  # somebody edited it
+        return False
+
+
+def _robot_part(document: Mapping[str, Any]) -> list[Any]:
+    """What of a report comes of the input alone, whichever engines, version of stepbot and options have made it."""
+    robot = {key: value for key, value in document["robot"].items() if key != "overlaps"}  # which the proof looks for
+    return [robot, *(document[key] for key in ("version", "names", "bodies", "joint_table"))]
+
+
+def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[str]:
+    """Files that an earlier run wrote for this sidecar, by its own list, and that are still there."""
+    sources = sidecars_of(folder)
+    try:
+        written = json.loads((folder / MANIFEST).read_bytes())["files"]
+        ours = [
+            name for name in written if (folder / sources.get(name, sidecar.resolve())).resolve() == sidecar.resolve()
+        ]
+        needed_by_others = {path for name in written if name not in ours for path in written[name]}
+        names = sorted({*ours, *(path for name in ours for path in written[name])} - needed_by_others)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # nobody knows who wrote what
+        return []
+    return [name for name in names if name not in files and (folder / name).exists()]
+
+
+def _is_ignored(name: str, globs: tuple[str, ...]) -> bool:
+    return any(fnmatch.fnmatchcase(name, glob) for glob in globs)

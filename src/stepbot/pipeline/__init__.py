@@ -1,0 +1,4 @@
+"""One conversion, from a sidecar and a STEP file to written and verified files.
+
+:mod:`.stages` is the pipeline as one function. Commands and jobs call it.
+"""

@@ -1,0 +1,164 @@
+"""The assembly of a STEP file and what trimesh measures on it: found in the cache, or read by the kernel.
+
+What is kept depends on the bytes of the file and on how it is to be read, never on the sidecar as a whole: to edit a
+joint costs no reading. Only what was read without an error is kept.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.geometry.mesh_worker import MESHWORK, report_death
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.runtime.cache import Cache, Digest, Shelf, codec_of, environment, file_digest
+from stepbot.runtime.worker import Worker, WorkerDied
+from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.reader import Reading, start_reading
+
+from .conversion import Options
+from .prestart import note_read
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """An assembly, measured."""
+
+    assembly: Assembly
+    measures: tuple[VolumeProperties | None, ...]
+    """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
+    diagnostics: tuple[Diagnostic, ...]
+    """What there is to say about the file."""
+
+
+class Loading:
+    """Geometry on its way."""
+
+    def __init__(
+        self, step: Path, what: ReadOptions, options: Options, found: Diagnostics, kernel: Worker | None = None
+    ) -> None:
+        """Look it up, else have the kernel begin; returns at once.
+
+        Args:
+            step: The STEP file; diagnostics name it as it is given.
+            what: What to compute.
+            options: Cache and limits.
+            found: Receives what is wrong with a file that is refused before the kernel is even asked.
+            kernel: A process that was started for it; None to start one where it is needed.
+
+        Raises:
+            StepbotError: The file is refused.
+        """
+        self._step, self._timeout = step, options.timeout
+        self._told = Diagnostics()
+        self._assembly: Assembly | None = None
+        self._memory = _Memory(options.cache, step, what)
+        self._known = self._memory.recall()
+        self._reading: Reading | None = None
+        self._meshwork: Worker | None = None
+        if self._known is not None:
+            self._told.extend(self._known.diagnostics)
+        else:
+            self._reading = start_reading(step, what, memory_limit=options.memory_limit, kernel=kernel)
+            if self._reading.pid is None:
+                self._reading.finish(found)
+                found.raise_if_errors()
+            # It imports while the kernel works; this process needs no trimesh at all.
+            self._meshwork = Worker(MESHWORK, memory_limit=options.memory_limit)
+
+    def assembly(self, found: Diagnostics) -> Assembly:
+        """Wait for the assembly, whose bodies are measured from then on; what there is to say goes to ``found``.
+
+        Raises:
+            StepbotError: There are errors.
+        """
+        assembly = self._read() if self._known is None else self._known.assembly
+        found.extend(self._told)
+        found.raise_if_errors()
+        assert assembly is not None  # else there is an error that says why
+        return assembly
+
+    def measures(self, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
+        """For each body of the assembly, which was waited for before, what trimesh measures on its mesh."""
+        if self._known is None:
+            self._known = self._measured(found)
+        return self._known.measures
+
+    @property
+    def meshwork(self) -> Worker | None:
+        """The process that has measured, for other work on meshes; None where the geometry was known."""
+        return self._meshwork
+
+    @property
+    def content(self) -> str:
+        """Hash of the file that was read; empty where it changed meanwhile."""
+        return self._memory.content
+
+    def close(self) -> None:
+        """Stop reading; safe to call at any time."""
+        for running in (self._reading, self._meshwork):
+            if running is not None:
+                running.close()
+
+    def _read(self) -> Assembly | None:
+        assert self._reading is not None  # else the geometry is known
+        assert self._meshwork is not None
+        self._assembly = self._reading.finish(self._told, timeout=self._timeout)
+        if self._assembly is not None:
+            self._meshwork.submit("measures", tuple(body.mesh for body in self._assembly.bodies), more=True)
+        return self._assembly
+
+    def _measured(self, found: Diagnostics) -> Geometry:
+        assert self._meshwork is not None  # else the geometry is known
+        assert self._assembly is not None  # it was waited for
+        try:
+            geometry = Geometry(self._assembly, self._meshwork.result(self._timeout), tuple(self._told))
+        except WorkerDied as death:
+            report_death(death, "measures the meshes", Span(str(self._step)), found)
+            return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._told))
+        self._memory.keep(geometry)
+        return geometry
+
+
+class _Memory:
+    """What is kept of one file, read in one way."""
+
+    def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
+        self._cache, self._shelf, self._step = cache, Shelf(cache, Geometry), step
+        self._state = _state(step)
+        self._content = file_digest(step) or ""
+        asked = codec_of(ReadOptions).encode(what)
+        self._key = Digest("geometry").add(environment(), self._content, step.name, asked).key if self._content else ""
+
+    @property
+    def content(self) -> str:
+        return self._content if _state(self._step) == self._state else ""
+
+    def recall(self) -> Geometry | None:
+        kept = self._shelf.get(self._key) if self._key else None
+        return _named(kept, "", str(self._step)) if kept is not None else None
+
+    def keep(self, geometry: Geometry) -> None:
+        """Keep it, unless the file was written to meanwhile: then nobody knows which of the two was read."""
+        if self.content:
+            self._shelf.put(self._key, _named(geometry, str(self._step), ""))
+            note_read(self._cache, self._content)
+
+
+def _state(path: Path) -> tuple[int, int] | None:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
+
+
+def _named(geometry: Geometry, place: str, other: str) -> Geometry:
+    """The same with diagnostics that call the file by another name: the path that somebody gave is not its content."""
+
+    def moved(diagnostics: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
+        return tuple(
+            replace(one, span=replace(one.span, file=other)) if one.span.file == place else one for one in diagnostics
+        )
+
+    assembly = replace(geometry.assembly, diagnostics=moved(geometry.assembly.diagnostics))
+    return Geometry(assembly, geometry.measures, moved(geometry.diagnostics))

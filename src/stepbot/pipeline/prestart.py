@@ -1,0 +1,61 @@
+"""Starts other processes before the rest of stepbot is loaded: the kernel where a STEP is to be read, else engines.
+
+To import the kernel takes as long as all other imports together, and it has a process of its own; so it begins first.
+Where no kernel is needed, what engines have in common is imported while this process imports the rest. The sidecar is
+not read for that, only searched for the name of its STEP: a guess that is wrong costs a process that ends unused,
+never a result.
+"""
+
+import re
+from pathlib import Path
+
+from stepbot.engines.prestart import started_engine_server
+from stepbot.runtime.cache import Cache, Digest, environment, file_digest
+from stepbot.runtime.fork_server import ForkServer
+from stepbot.runtime.worker import Worker
+from stepbot.step import KERNEL
+
+from .conversion import Options
+
+_STEP = re.compile(r"""^step:[ \t]*(?:"([^"\n]+)"|'([^'\n]+)'|([^\s"'#][^\n#]*))""", re.MULTILINE)
+_LARGEST_SIDECAR = 1 << 20
+
+
+def started_kernel(sidecar: Path, options: Options) -> Worker | None:
+    """A process that is loading the kernel; None where none will be needed, as far as one can tell by now."""
+    step = options.step or _guessed_step(sidecar)
+    if step is None or not step.is_file():
+        return None
+    if options.cache is not None and was_read(options.cache, file_digest(step) or ""):
+        return None
+    return Worker(KERNEL, memory_limit=options.memory_limit)
+
+
+def started_server(options: Options) -> ForkServer | None:
+    """A process that will start the engines; None where there will be none, or it cannot."""
+    return started_engine_server() if options.verify else None
+
+
+def was_read(cache: Cache, content: str) -> bool:
+    """Whether the cache has geometry of a STEP with this hash, however it was read."""
+    return cache.get(_read_key(content)) is not None
+
+
+def note_read(cache: Cache | None, content: str) -> None:
+    """Note that geometry of a STEP with this hash is in the cache."""
+    if cache is not None:
+        cache.put(_read_key(content), b"")
+
+
+def _read_key(content: str) -> str:
+    return Digest("was read").add(environment(), content).key
+
+
+def _guessed_step(sidecar: Path) -> Path | None:
+    try:
+        with sidecar.open("rb") as file:
+            text = file.read(_LARGEST_SIDECAR).decode("utf-8-sig", "replace")
+    except OSError:
+        return None
+    match = _STEP.search(text)
+    return sidecar.parent / (match[1] or match[2] or match[3]).strip() if match is not None else None

@@ -1,0 +1,67 @@
+"""The proof of one conversion: engines read its files before they are saved. Imported only where engines are asked."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.engines.observation_cache import Memory
+from stepbot.formats import joined, main_file, writer_of
+from stepbot.report.record import Report
+from stepbot.robot.model import Robot
+from stepbot.runtime.cache import content_digest
+from stepbot.runtime.fork_server import ForkServer
+from stepbot.runtime.output import write_atomically
+from stepbot.runtime.temporary import run_folder
+from stepbot.verification import Provers, Written, verify
+
+from .conversion import Options
+from .prestart import started_server
+
+
+class Proof:
+    """Engines that will check the files of a conversion; they import while the kernel works."""
+
+    def __init__(self, formats: Sequence[str], options: Options, server: ForkServer | None) -> None:
+        """Start them.
+
+        Args:
+            formats: What will be written.
+            options: How it is converted.
+            server: A process that was started to start them; None to start one.
+        """
+        self._options = options
+        self._provers = Provers(formats, memory_limit=options.memory_limit, server=server or started_server(options))
+
+    def report(
+        self,
+        robot: Robot,
+        lowered: Mapping[str, Robot],
+        files: Mapping[str, Mapping[str, bytes]],
+        found: Diagnostics,
+    ) -> Report:
+        """Let them read the files, in a folder of their own, before anything is changed where the files will go.
+
+        Args:
+            robot: What the files are to say.
+            lowered: For each format what it can say of that.
+            files: For each format the bytes of its files.
+            found: Receives SB8xx and SB9xx.
+        """
+        options = self._options
+        with TemporaryDirectory(dir=run_folder()) as folder:
+            place = Path(folder)
+            write_atomically(joined(files), place)
+            written = {name: Written(place / main_file(one, writer_of(name)), one) for name, one in lowered.items()}
+            contents = {name: content_digest(of_format) for name, of_format in files.items()}
+            for name, one in lowered.items():
+                for beside in writer_of(name).companions(one):
+                    written[beside.format] = Written(place / beside.path, beside.robot)
+                    contents[beside.format] = contents[name]
+            memory = Memory(options.cache, contents)
+            provers, require, timeout = self._provers, options.require, options.timeout
+            return verify(robot, written, provers, found, require=require, timeout=timeout, memory=memory)
+
+    def close(self) -> None:
+        """End all processes that still run."""
+        self._provers.close()

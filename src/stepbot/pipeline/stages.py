@@ -1,0 +1,250 @@
+r"""The whole program on one page: sidecar and STEP in, three files and a proof out.
+
+    sidecar -> Document \
+                         build -> Robot -> passes -> Robot -> writers -> files -> simulators -> observations -> verify
+    STEP    -> Assembly /
+
+Nothing here prints or decides an exit code: the result carries its diagnostics, the command line shows them.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stepbot.assemble import build_robot, link_components
+from stepbot.assemble.provenance import emitted_names, measured_bodies
+from stepbot.assemble.reading import read_options
+from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError, did_you_mean
+from stepbot.engines.workers import check_required
+from stepbot.formats import files_of, joined, writer_of
+from stepbot.formats.lowering import lower
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.report.document import report_bytes
+from stepbot.report.record import Report
+from stepbot.robot.closures import degrees_of_freedom, driven_joints
+from stepbot.robot.model import Robot
+from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.validity import check_robot
+from stepbot.runtime.fork_server import ForkServer
+from stepbot.runtime.worker import Worker
+from stepbot.sidecar.check import check_sidecar
+from stepbot.sidecar.ignored import ignores
+from stepbot.sidecar.load import load_sidecar
+from stepbot.sidecar.located import Sidecar
+from stepbot.step.assembly import Assembly, ReadOptions
+
+from .conversion import REPORT, Checked, Conversion, Options, write
+from .loading import Loading
+
+if TYPE_CHECKING:
+    from .proof import Proof
+
+__all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
+
+SIDECAR_SUFFIXES = (".yaml", ".yml")
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What a STEP file holds."""
+
+    diagnostics: Diagnostics
+    assembly: Assembly | None
+    measures: tuple[VolumeProperties | None, ...] = ()
+    """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
+    links: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    """For each link of the sidecar the indices of its components; empty where a STEP was inspected on its own."""
+
+
+def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
+    """Convert one sidecar and the STEP that it names, prove the files, and write them."""
+    conversion = produce(sidecar, options, progress)
+    progress("save")
+    return write(conversion, options.output, sidecar)
+
+
+def produce(
+    sidecar: Path,
+    options: Options,
+    progress: Callable[[str], None] = lambda stage: None,
+    kernel: Worker | None = None,
+    server: ForkServer | None = None,
+) -> Conversion:
+    """Convert one sidecar and the STEP that it names, and prove the files; nothing is written yet.
+
+    Args:
+        sidecar: The sidecar.
+        options: How to convert it.
+        progress: Told each stage as it begins.
+        kernel: A process that was started for it; None to start one where it is needed.
+        server: A process that was started to start the engines; None likewise.
+    """
+    found = Diagnostics()
+    try:
+        return _produce(sidecar, options, found, progress, kernel, server)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return Conversion(found)
+
+
+def _produce(
+    path: Path,
+    options: Options,
+    found: Diagnostics,
+    progress: Callable[[str], None],
+    kernel: Worker | None,
+    server: ForkServer | None,
+) -> Conversion:
+    progress("read")
+    writers = [writer_of(name) for name in dict.fromkeys(options.formats)]
+    if options.verify:
+        check_required(options.require, found)
+    sidecar = _load(path, options, found)
+    with ExitStack() as running:
+        step = options.step or _named_step(sidecar, found)
+        loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
+        proof = _started_proof([writer.NAME for writer in writers], options, server)
+        if proof is not None:
+            running.enter_context(closing(proof))
+        assembly = loading.assembly(found)
+
+        progress("build")
+        measures = partial(loading.measures, found)
+        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.meshwork)
+        found.raise_if_errors()
+        assert built is not None  # no robot without an error
+        robot = share_meshes(built.robot)
+        check_robot(robot, found, sidecar.span(), assembly.unit)
+        found.raise_if_errors()
+
+        progress("write")
+        lowered = {writer.NAME: lower(robot, writer, found) for writer in writers}
+        found.raise_if_errors()
+        by_format = {writer.NAME: files_of(lowered[writer.NAME], writer) for writer in writers}
+        built.double_counting.report(options.timeout)
+        if options.strict:
+            found.make_strict()
+        found.raise_if_errors()
+
+        progress("verify")
+        report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
+    _report_unused(found, _JUDGED_BY_BUILD + _judged_by_files(options))
+    bodies = measured_bodies(assembly, measures(), sidecar.document.mass)
+    report = replace(report, names=emitted_names(robot), bodies=bodies, joint_table=built.joint_table)
+    if options.strict:
+        found.make_strict()
+    files = {**joined(by_format), REPORT: report_bytes(report, found)}
+    return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
+
+
+def _started_proof(formats: list[str], options: Options, server: ForkServer | None) -> "Proof | None":
+    """The engines that will prove the files; None where nobody asks for them."""
+    if not options.verify:
+        return None
+    from .proof import Proof
+
+    return Proof(formats, options, server)
+
+
+def _unproven(robot: Robot) -> Report:
+    driven = driven_joints(robot) if robot.closures else ()
+    return Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
+
+
+def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
+    checked = Checked()
+    try:
+        loaded = _load(sidecar, options, found)
+        document = loaded.document
+        checked = Checked(document.step, len(document.links), len(document.joints) + len(document.closures))
+        if open_step:
+            source = options.step or _named_step(loaded, found)
+            with closing(Loading(source, _what(loaded, options), options, found)) as loading:
+                assembly, measures = loading.assembly(found), partial(loading.measures, found)
+                built = build_robot(assembly, loaded, measures, found, options.cache, loading.meshwork)
+                if built is not None:
+                    checked = replace(checked, joint_table=built.joint_table)
+                    check_robot(share_meshes(built.robot), found, loaded.span(), assembly.unit)
+                    built.double_counting.report(options.timeout)
+        if not found.has_errors:
+            _report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+    return checked
+
+
+def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
+    """The STEP file that a conversion would read; None where errors in ``found`` say why it would read none."""
+    try:
+        return options.step or _named_step(_load(sidecar, options, found), found)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return None
+
+
+def inspect(path: Path, options: Options) -> Inspection:
+    """Read a STEP file and measure what is in it; of a sidecar, the STEP that it names, and its links' components."""
+    found = Diagnostics()
+    try:
+        sidecar = _load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
+        step = path if sidecar is None else options.step or _named_step(sidecar, found)
+        with closing(Loading(step, _what(sidecar, options), options, found)) as loading:
+            assembly, measures = loading.assembly(found), loading.measures(found)
+        found.raise_if_errors()
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return Inspection(found, None)
+    links = {} if sidecar is None else link_components(assembly, sidecar, found)
+    return Inspection(found, assembly, measures, links)
+
+
+def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
+    """What to read of a STEP file, which may come without a sidecar."""
+    what = ReadOptions() if sidecar is None else read_options(sidecar.document)
+    return replace(what, encoding=options.encoding) if options.encoding else what
+
+
+def _load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
+    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    sidecar = load_sidecar(path, found)
+    if sidecar is not None:
+        check_sidecar(sidecar, found)
+        found.ignore(ignores(sidecar.root))
+    found.raise_if_errors()
+    assert sidecar is not None
+    return sidecar
+
+
+_JUDGED_BY_TEXT = ("SB1",)
+_JUDGED_BY_BUILD = ("SB1", "SB2", "SB3", "SB4", "SB5", "SB6")
+"""Codes that were looked for where only the sidecar was read, and where the robot was built."""
+
+
+def _judged_by_files(options: Options) -> tuple[str, ...]:
+    """Codes that were looked for because all formats were written, or the files verified."""
+    losses = ("SB7",) if set(options.formats) >= set(Options.formats) else ()
+    return (*losses, *(("SB8",) if options.verify else ()))
+
+
+def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
+    """Report the rules that cover nothing, SB142, among codes that were looked for."""
+    for rule in found.unused_ignores:
+        if rule.code.startswith(judged):
+            about = f"{rule.subject}: " if rule.subject else ""
+            found.add("SB142", f"{about}nothing to ignore with code {rule.code}", rule.span, help=["remove the entry"])
+
+
+def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
+    """The STEP that the sidecar names; where there is none, the error stands at its name in the sidecar."""
+    path = sidecar.step_path
+    if not path.exists():
+        folder = path.parent
+        beside = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
+        remedies = (*did_you_mean(path.name, beside), "`step` is relative to the sidecar; `--step FILE` names another")
+        found.add("SB001", f"step: no file '{sidecar.document.step}'", sidecar.span("step"), help=remedies)
+        found.raise_if_errors()
+    return path

@@ -1,0 +1,1 @@
+"""What was proven and what was not, for people and programs: ``report.json`` and JUnit XML."""

@@ -1,0 +1,93 @@
+"""A report as ``report.json``.
+
+The report is deterministic: no times, no folders of this machine, infinite limits as null. Its schema is
+``schemas/report-1.schema.json``.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import PurePath
+from typing import Any
+
+import stepbot
+from stepbot.diagnostics import Diagnostic, Diagnostics
+
+from .joint_table import joint_table_document
+from .record import Check, MeasuredBody, Report, Status
+from .robot import mass_document, number, robot_document
+
+VERSION = 1
+"""Version of the schema."""
+
+Json = dict[str, Any]
+
+
+def report_bytes(report: Report, diagnostics: Iterable[Diagnostic]) -> bytes:
+    """``report.json``: UTF-8, indented, one newline at the end."""
+    text = json.dumps(report_document(report, diagnostics), indent=2, ensure_ascii=False, allow_nan=False)
+    return (text + "\n").encode("utf-8", "backslashreplace")
+
+
+def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
+    """The report as what JSON can hold; of what was ignored it has the counts."""
+    ignored = diagnostics.ignored if isinstance(diagnostics, Diagnostics) else ()
+    statuses = [check.status for check in report.checks]
+    return {
+        "version": VERSION,
+        "generator": f"stepbot {stepbot.__version__}",
+        "robot": None if report.robot is None else robot_document(report, report.robot),
+        "summary": {
+            **{status.name.lower(): statuses.count(status) for status in Status},
+            "passed_by_own_parsers": len(report.read_back),
+            "ignored": dict(sorted(Counter(one.code for one in ignored).items())),
+        },
+        "engines": dict(report.versions),
+        "checks": [_check(check) for check in report.checks],
+        "notes": {key: list(notes) for key, notes in report.notes.items()},
+        "names": dict(report.names),
+        "bodies": [_body(body) for body in report.bodies],
+        "joint_table": joint_table_document(report.joint_table),
+        "diagnostics": [_diagnostic(diagnostic) for diagnostic in diagnostics],
+    }
+
+
+def _check(check: Check) -> Json:
+    return {
+        "file": check.file,
+        "format": check.format,
+        "engine": check.engine,
+        "against": check.against,
+        "quantity": check.quantity,
+        "status": check.status.value,
+        "deviation": number(check.deviation),
+        "tolerance": number(check.tolerance),
+        "unit": check.unit,
+        "where": check.where,
+        "why": check.why,
+    }
+
+
+def _body(body: MeasuredBody) -> Json:
+    return {
+        "name": body.name,
+        "occurrences": body.occurrences,
+        "mesh": None if body.mesh is None else mass_document(body.mesh),
+        "exact": None if body.exact is None else mass_document(body.exact),
+        "deviation": number(body.deviation),
+        "error": number(body.error),
+        "written": body.written,
+    }
+
+
+def _diagnostic(diagnostic: Diagnostic) -> Json:
+    return {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity,
+        "message": diagnostic.message,
+        "file": PurePath(diagnostic.span.file).name,
+        "line": diagnostic.span.line,
+        "column": diagnostic.span.column,
+        "help": list(diagnostic.help),
+        "notes": list(diagnostic.notes),
+    }

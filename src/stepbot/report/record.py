@@ -1,0 +1,152 @@
+"""What was proven and what was not, as data: checks, measured bodies, one row for each format and engine."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from stepbot.geometry.inertia import MassProperties
+from stepbot.robot.joint_table import JointRow
+from stepbot.robot.model import Robot
+
+OWN_PARSERS = ("reader", "extensions")
+"""What reads files back for stepbot itself: it confirms the text, and no engine."""
+
+
+class Status(StrEnum):
+    """The outcome of a check."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    NOT_RUN = "not run"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One quantity, compared in one file as one engine sees it."""
+
+    file: str
+    """File name; empty for what belongs to the robot and not to a file."""
+    format: str
+    engine: str
+    quantity: str
+    status: Status
+    deviation: float | None = None
+    """The worst one; None where the quantity has no number or nothing was compared."""
+    tolerance: float | None = None
+    """What was allowed there."""
+    unit: str = ""
+    where: str = ""
+    """Link, joint, configuration of the worst deviation."""
+    why: str = ""
+    """Why it failed, did not run, or covers less than its name says."""
+    against: str = "model"
+    """What the file was compared with: the model, or another file and engine."""
+
+    @property
+    def ratio(self) -> float:
+        """Deviation as a multiple of the tolerance; negative where there is no number."""
+        if self.deviation is None or not self.tolerance:
+            return -1.0
+        return self.deviation / self.tolerance
+
+
+@dataclass(frozen=True)
+class Row:
+    """All checks of one file and engine, for one line of a table."""
+
+    file: str
+    format: str
+    engine: str
+    status: Status
+    """Failed if one check failed, passed if at least one passed and none failed, else not run."""
+    compared: tuple[str, ...]
+    """Quantities that were compared, in the order of the report."""
+    worst: Check | None
+    """The check that came nearest to its tolerance, or went farthest beyond it."""
+    why: str
+    """What failed, or what did not run and why."""
+    against: str
+
+
+@dataclass(frozen=True)
+class MeasuredBody:
+    """One definition of the assembly, measured twice, at a density of 1 kg/m^3."""
+
+    name: str
+    occurrences: int
+    mesh: MassProperties | None
+    """By trimesh, on the written mesh."""
+    exact: MassProperties | None
+    """By integration over the exact solid."""
+    deviation: float | None
+    """The largest relative difference between the two, of volume, centre and inertia."""
+    error: float | None
+    """Estimated relative error of ``exact``; None where there is no exact solid, or no estimate."""
+    written: str
+    """Which of the two the files carry, and why."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """The proof."""
+
+    checks: tuple[Check, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    """Engines that ran, and their versions."""
+    robot: Robot | None = None
+    degrees_of_freedom: int | None = None
+    """Loops closed and mimics obeyed, in the drawn pose."""
+    driven: tuple[str, ...] = ()
+    """Joints that the others follow from, where there are loops."""
+    collisions: tuple[tuple[str, str, float | None], ...] = ()
+    """Pairs of links that overlap in the drawn pose, and how deep [m]; None between two surfaces."""
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """What was changed or added so that an engine could check at all, by file and engine."""
+    names: Mapping[str, str] = field(default_factory=dict)
+    """Names in the files, and the names in the STEP that they stand for."""
+    bodies: tuple[MeasuredBody, ...] = ()
+    joint_table: tuple[JointRow, ...] = ()
+    """Where each joint is, for a person to check; of files that were compared, as the first one says."""
+
+    @property
+    def failed(self) -> bool:
+        """Whether any check failed."""
+        return any(check.status is Status.FAILED for check in self.checks)
+
+    @property
+    def read_back(self) -> tuple[Check, ...]:
+        """The checks that passed because stepbot's own parsers say so, and no engine."""
+        return tuple(check for check in self.checks if check.status is Status.PASSED and check.engine in OWN_PARSERS)
+
+    def rows(self) -> tuple[Row, ...]:
+        """One row for each file and engine, in the order of the checks."""
+        keys = dict.fromkeys((check.file, check.engine, check.against) for check in self.checks)
+        return tuple(
+            _row([check for check in self.checks if (check.file, check.engine, check.against) == key]) for key in keys
+        )
+
+
+def _row(checks: list[Check]) -> Row:
+    by_status = {status: [check for check in checks if check.status is status] for status in Status}
+    failed, passed, not_run = by_status[Status.FAILED], by_status[Status.PASSED], by_status[Status.NOT_RUN]
+    status = Status.FAILED if failed else Status.PASSED if passed else Status.NOT_RUN
+    first = checks[0]
+    measured = [check for check in failed or passed if check.ratio >= 0.0]
+    return Row(
+        first.file,
+        first.format,
+        first.engine,
+        status,
+        tuple(check.quantity for check in checks if check.status is not Status.NOT_RUN),
+        max(measured, key=lambda check: check.ratio, default=None),
+        "; ".join(f"{check.quantity}: {check.why or check.where}" for check in failed) or _reasons(not_run),
+        first.against,
+    )
+
+
+def _reasons(not_run: list[Check]) -> str:
+    """Each reason once, with the quantities that it holds for."""
+    grouped: dict[str, list[str]] = {}
+    for check in not_run:
+        grouped.setdefault(check.why, []).append(check.quantity)
+    return "; ".join(f"{', '.join(quantities)} not run: {why}" for why, quantities in grouped.items())

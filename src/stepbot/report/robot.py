@@ -1,0 +1,148 @@
+"""A robot as what JSON can hold, for ``report.json``."""
+
+from math import isfinite
+from typing import Any
+
+from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Robot
+from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
+from stepbot.robot.sensors import SEEING, Sensor
+
+from .record import Report
+
+Json = dict[str, Any]
+
+
+def number(value: float | None) -> float | None:
+    """The number; null where it is none or infinite."""
+    return float(value) if value is not None and isfinite(value) else None
+
+
+def robot_document(report: Report, robot: Robot) -> Json:
+    """The robot, its drawn pose, and the constraints that hold its closures in PyBullet."""
+    poses = link_poses(robot, initial_configuration(robot))
+    total = combined(link.mass_properties.moved(poses[link.name]) for link in robot.links)
+    return {
+        "name": robot.name,
+        "source": robot.source,
+        "base": robot.base.value,
+        "root": robot.root.name,
+        **mass_document(total),
+        "degrees_of_freedom": report.degrees_of_freedom,
+        "driven": list(report.driven),
+        "links": [_link(link) for link in robot.links],
+        "joints": [_joint(joint) for joint in robot.joints],
+        "closures": [_closure(closure) for closure in robot.closures],
+        "pybullet": [_loop_constraint(constraint) for constraint in loop_constraints(robot)],
+        "frames": [
+            {"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF), "source": frame.source}
+            for frame in robot.frames
+        ],
+        "actuators": [_actuator(actuator) for actuator in robot.actuators],
+        "sensors": [_sensor(sensor) for sensor in robot.sensors],
+        "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
+    }
+
+
+def mass_document(body: MassProperties) -> Json:
+    """Mass, centre of mass and inertia."""
+    return {"mass": body.mass, "com": list(body.com), "inertia": [list(row) for row in body.inertia]}
+
+
+def _pose(X: Pose) -> Json:
+    return {"xyz": list(X.position), "rpy": list(X.rpy)}
+
+
+def _loop_constraint(constraint: LoopConstraint) -> Json:
+    frames = {
+        name: {"xyz": list(position), "quaternion": list(turn)}
+        for name, (position, turn) in (("frame_a", constraint.frame_a), ("frame_b", constraint.frame_b))
+    }
+    words = {name: getattr(constraint, name) for name in ("closure", "type", "link_a", "link_b")}
+    return {**words, **frames, "axis": list(constraint.axis)}
+
+
+def _link(link: Link) -> Json:
+    return {
+        "name": link.name,
+        **mass_document(link.mass_properties),
+        "components": list(link.components),
+        "sources": [
+            {
+                "component": source.component,
+                "mass": source.mass,
+                "density": number(source.density or None),
+                "origin": source.origin,
+                "method": source.method,
+            }
+            for source in link.mass_sources
+        ],
+    }
+
+
+def _joint(joint: Joint) -> Json:
+    moves = joint.kind is not JointKind.FIXED
+    return {
+        "name": joint.name,
+        "kind": joint.kind.value,
+        "parent": joint.parent,
+        "child": joint.child,
+        "pose": _pose(joint.X_PC),
+        "axis": list(joint.axis) if moves else None,
+        "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
+        "pitch": joint.pitch if joint.kind is JointKind.SCREW else None,
+        "limits": _limits(joint.limit),
+        "dynamics": {
+            name: float(getattr(joint.dynamics, name))
+            for name in ("damping", "friction", "stiffness", "spring_reference", "armature")
+        },
+        "mimic": None
+        if joint.mimic is None
+        else {"joint": joint.mimic.joint, "multiplier": joint.mimic.multiplier, "offset": joint.mimic.offset},
+        "drawn_position": joint.drawn_position,
+    }
+
+
+def _limits(limit: Limit) -> Json:
+    return {name: number(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")}
+
+
+def _actuator(actuator: Actuator) -> Json:
+    return {
+        "name": actuator.name,
+        "joint": actuator.joint,
+        "kind": actuator.kind.value,
+        "kp": actuator.kp,
+        "kv": actuator.kv,
+        "gear": actuator.gear,
+        "limits": _limits(actuator.limit),
+    }
+
+
+def _sensor(sensor: Sensor) -> Json:
+    view = sensor.view
+    sees = {"fov": view.fov, "columns": view.columns, "rows": view.rows, "nearest": view.nearest}
+    return {
+        "name": sensor.name,
+        "kind": sensor.kind.value,
+        "link": sensor.link,
+        "joint": sensor.joint or None,
+        "pose": _pose(sensor.X_LS),
+        "rate": sensor.rate,
+        "view": {**sees, "farthest": number(view.farthest)} if sensor.kind in SEEING else None,
+        "source": sensor.source,
+    }
+
+
+def _closure(closure: LoopClosure) -> Json:
+    return {
+        "name": closure.name,
+        "kind": closure.kind.value,
+        "link_a": closure.link_a,
+        "pose_a": _pose(closure.X_AF),
+        "link_b": closure.link_b,
+        "pose_b": _pose(closure.X_BF),
+        "axis": list(closure.axis),
+    }

@@ -1,0 +1,338 @@
+"""Closing the loops of a mechanism: residuals, their Jacobian, Newton's method, and the range that the loops allow.
+
+A closure holds two frames together up to the freedom of its kind. Its residual is written in the first frame, F of link
+A; it vanishes where the closure closes, and the rank of its Jacobian says how much freedom it takes. Rows that repeat
+each other, as in every planar mechanism, do no harm: steps are least-squares steps of least length.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import atan2
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, cross_matrix, perpendicular_frame
+
+from .kinematics import TURNING, Configuration, Tree, initial_configuration, leader_range, within_limits
+from .model import JointKind, LoopClosure, Robot
+from .multi_dof import unfolded
+
+CLOSED_DISTANCE = 1e-5
+"""How far apart [m] the frames of a closed closure may stay, in a small mechanism: the CAD's mates are bound within
+0.01 mm. In a large one it is what the tolerance of the rank makes over its reach."""
+CLOSED_ANGLE = 2e-3
+"""How far [rad] they may stay turned: pins that should be parallel are bound within 1 mrad."""
+RANK_TOLERANCE = 1e-4
+"""Singular values below this share of the largest count as zero: no CAD draws parallel pins exactly parallel."""
+LARGEST_STEP = 0.1
+"""Longest way [rad], or share of a sliding joint's range, of a driven joint between two closed configurations."""
+SHORTEST_STEP = 1 / 64
+"""Share of the longest step below which a way has come to its end."""
+LARGEST_JUMP = 0.7
+"""Change [rad or m] of a following joint in one such step beyond which the mechanism has left its branch."""
+WORST_CONDITION = 1e-3
+"""Ratio of singular values below which the loops count as singular: the range ends before it."""
+
+
+RANDOM_WAYS = 6
+"""Ways towards random places that mechanisms with several degrees of freedom are sent."""
+
+
+class DoesNotClose(ValueError):
+    """No configuration near the guess closes the loops.
+
+    Attributes:
+        closure: The closure that stays open widest.
+        distance: How far apart [m] its frames stay.
+        angle: How far [rad] they stay turned.
+    """
+
+    def __init__(self, closure: str, distance: float, angle: float) -> None:
+        self.closure, self.distance, self.angle = closure, distance, angle
+        super().__init__(f"closure '{closure}' stays open by {distance:.3g} m and {angle:.3g} rad")
+
+
+def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, float]:
+    """How far a closure is from closed: distance [m] and angle [rad] between what it holds together."""
+    X_FG = (X_WA @ closure.X_AF).inverse() @ (X_WB @ closure.X_BF)
+    axis = np.array(closure.axis)
+    distance = float(np.linalg.norm(X_FG.p))
+    if closure.kind in TURNING:
+        turned = X_FG.turn(axis)
+        return distance, atan2(float(np.linalg.norm(np.cross(axis, turned))), float(axis @ turned))
+    if closure.kind is JointKind.PRISMATIC:
+        distance = float(np.linalg.norm(X_FG.p - axis * (axis @ X_FG.p)))
+    angle = 0.0 if closure.kind is JointKind.BALL else Pose().distance_to(X_FG)[1]
+    return distance, angle
+
+
+def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -> tuple[Array, Array]:
+    """Residual (m,) of a closure and its Jacobian (m, n) over all moving joints.
+
+    Rows are positions [m], then orientations [rad], that the closure's kind takes from G, the frame on link B, relative
+    to F, the frame on link A.
+
+    Args:
+        closure: The closure.
+        X_FG: Homogeneous pose of G in F, shape (4, 4).
+        J_F: Jacobian of F, shape (6, n), along the axes of F.
+        J_G: Jacobian of G, shape (6, n), along the axes of F.
+
+    Raises:
+        ValueError: There is no closure of this kind.
+    """
+    R, p = X_FG[:3, :3], X_FG[:3, 3]
+    w_FG = J_G[:3] - J_F[:3]
+    v_FG = J_G[3:] - J_F[3:] + cross_matrix(p) @ J_F[:3]  # the frame F turns under the arm from F to G
+    across = perpendicular_frame(closure.axis)[:, :2].T
+    twist = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    if closure.kind is JointKind.BALL:
+        return p, v_FG
+    if closure.kind in TURNING:
+        turned = R @ np.array(closure.axis)
+        return np.concatenate([p, across @ turned]), np.vstack([v_FG, -across @ cross_matrix(turned) @ w_FG])
+    if closure.kind is JointKind.PRISMATIC:
+        return np.concatenate([across @ p, twist]), np.vstack([across @ v_FG, w_FG])
+    if closure.kind is JointKind.FIXED:
+        return np.concatenate([p, twist]), np.vstack([v_FG, w_FG])
+    raise ValueError(f"closure '{closure.name}': no kinematics for {closure.kind} closures")
+
+
+class Loops:
+    """The closures of a robot over its tree: built once, then asked at many configurations."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot, self.tree = unfolded(robot), Tree(robot)
+        self._ends = [
+            (
+                self.tree.link_index[closure.link_a],
+                closure.X_AF.matrix,
+                self.tree.link_index[closure.link_b],
+                closure.X_BF.matrix,
+            )
+            for closure in robot.closures
+        ]
+        reach = max((float(np.linalg.norm(X.p)) for c in robot.closures for X in (c.X_AF, c.X_BF)), default=0.0)
+        self._per_length = 1.0 / (reach or 1.0)
+        self.closed_distance = max(CLOSED_DISTANCE, 2.0 * RANK_TOLERANCE * reach)
+
+    def constraints(self, u: Array) -> tuple[Array, Array]:
+        """Residual (m,) of all closures and its Jacobian (m, k) over the independent joints, mimics resolved.
+
+        Lengths count in units of the mechanism's own reach, so that they weigh as much as angles do.
+        """
+        X = self.tree.frames(self.tree.follow(u))
+        residuals, jacobians = [np.zeros(0)], [np.zeros((0, len(self.tree.joints)))]
+        for closure, (a, X_AF, b, X_BG) in zip(self.robot.closures, self._ends, strict=True):
+            X_WF, X_WG = X[a] @ X_AF, X[b] @ X_BG
+            R_FW = X_WF[:3, :3].T
+            X_FG = np.eye(4)
+            X_FG[:3, :3], X_FG[:3, 3] = R_FW @ X_WG[:3, :3], R_FW @ (X_WG[:3, 3] - X_WF[:3, 3]) * self._per_length
+            turn = np.kron(np.diag([1.0, self._per_length]), R_FW)
+            J_F = turn @ self.tree.jacobian(X, a, X_WF[:3, 3])
+            J_G = turn @ self.tree.jacobian(X, b, X_WG[:3, 3])
+            residual, J = constraint_rows(closure, X_FG, J_F, J_G)
+            residuals.append(residual)
+            jacobians.append(J)
+        return np.concatenate(residuals), np.vstack(jacobians) @ self.tree.B
+
+    def gaps(self, u: Array) -> dict[str, tuple[float, float]]:
+        """:func:`closure_gap` of every closure."""
+        X = self.tree.frames(self.tree.follow(u))
+        return {
+            closure.name: closure_gap(closure, Pose.from_matrix(X[a]), Pose.from_matrix(X[b]))
+            for closure, (a, _, b, _) in zip(self.robot.closures, self._ends, strict=True)
+        }
+
+    def closed(self, guess: Array, free: Sequence[int]) -> Array:
+        """:func:`close_loops` over the independent joints; those in ``free`` move."""
+        u = guess.copy()
+        residual, J = self.constraints(u)
+        for _ in range(50 if free else 0):
+            step = np.array(-np.linalg.lstsq(J[:, free], residual, rcond=RANK_TOLERANCE)[0], dtype=np.float64)
+            length = float(np.abs(step).max(initial=0.0))
+            if length < 1e-14:
+                break
+            moved = self._stepped(u, free, np.array(step * min(1.0, 0.5 / length)), residual)
+            if moved is None:
+                break
+            u, residual, J = moved
+        for name, (distance, angle) in sorted(self.gaps(u).items(), key=lambda gap: gap[1], reverse=True):
+            if not (distance <= self.closed_distance and angle <= CLOSED_ANGLE):
+                raise DoesNotClose(name, distance, angle)
+        return u
+
+    def _stepped(
+        self, u: Array, free: Sequence[int], step: Array, residual: Array
+    ) -> tuple[Array, Array, Array] | None:
+        """Where the longest halving of ``step`` leads that makes the residual smaller; None where none does."""
+        for halving in range(8):
+            moved = u.copy()
+            moved[list(free)] += step * 0.5**halving
+            new_residual, J = self.constraints(moved)
+            if np.linalg.norm(new_residual) < np.linalg.norm(residual):
+                return moved, new_residual, J
+        return None
+
+    def singular(self, u: Array, free: Sequence[int]) -> bool:
+        """Whether the joints in ``free`` are about to lose their hold on the loops."""
+        if not free:
+            return False
+        sizes = np.linalg.svd(self.constraints(u)[1][:, list(free)], compute_uv=False)
+        return bool(len(sizes) < len(free) or sizes[len(free) - 1] < WORST_CONDITION * sizes[0])
+
+
+def rank(J: Array) -> int:
+    """Numerical rank of a Jacobian."""
+    if not J.size:
+        return 0
+    sizes = np.linalg.svd(J, compute_uv=False)
+    return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0])) if sizes[0] > 0.0 else 0
+
+
+def degrees_of_freedom(robot: Robot) -> int:
+    """How many joints can be moved independently in the drawn pose, loops closed and mimics obeyed."""
+    loops = Loops(robot)
+    return len(loops.tree.independent) - rank(loops.constraints(loops.tree.vector(initial_configuration(robot)))[1])
+
+
+def held_by_a_point(robot: Robot) -> tuple[str, ...]:
+    """Revolute closures that leave no more freedom if only a point of their axis is held, as in planar mechanisms."""
+    freedom = degrees_of_freedom(robot)
+    enough: list[str] = []
+    for closure in robot.closures:
+        if closure.kind not in TURNING:
+            continue
+        as_points = {*enough, closure.name}
+        closures = tuple(replace(c, kind=JointKind.BALL) if c.name in as_points else c for c in robot.closures)
+        if degrees_of_freedom(replace(robot, closures=closures)) == freedom:
+            enough.append(closure.name)
+    return tuple(enough)
+
+
+def driven_joints(robot: Robot) -> tuple[str, ...]:
+    """As many independent joints as there are degrees of freedom: actuated ones first, then those nearest the root.
+
+    The others follow from them through the closures.
+    """
+    loops = Loops(robot)
+    _, J = loops.constraints(loops.tree.vector(initial_configuration(robot)))
+    names = loops.tree.independent
+    actuated = {actuator.joint for actuator in robot.actuators}
+    followers: list[int] = []
+    # Whoever may least drive is first asked to follow; one that adds no rank cannot follow, so it drives.
+    for i in sorted(range(len(names)), key=lambda i: (names[i] in actuated, -i)):
+        if rank(J[:, [*followers, i]]) > len(followers):
+            followers.append(i)
+    return tuple(name for i, name in enumerate(names) if i not in followers)
+
+
+def close_loops(robot: Robot, guess: Configuration, driven: Sequence[str]) -> dict[str, float]:
+    """The closed configuration nearest to ``guess`` in which the driven joints are where the guess has them.
+
+    Newton's method to a stand-still, with steps halved where they make the residual worse.
+
+    Raises:
+        DoesNotClose: The residual does not come down to what counts as closed.
+    """
+    loops = Loops(robot)
+    free = _free(loops.tree, driven)
+    return loops.tree.named(loops.closed(loops.tree.vector(guess), free))
+
+
+def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str, float], ...], ...]:
+    """About ``n`` closed configurations over the range that loops and limits leave, in ways from the drawn pose.
+
+    The driven joints of the loops go along straight ways: to both ends of each one's range, and, where there are
+    several, towards random places (PCG64, ``seed``). A way ends where a joint meets its limit or the loops become
+    singular. Joints outside the loops stay. Empty for a robot without closures.
+
+    Returns:
+        Ways, each of them the drawn pose and what follows.
+
+    Raises:
+        DoesNotClose: The drawn pose is not closed.
+    """
+    if not robot.closures:
+        return ()
+    loops = Loops(robot)
+    driven = driven_joints(robot)
+    free = _free(loops.tree, driven)
+    start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
+    _, J = loops.constraints(start)
+    in_loops = [name for i, name in enumerate(loops.tree.independent) if name in driven and J[:, i].any()]
+    walked = [_walk(loops, start, free, target) for target in _targets(robot, in_loops, seed)]
+    walked = [way for way in walked if way]
+    total = sum(len(way) for way in walked)
+    ways = []
+    for way in walked:
+        share = min(len(way), max(1, round((n - 1) * len(way) / total)))
+        chosen = [start, *(way[(i + 1) * len(way) // share - 1] for i in range(share))]
+        ways.append(tuple(loops.tree.named(u) for u in chosen))
+    return tuple(ways) or ((loops.tree.named(start),),)
+
+
+def _free(tree: Tree, driven: Sequence[str]) -> list[int]:
+    return [i for i, name in enumerate(tree.independent) if name not in driven]
+
+
+def _targets(robot: Robot, driven: Sequence[str], seed: int) -> list[dict[str, float]]:
+    """Where the driven joints of the loops are sent."""
+    ranges = {name: leader_range(robot, name) for name in driven}
+    targets = [{name: end} for name in driven for end in ranges[name]]
+    if len(driven) > 1:
+        random = np.random.Generator(np.random.PCG64(seed))
+        for shares in random.random((RANDOM_WAYS, len(driven))).tolist():
+            ends = zip(shares, ranges.items(), strict=True)
+            targets.append({name: low + share * (high - low) for share, (name, (low, high)) in ends})
+    return targets
+
+
+def _walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, float]) -> list[Array]:
+    """Closed configurations on the driven joints' straight way from ``start`` to ``target``, as far as it goes.
+
+    Where a step fails, a shorter one is tried, so that the way ends close to the end of the range.
+    """
+    index = {name: loops.tree.independent.index(name) for name in target}
+    goal = start.copy()
+    for name, end in target.items():
+        goal[index[name]] = end
+    driven = [i for i in range(len(start)) if i not in free]
+    strides = max(abs(goal[i] - start[i]) / _stride(loops.robot, name) for name, i in index.items())
+    if strides == 0.0:
+        return []
+    longest = min(1.0, 1.0 / strides)
+    way, gone, step = [start], [0.0], longest
+    while gone[-1] < 1.0 and step > longest * SHORTEST_STEP:
+        share = min(1.0, gone[-1] + step)
+        guess = way[-1].copy()
+        if len(way) > 1:  # go on as before
+            guess += (way[-1] - way[-2]) * (share - gone[-1]) / (gone[-1] - gone[-2])
+        guess[driven] = start[driven] + share * (goal[driven] - start[driven])
+        closed = _next(loops, guess, way[-1], free)
+        if closed is None:
+            step *= 0.5
+            continue
+        way.append(closed)
+        gone.append(share)
+    return way[1:]
+
+
+def _next(loops: Loops, guess: Array, former: Array, free: Sequence[int]) -> Array | None:
+    """The closed configuration at a guess; None where there is none that still belongs to the way."""
+    try:
+        closed = loops.closed(guess, free)
+    except DoesNotClose:
+        return None
+    jumped = float(np.abs(closed - former)[list(free)].max(initial=0.0)) > LARGEST_JUMP
+    if jumped or not within_limits(loops.robot, loops.tree.named(closed)) or loops.singular(closed, free):
+        return None
+    return closed
+
+
+def _stride(robot: Robot, name: str) -> float:
+    """Longest way [rad] or [m] of a driven joint between two closed configurations."""
+    if robot.joint_by_name[name].kind is not JointKind.PRISMATIC:
+        return LARGEST_STEP
+    low, high = leader_range(robot, name)
+    return LARGEST_STEP * max(high - low, 1e-9)

@@ -1,0 +1,80 @@
+"""Mass matrix, gravity forces and inverse dynamics of a robot, from the Jacobians of its links: the reference.
+
+The base stands still, loops are open, and a mimicking joint is a coordinate like any other: that is what engines
+compute too. The inertia of drives (armature) is left out, because URDF and SDFormat cannot say it; it is compared as a
+number of its own. The formulas are the plain sums over links (Murray, Li, Sastry 1994, eq. 4.19 and 4.24) and not a
+recursion, so that they share no step with the algorithms of the engines that they judge.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Vector3, cross, turn_inertia
+
+from .kinematics import Configuration, Tree, complete
+from .model import Robot
+
+GRAVITY: Vector3 = (0.0, 0.0, -9.81)
+"""Acceleration of gravity [m/s^2] that gravity forces are computed and observed with."""
+
+Rates = tuple[Mapping[str, float], Mapping[str, float]]
+"""Velocities and accelerations by name; what is not named is at 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of motion at one configuration, in the order of :func:`kinematics.moving_joints`."""
+
+    mass_matrix: Array
+    """M(q), shape (n, n) [kg, kg m, kg m^2]."""
+    gravity: Array
+    """Efforts (n,) [N m] or [N] that hold the robot still."""
+    inverse: Array
+    """Efforts (n,) [N m] or [N] that move it as asked: M(q) a + C(q, v) v + g(q)."""
+
+
+def mass_matrix(robot: Robot, q: Configuration) -> Array:
+    """Joint-space inertia M(q), shape (n, n) [kg, kg m, kg m^2], in the order of :func:`kinematics.moving_joints`."""
+    return equations_of_motion(robot, q).mass_matrix
+
+
+def gravity_forces(robot: Robot, q: Configuration, gravity: Vector3 = GRAVITY) -> Array:
+    """Efforts (n,) [N m] or [N] that hold the robot still at q against ``gravity`` [m/s^2]."""
+    return equations_of_motion(robot, q, gravity=gravity).gravity
+
+
+def equations_of_motion(
+    robot: Robot, q: Configuration, rates: Rates = ({}, {}), *, gravity: Vector3 = GRAVITY, tree: Tree | None = None
+) -> Equations:
+    """Mass matrix, gravity forces and inverse dynamics at one configuration.
+
+    Args:
+        robot: The robot.
+        q: Positions [rad] or [m]; completed first.
+        rates: Velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2].
+        gravity: Acceleration of gravity [m/s^2].
+        tree: The robot's tree, where the caller has it already.
+    """
+    tree = tree or Tree(robot)
+    full = complete(robot, q)
+    X = tree.frames(np.array([full[name] for name in tree.joints]))
+    v, a = (np.array([float(rate.get(name, 0.0)) for name in tree.joints]) for rate in rates)
+    bias = tree.bias(X, v) if v.any() else None
+    M = np.zeros((len(tree.joints),) * 2)
+    g, c = np.zeros(len(tree.joints)), np.zeros(len(tree.joints))
+    for link in robot.links:
+        i, body = tree.link_index[link.name], link.mass_properties
+        R_WL, p_WL = X[i, :3, :3], X[i, :3, 3]
+        p_WLcm = p_WL + R_WL @ np.array(body.com)
+        J = tree.jacobian(X, i, p_WLcm)
+        I_W = turn_inertia(R_WL, body.inertia)
+        M += J[:3].T @ I_W @ J[:3] + body.mass * J[3:].T @ J[3:]
+        g -= body.mass * J[3:].T @ np.array(gravity)
+        if bias is not None:
+            turning, moving = bias(i, p_WLcm)
+            w_WL = J[:3] @ v
+            c += J[:3].T @ (I_W @ turning + cross(w_WL, I_W @ w_WL)) + body.mass * J[3:].T @ moving
+    M = 0.5 * (M + M.T)
+    return Equations(M, g, M @ a + c + g)

@@ -1,0 +1,315 @@
+"""Where the links of a robot are, how they move with its joints, and where its joints may be.
+
+A configuration maps names of coordinates to positions [rad] or [m]. The root link's frame is the world's. A joint of
+one degree of freedom is its own coordinate: revolute and continuous ones turn about their axis, prismatic ones slide
+along it, screws do both. Joints of several freedoms have those of the chain that they unfold to
+(:mod:`stepbot.robot.multi_dof`).
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from math import pi
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, cross, cross_matrix, rotation_about
+
+from .model import Joint, JointKind, Robot
+from .multi_dof import unfolded
+
+Configuration = Mapping[str, float]
+
+TURNING = frozenset({JointKind.REVOLUTE, JointKind.CONTINUOUS})
+MOVING = TURNING | {JointKind.PRISMATIC, JointKind.SCREW}
+"""Kinds of joints that have one coordinate."""
+
+WIDEST_ANGLE = pi
+"""Angle [rad] to either side within which a turning joint without limits is sampled."""
+WIDEST_TRAVEL = 1.0
+"""Distance [m] to either side within which a prismatic joint without limits is sampled."""
+NO_BOUND = 1e6
+"""Limits [rad] or [m] beyond this stand for none: formats that demand a number get one that nobody reaches."""
+
+
+def moving_joints(robot: Robot) -> tuple[Joint, ...]:
+    """The coordinates of every Jacobian and mass matrix here, in tree order: joints of one freedom, once unfolded."""
+    return tuple(joint for joint in unfolded(robot).joints if joint.kind in MOVING)
+
+
+def independent_joints(robot: Robot) -> tuple[Joint, ...]:
+    """The moving joints that mimic no other."""
+    return tuple(joint for joint in moving_joints(robot) if joint.mimic is None)
+
+
+def mimic_relation(robot: Robot, name: str) -> tuple[str, float, float]:
+    """Leader, multiplier and offset of a joint, through the whole chain of mimics; itself, 1 and 0 if it leads.
+
+    Raises:
+        KeyError: A joint of the chain is not there.
+        ValueError: The chain ends in itself.
+    """
+    multiplier, offset = 1.0, 0.0
+    if name not in robot.joint_by_name:
+        robot = unfolded(robot)
+    leader = robot.joint_by_name[name]
+    for _ in robot.joints:
+        if leader.mimic is None:
+            return leader.name, multiplier, offset
+        offset += multiplier * leader.mimic.offset
+        multiplier *= leader.mimic.multiplier
+        leader = robot.joint_by_name[leader.mimic.joint]
+    raise ValueError(f"joint '{name}': mimics itself")
+
+
+def complete(robot: Robot, q: Configuration) -> dict[str, float]:
+    """A position for every moving joint: what ``q`` says, else 0; mimicking joints follow their leader all the same.
+
+    Raises:
+        KeyError: ``q`` names something that is not a moving joint.
+    """
+    robot = unfolded(robot)
+    joints = moving_joints(robot)
+    unknown = sorted(set(q) - {joint.name for joint in joints})
+    if unknown:
+        raise KeyError(f"no moving joint '{unknown[0]}'")
+    full = {}
+    for joint in joints:
+        leader, multiplier, offset = mimic_relation(robot, joint.name)
+        full[joint.name] = multiplier * float(q.get(leader, 0.0)) + offset
+    return full
+
+
+def initial_configuration(robot: Robot) -> dict[str, float]:
+    """The pose that the CAD drew: where closures close, and where simulation starts."""
+    return {joint.name: joint.drawn_position for joint in moving_joints(robot)}
+
+
+class Tree:
+    """A robot's tree laid out in arrays: built once, then asked at many configurations.
+
+    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. Chains that
+    joints of several freedoms unfold to have links of their own in :attr:`links`.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        robot = unfolded(robot)
+        self.links = tuple(link.name for link in robot.links)
+        self.joints = tuple(joint.name for joint in moving_joints(robot))
+        self.independent = tuple(joint.name for joint in independent_joints(robot))
+        self.link_index = {name: i for i, name in enumerate(self.links)}
+        self._lay_out_joints(robot)
+        self._lay_out_mimics(robot)
+
+    def _lay_out_joints(self, robot: Robot) -> None:
+        column = {name: i for i, name in enumerate(self.joints)}
+        moving = [robot.joint_by_name[name] for name in self.joints]
+        self._turn = np.array([joint.kind is not JointKind.PRISMATIC for joint in moving], dtype=np.float64)
+        self._advance = np.array([advance(joint) for joint in moving], dtype=np.float64)
+        self._axis = np.array([joint.axis for joint in moving], dtype=np.float64).reshape(-1, 3)
+        self._K = np.array([cross_matrix(joint.axis) for joint in moving]).reshape(-1, 3, 3)
+        self._child = np.array([self.link_index[joint.child] for joint in moving], dtype=int)
+        self._parent = [0] * len(self.links)
+        self._column = [-1] * len(self.links)
+        self._X_PC = [np.eye(4)] * len(self.links)
+        self._above = np.zeros((len(self.links), len(self.joints)), dtype=bool)
+        for joint in robot.joints:
+            child, parent = self.link_index[joint.child], self.link_index[joint.parent]
+            self._parent[child], self._X_PC[child] = parent, joint.X_PC.matrix
+            self._column[child] = column.get(joint.name, -1)
+            self._above[child] = self._above[parent]
+            if joint.name in column:
+                self._above[child, column[joint.name]] = True
+
+    def _lay_out_mimics(self, robot: Robot) -> None:
+        column = {name: i for i, name in enumerate(self.independent)}
+        self.B = np.zeros((len(self.joints), len(self.independent)))
+        self.c = np.zeros(len(self.joints))
+        for row, name in enumerate(self.joints):
+            leader, multiplier, offset = mimic_relation(robot, name)
+            self.B[row, column[leader]], self.c[row] = multiplier, offset
+
+    def follow(self, u: Array) -> Array:
+        """Vector q (n,) of all moving joints from u (k,) of the independent ones."""
+        return self.B @ u + self.c
+
+    def vector(self, q: Configuration) -> Array:
+        """Vector u (k,) of a configuration by name; what it does not name is at 0."""
+        return np.array([float(q.get(name, 0.0)) for name in self.independent])
+
+    def named(self, u: Array) -> dict[str, float]:
+        """Positions of all moving joints by name."""
+        return dict(zip(self.joints, self.follow(u).tolist(), strict=True))
+
+    def frames(self, q: Array) -> Array:
+        """Homogeneous X_WL, shape (links, 4, 4)."""
+        motion = np.tile(np.eye(4), (len(self.joints), 1, 1))
+        angle = (self._turn * q)[:, None, None]
+        # Rodrigues; 1 - cos as 2 sin^2 of half the angle keeps its digits at small angles.
+        motion[:, :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * (self._K @ self._K)
+        motion[:, :3, 3] = self._axis * (self._advance * q)[:, None]
+        X = np.empty((len(self.links), 4, 4))
+        X[0] = np.eye(4)
+        for i in range(1, len(self.links)):
+            X[i] = X[self._parent[i]] @ self._X_PC[i]
+            if self._column[i] >= 0:
+                X[i] = X[i] @ motion[self._column[i]]
+        return X
+
+    def jacobian(self, X: Array, link: int, p_WQ: Array) -> Array:
+        """How a point Q (3,) of a link moves with the joints, mimics not yet resolved.
+
+        Args:
+            X: What :meth:`frames` gave.
+            link: Index of the link.
+            p_WQ: The point [m] in the world.
+
+        Returns:
+            Shape (6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per unit speed of a joint.
+        """
+        frames = X[self._child]
+        a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
+        arm = p_WQ - frames[:, :3, 3]
+        swept = cross(a_W, arm)
+        turn, slide = self._turn[:, None], self._advance[:, None]
+        rows = np.hstack([turn * a_W, turn * swept + slide * a_W])
+        return np.asarray(np.where(self._above[link][:, None], rows, 0.0).T)
+
+    def bias(self, X: Array, v: Array) -> Callable[[int, Array], tuple[Array, Array]]:
+        """What accelerates links while the speeds of all joints stay as they are: the time derivative of J, times v.
+
+        Args:
+            X: What :meth:`frames` gave.
+            v: Speed of every joint (n,).
+
+        Returns:
+            A function of a link's index and a point Q (3,) [m] of it, in the world: angular acceleration (3,) [rad/s^2]
+            of the link, and acceleration (3,) [m/s^2] of Q.
+        """
+        frames = X[self._child]
+        a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
+        at_joints = [self.jacobian(X, int(child), X[child, :3, 3]) @ v for child in self._child]
+        twists = np.array(at_joints).reshape(-1, 6)
+        turned = cross(twists[:, :3], a_W)  # an axis is carried along by the link that it is fixed in
+
+        def at(link: int, p_WQ: Array) -> tuple[Array, Array]:
+            v_Q = self.jacobian(X, link, p_WQ)[3:] @ v
+            swept = cross(turned, p_WQ - frames[:, :3, 3]) + cross(a_W, v_Q - twists[:, 3:])
+            rows = self._turn[:, None] * swept + self._advance[:, None] * turned
+            speeds = np.where(self._above[link], v, 0.0)
+            return (self._turn * speeds) @ turned, speeds @ rows
+
+        return at
+
+
+def advance(joint: Joint) -> float:
+    """How far [m] a joint of one freedom slides along its axis for each unit of its coordinate."""
+    return {JointKind.PRISMATIC: 1.0, JointKind.SCREW: joint.pitch}.get(joint.kind, 0.0)
+
+
+def displacement(joint: Joint, q: float) -> Pose:
+    """Pose of the child link at ``q`` in its own frame at q = 0, for joints of one freedom or none."""
+    if joint.kind not in MOVING:
+        return Pose()
+    turned = 0.0 if joint.kind is JointKind.PRISMATIC else q
+    return Pose.of(rotation_about(joint.axis, turned), np.array(joint.axis) * (advance(joint) * q))
+
+
+def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict[str, Pose]:
+    """X_WL of every link, in tree order; ``q`` is completed first.
+
+    Args:
+        robot: The robot.
+        q: Positions [rad] or [m].
+        tree: The robot's tree, where the caller has it already.
+
+    Raises:
+        KeyError: ``q`` names something that is not a moving joint.
+    """
+    tree = tree or Tree(robot)
+    full = complete(robot, q)
+    X = tree.frames(np.array([full[name] for name in tree.joints]))
+    return {link.name: Pose.from_matrix(X[tree.link_index[link.name]]) for link in robot.links}
+
+
+def sampling_range(joint: Joint) -> tuple[float, float]:
+    """Finite bounds [rad] or [m] to sample a joint in: its limits, cut off where they are infinite."""
+    widest = WIDEST_TRAVEL if joint.kind is JointKind.PRISMATIC else WIDEST_ANGLE
+    lower, upper = joint.limit.lower, joint.limit.upper
+    open_below, open_above = lower < -NO_BOUND, upper > NO_BOUND
+    if open_below and open_above:
+        return -widest, widest
+    if open_below:
+        return min(-widest, upper - widest), upper
+    if open_above:
+        return lower, max(widest, lower + widest)
+    return lower, upper
+
+
+def leader_range(robot: Robot, name: str) -> tuple[float, float]:
+    """Bounds of an independent joint that keep those that mimic it within theirs as well.
+
+    Where no position satisfies all of them, the joint's own bounds.
+    """
+    robot = unfolded(robot)
+    own = sampling_range(robot.joint_by_name[name])
+    lower, upper = own
+    for follower in moving_joints(robot):
+        leader, multiplier, offset = mimic_relation(robot, follower.name)
+        if leader != name or follower.mimic is None or multiplier == 0.0:
+            continue
+        ends = sorted((end - offset) / multiplier for end in (follower.limit.lower, follower.limit.upper))
+        lower, upper = max(lower, ends[0]), min(upper, ends[1])
+    return (lower, upper) if lower <= upper else own
+
+
+def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, float], ...]:
+    """``n`` configurations within the limits, uniform and independent, mimicking joints included; loops stay open.
+
+    The numbers are those of numpy's PCG64 with the given seed, so everyone draws the same ones.
+    """
+    robot = unfolded(robot)
+    random = np.random.Generator(np.random.PCG64(seed))
+    ranges = {joint.name: leader_range(robot, joint.name) for joint in independent_joints(robot)}
+    drawn = []
+    for _ in range(n):
+        shares = random.random(len(ranges)).tolist()
+        q = {
+            name: low + share * (high - low) for share, (name, (low, high)) in zip(shares, ranges.items(), strict=True)
+        }
+        drawn.append(complete(robot, q))
+    return tuple(drawn)
+
+
+def rates(robot: Robot, n: int = 32, seed: int = 1) -> tuple[tuple[dict[str, float], dict[str, float]], ...]:
+    """``n`` velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2] of all moving joints, within 1 of 0.
+
+    Mimicking joints are coordinates like any other here. As for :func:`configurations`, everyone draws the same.
+    """
+    random = np.random.Generator(np.random.PCG64(seed + 1))
+    names = [joint.name for joint in moving_joints(robot)]
+    drawn = [(2.0 * random.random((2, len(names))) - 1.0).tolist() for _ in range(n)]
+    return tuple((dict(zip(names, v, strict=True)), dict(zip(names, a, strict=True))) for v, a in drawn)
+
+
+def within_limits(robot: Robot, q: Configuration, slack: float = 1e-9) -> bool:
+    """Whether every moving joint of a complete configuration is within its limits."""
+    return all(
+        joint.limit.lower - slack <= q[joint.name] <= joint.limit.upper + slack for joint in moving_joints(robot)
+    )
+
+
+def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
+    """Pairs of links that a joint or a closure holds together, across links that are fixed to each other."""
+    rigid = {robot.root.name: robot.root.name}
+    for joint in robot.joints:
+        rigid[joint.child] = rigid[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    held = [(joint.parent, joint.child) for joint in robot.joints]
+    held += [(closure.link_a, closure.link_b) for closure in robot.closures]
+    bodies = {frozenset((rigid[a], rigid[b])) for a, b in held}
+    return frozenset(
+        frozenset((a, b)) for a, b in _pairs(rigid) if frozenset((rigid[a], rigid[b])) in bodies or rigid[a] == rigid[b]
+    )
+
+
+def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:
+    ordered = list(names)
+    return [(a, b) for i, a in enumerate(ordered) for b in ordered[i + 1 :]]

@@ -1,0 +1,317 @@
+"""The robot that every writer writes and every simulator is compared with: plain data, SI, free of any format.
+
+The frame of a link is the frame of the joint above it; the root link's is the base. All of ``X_*`` in here are poses at
+q = 0, notation as in :mod:`stepbot.geometry.spatial`.
+"""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+from math import inf
+
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import (
+    IDENTITY,
+    Pose,
+    Vector3,
+)
+
+from .sensors import Sensor
+
+
+class JointKind(StrEnum):
+    """The freedom between two links."""
+
+    FIXED = "fixed"
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    BALL = "ball"
+    PLANAR = "planar"
+    SCREW = "screw"
+    UNIVERSAL = "universal"
+    CYLINDRICAL = "cylindrical"
+    FLOATING = "floating"
+
+
+class Base(StrEnum):
+    """How the root link stands in the world."""
+
+    FIXED = "fixed"
+    FLOATING = "floating"
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box around its frame's origin."""
+
+    size: Vector3
+    """Full edge lengths [m]."""
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder along z around its frame's origin."""
+
+    radius: float
+    """Radius [m]."""
+    length: float
+    """Full length [m]."""
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere around its frame's origin."""
+
+    radius: float
+    """Radius [m]."""
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """A cylinder along z with half spheres on both ends, around its frame's origin."""
+
+    radius: float
+    """Radius [m]."""
+    length: float
+    """Length [m] of the cylinder, without the half spheres."""
+
+
+@dataclass(frozen=True)
+class MeshRef:
+    """One of the robot's mesh assets, scale 1."""
+
+    name: str
+    """Name of the asset in :attr:`Robot.meshes`."""
+
+
+Geometry = Box | Cylinder | Sphere | Capsule | MeshRef
+
+
+@dataclass(frozen=True, eq=False)
+class MeshAsset:
+    """A mesh that is written once, to ``meshes/<name>.obj``, and referred to by name."""
+
+    name: str
+    """Unique among the robot's assets, valid as a file name and as a name in every format."""
+    mesh: TriMesh
+    source: str = ""
+    """Path of the component that it was first made for, or name of the link that it is merged from."""
+
+    @property
+    def path(self) -> str:
+        """Where it is written, relative to the output folder, with forward slashes."""
+        return f"meshes/{self.name}.obj"
+
+
+Rgba = tuple[float, float, float, float]
+"""Colour and opacity, each 0 to 1, sRGB as CAD programs show it."""
+
+
+@dataclass(frozen=True)
+class Visual:
+    """What is seen of a link."""
+
+    name: str
+    """Unique in the robot."""
+    geometry: Geometry
+    X_LG: Pose = IDENTITY
+    """Pose of the geometry in the link."""
+    rgba: Rgba = (0.8, 0.8, 0.8, 1.0)
+
+
+@dataclass(frozen=True)
+class Collision:
+    """What is touched of a link."""
+
+    name: str
+    """Unique in the robot."""
+    geometry: Geometry
+    X_LG: Pose = IDENTITY
+    """Pose of the geometry in the link."""
+
+
+@dataclass(frozen=True)
+class MassSource:
+    """Where some of a link's mass came from."""
+
+    component: str
+    """Path of the component in the assembly."""
+    mass: float
+    """Mass [kg] that it adds to the link."""
+    density: float
+    """Density [kg/m^3] that it was computed with; 0 where the mass was given."""
+    origin: str
+    """For people: ``parts rule '**/M3*'``, ``STEP``, ``defaults``, ``inertial``."""
+    method: str
+    """``mesh`` or ``exact``: whose volume, com and inertia were taken; ``given`` where neither was."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid body."""
+
+    name: str
+    mass_properties: MassProperties = field(default_factory=MassProperties)
+    """In the link's frame."""
+    visuals: tuple[Visual, ...] = ()
+    collisions: tuple[Collision, ...] = ()
+    mass_sources: tuple[MassSource, ...] = ()
+    """Where each gram came from."""
+    components: tuple[str, ...] = ()
+    """Paths of the assembly's components that the link is made of."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Bounds of a joint's position, speed and effort; infinite where there is none."""
+
+    lower: float = -inf
+    """[rad] or [m]."""
+    upper: float = inf
+    """[rad] or [m]."""
+    velocity: float = inf
+    """[rad/s] or [m/s]."""
+    effort: float = inf
+    """[N m] or [N]."""
+
+
+@dataclass(frozen=True)
+class JointDynamics:
+    """Passive forces of a joint."""
+
+    damping: float = 0.0
+    """Viscous damping [N m s/rad] or [N s/m]."""
+    friction: float = 0.0
+    """Coulomb friction [N m] or [N]."""
+    stiffness: float = 0.0
+    """Spring rate [N m/rad] or [N/m]."""
+    spring_reference: float = 0.0
+    """Position [rad] or [m] where the spring is at rest."""
+    armature: float = 0.0
+    """Inertia [kg m^2] or mass [kg] of the drive, seen at the joint."""
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """q = multiplier * q_leader + offset."""
+
+    joint: str
+    """Name of the leading joint."""
+    multiplier: float = 1.0
+    offset: float = 0.0
+    """[rad] or [m]."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of the tree; its frame at q = 0 is the frame of its child link."""
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    X_PC: Pose = IDENTITY
+    """Pose of the child link in the parent link at q = 0."""
+    axis: Vector3 = (0.0, 0.0, 1.0)
+    """Unit axis in the joint's frame, axis_C; the normal of a planar joint."""
+    axis2: Vector3 = (1.0, 0.0, 0.0)
+    """Second axis of a universal joint, in the joint's frame."""
+    limit: Limit = Limit()
+    dynamics: JointDynamics = JointDynamics()
+    mimic: Mimic | None = None
+    pitch: float = 0.0
+    """Advance of a screw joint [m/rad]."""
+    drawn_position: float = 0.0
+    """q [rad] or [m] in which the CAD drew the joint, its ``zero``; the initial pose."""
+
+
+@dataclass(frozen=True)
+class LoopClosure:
+    """A joint that closes a loop: the two F frames coincide up to the freedom of its kind."""
+
+    name: str
+    kind: JointKind
+    link_a: str
+    X_AF: Pose
+    link_b: str
+    X_BF: Pose
+    axis: Vector3 = (0.0, 0.0, 1.0)
+    """Unit axis of a revolute or prismatic closure, in F."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A named frame on a link: a tool centre point, a mounting flange."""
+
+    name: str
+    link: str
+    X_LF: Pose = IDENTITY
+    source: str = ""
+    """What gave it, for people."""
+
+
+class ActuatorKind(StrEnum):
+    """What the input of an actuator means."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+    MOTOR = "motor"
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A drive on a joint."""
+
+    name: str
+    joint: str
+    kind: ActuatorKind
+    kp: float = 0.0
+    """Position gain [N m/rad] or [N/m]."""
+    kv: float = 0.0
+    """Velocity gain [N m s/rad] or [N s/m]."""
+    gear: float = 1.0
+    """How many times the position of the joint the drive's position is."""
+    limit: Limit = Limit()
+    """Bounds of its own, at the joint, beside those of the joint."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot: a tree of links and joints, and the closures that make loops of it."""
+
+    name: str
+    links: tuple[Link, ...]
+    """The root first, each parent before its children."""
+    joints: tuple[Joint, ...] = ()
+    """In the order of their children in ``links``."""
+    closures: tuple[LoopClosure, ...] = ()
+    frames: tuple[Frame, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
+    meshes: tuple[MeshAsset, ...] = ()
+    """Sorted by name."""
+    base: Base = Base.FIXED
+    source: str = ""
+    """File name of the STEP that it was built from."""
+    sensors: tuple[Sensor, ...] = ()
+
+    @property
+    def root(self) -> Link:
+        """The link that no joint moves."""
+        return self.links[0]
+
+    @cached_property
+    def link_by_name(self) -> dict[str, Link]:
+        """Links by name."""
+        return {link.name: link for link in self.links}
+
+    @cached_property
+    def joint_by_name(self) -> dict[str, Joint]:
+        """Joints by name."""
+        return {joint.name: joint for joint in self.joints}
+
+    @cached_property
+    def mesh_by_name(self) -> dict[str, MeshAsset]:
+        """Mesh assets by name."""
+        return {asset.name: asset for asset in self.meshes}

@@ -1,0 +1,125 @@
+"""Loop closures as PyBullet constraints: PyBullet reads closures from no file, so a program adds them after loading.
+
+:func:`loop_constraints` computes what ``report.json`` lists under ``pybullet``; :func:`add_constraints` adds it to a
+loaded body.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stepbot.geometry.spatial import Pose
+
+    from .model import LoopClosure, Robot
+
+SECOND_POINT = 0.05
+"""Distance [m] along the axis of a pin at which a second point is held, where one does not hold the axis."""
+
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class LoopConstraint:
+    """One call of ``pybullet.createConstraint``, with frames in the frames of the links."""
+
+    closure: str
+    """Name of the closure that it holds; several constraints may hold one."""
+    type: str
+    """Name of a PyBullet constant: ``JOINT_POINT2POINT``, ``JOINT_FIXED`` or ``JOINT_PRISMATIC``."""
+    link_a: str
+    link_b: str
+    frame_a: tuple[Numbers, Numbers]
+    """Position [m] and quaternion (x, y, z, w) in the frame of ``link_a``."""
+    frame_b: tuple[Numbers, Numbers]
+    """The same in the frame of ``link_b``."""
+    axis: Numbers
+    """Shape (3,), in ``frame_a``."""
+
+
+def loop_constraints(robot: "Robot") -> tuple[LoopConstraint, ...]:
+    """The constraints that hold the closures of a robot.
+
+    Planar mechanisms are held at one point of each pin: more would jam pins that are not exactly parallel.
+    """
+    from .closures import held_by_a_point
+
+    by_a_point = held_by_a_point(robot) if robot.closures else ()
+    return tuple(made for closure in robot.closures for made in _constraints(closure, closure.name in by_a_point))
+
+
+def _constraints(closure: "LoopClosure", by_a_point: bool) -> list[LoopConstraint]:
+    from stepbot.geometry.spatial import Pose
+
+    from .model import JointKind
+
+    types = {JointKind.FIXED: "JOINT_FIXED", JointKind.PRISMATIC: "JOINT_PRISMATIC"}
+    shifts = [Pose()]
+    if closure.kind is JointKind.REVOLUTE and not by_a_point:
+        shifts.append(Pose.of(position=[SECOND_POINT * direction for direction in closure.axis]))
+    return [
+        LoopConstraint(
+            closure=closure.name,
+            type=types.get(closure.kind, "JOINT_POINT2POINT"),
+            link_a=closure.link_a,
+            link_b=closure.link_b,
+            frame_a=_frame(closure.X_AF @ shift),
+            frame_b=_frame(closure.X_BF @ shift),
+            axis=tuple(closure.axis),
+        )
+        for shift in shifts
+    ]
+
+
+def _frame(X: "Pose") -> tuple[Numbers, Numbers]:
+    w, x, y, z = X.quaternion
+    return X.position, (x, y, z, w)
+
+
+def add_constraints(body: int, constraints: Iterable[Mapping[str, Any]], client: int = 0) -> list[int]:
+    """Add constraints, as ``report.json`` lists them, to a body that PyBullet has loaded.
+
+    Args:
+        body: Id that ``pybullet.loadURDF`` returned. Its joints must be at positions that close the loops.
+        constraints: The list under ``robot.pybullet`` in ``report.json``.
+        client: Id that ``pybullet.connect`` returned.
+
+    Returns:
+        Ids of the constraints.
+
+    Raises:
+        KeyError: The body has no link of a name that a constraint refers to.
+    """
+    import pybullet
+
+    links = {pybullet.getBodyInfo(body, physicsClientId=client)[0].decode(): -1}
+    for joint in range(pybullet.getNumJoints(body, physicsClientId=client)):
+        links[pybullet.getJointInfo(body, joint, physicsClientId=client)[12].decode()] = joint
+
+    def in_inertial_frame(link: str, frame: Mapping[str, Any]) -> tuple[Any, Any]:
+        inertial = pybullet.getDynamicsInfo(body, links[link], physicsClientId=client)[3:5]
+        inverse = pybullet.invertTransform(*inertial)
+        position, turn = pybullet.multiplyTransforms(*inverse, frame["xyz"], frame["quaternion"])
+        return position, turn
+
+    made = []
+    for constraint in constraints:
+        a = in_inertial_frame(constraint["link_a"], constraint["frame_a"])
+        b = in_inertial_frame(constraint["link_b"], constraint["frame_b"])
+        along = pybullet.multiplyTransforms((0, 0, 0), a[1], constraint["axis"], (0, 0, 0, 1))[0]
+        made.append(
+            pybullet.createConstraint(
+                parentBodyUniqueId=body,
+                parentLinkIndex=links[constraint["link_a"]],
+                childBodyUniqueId=body,
+                childLinkIndex=links[constraint["link_b"]],
+                jointType=getattr(pybullet, constraint["type"]),
+                jointAxis=along,
+                parentFramePosition=a[0],
+                childFramePosition=b[0],
+                parentFrameOrientation=a[1],
+                childFrameOrientation=b[1],
+                physicsClientId=client,
+            )
+        )
+    return made

@@ -1,0 +1,369 @@
+"""What must hold of a robot before it is written, whatever it was built from.
+
+Engines repair, ignore or die of what is wrong here, each in its own way; stepbot says it instead. Rules that need sound
+numbers, names and tree run only where these hold, so that one fault is not told ten times.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from math import isfinite, isnan
+
+import numpy as np
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Array, Pose, Vector3, bounds, join_bounds, vector3
+from stepbot.geometry.sums import exact_sum
+
+from .closures import closure_gap
+from .kinematics import initial_configuration, link_poses, mimic_relation
+from .model import (
+    Actuator,
+    Base,
+    Box,
+    Collision,
+    Cylinder,
+    Frame,
+    Geometry,
+    Joint,
+    JointKind,
+    Limit,
+    Link,
+    LoopClosure,
+    MeshAsset,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+from .sensors import Sensor, SensorKind
+
+LARGEST = 20.0
+"""Size [m] above which a unit is in doubt."""
+LIGHTEST = 1e-3
+"""Mass [kg] below which a unit is in doubt."""
+CLOSURE_DISTANCE = 1e-6
+"""How far apart [m] a closure may be as drawn."""
+CLOSURE_ANGLE = 1e-3
+"""How far turned [rad] a closure may be as drawn; CAD puts parallel pins no better."""
+
+_UNIT_SLACK = 1e-9
+_TRIANGLE_SLACK = 1e-6
+
+_Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
+_Extent = tuple[Vector3, Vector3]
+Report = Callable[..., None]
+
+
+def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit: str = "") -> None:
+    """Report whatever no physical robot can have.
+
+    Args:
+        robot: Any robot, from wherever.
+        found: Receives SB410 to SB418, SB420, SB508 to SB510.
+        span: Where the robot is described; its source as a whole, if left out.
+        unit: Length unit of the robot's source, which is in doubt where the robot is very large or very light.
+    """
+    place = span if span is not None else Span(robot.source or robot.name)
+
+    def report(code: str, message: str, *, help: Iterable[str] = (), notes: Iterable[str] = ()) -> None:
+        found.add(code, message, place, help=help, notes=notes)
+
+    sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
+    if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):
+        for rule in (_check_limits, _check_masses, _check_closures, _check_contacts):
+            rule(robot, report)
+        _check_scale(robot, report, unit)
+
+
+def _check_names(robot: Robot, report: Report) -> bool:
+    """Frames become links in URDF, and closures become joints in SDFormat; the others are unique among themselves."""
+    groups: dict[str, Iterable[_Named]] = {
+        "links and frames": (*robot.links, *robot.frames),
+        "joints and closures": (*robot.joints, *robot.closures),
+        "actuators": robot.actuators,
+        "sensors": robot.sensors,
+        "meshes": robot.meshes,
+        "visuals": tuple(visual for link in robot.links for visual in link.visuals),
+        "collisions": tuple(collision for link in robot.links for collision in link.collisions),
+    }
+    sound = True
+    for group, members in groups.items():
+        for name, count in Counter(member.name for member in members).items():
+            if count > 1:
+                report("SB413", f"{group}: {count} of them are called '{name}'")
+                sound = False
+    return sound
+
+
+def _check_references(robot: Robot, report: Report) -> bool:
+    links, joints, meshes = set(robot.link_by_name), set(robot.joint_by_name), set(robot.mesh_by_name)
+    wanted = [(f"joint '{j.name}'", "link", name, links) for j in robot.joints for name in (j.parent, j.child)]
+    wanted += [(f"joint '{j.name}'", "joint", j.mimic.joint, joints) for j in robot.joints if j.mimic is not None]
+    wanted += [(f"closure '{c.name}'", "link", name, links) for c in robot.closures for name in (c.link_a, c.link_b)]
+    wanted += [(f"frame '{frame.name}'", "link", frame.link, links) for frame in robot.frames]
+    wanted += [(f"actuator '{drive.name}'", "joint", drive.joint, joints) for drive in robot.actuators]
+    wanted += [(f"sensor '{sensor.name}'", "link", sensor.link, links) for sensor in robot.sensors]
+    wanted += [(f"sensor '{s.name}'", "joint", s.joint, joints) for s in robot.sensors if s.joint]
+    wanted += [
+        (f"link '{link.name}'", "mesh", shape.geometry.name, meshes)
+        for link in robot.links
+        for shape in _shapes(link)
+        if isinstance(shape.geometry, MeshRef)
+    ]
+    missing = [(who, kind, name) for who, kind, name, there in wanted if name not in there]
+    for who, kind, name in missing:
+        report("SB417", f"{who}: there is no {kind} '{name}'")
+    return not missing
+
+
+def _check_numbers(robot: Robot, report: Report) -> bool:
+    """Everything but limits is finite; rotations turn and axes have length one."""
+    sound = _check_poses(robot, report)
+    for who, numbers in _numbers(robot):
+        if not all(map(isfinite, numbers)):
+            report("SB414", f"{who}: a number is not finite")
+            sound = False
+    axes = [(f"joint '{joint.name}'", joint.axis) for joint in robot.joints if joint.kind is not JointKind.FIXED]
+    axes += [(f"joint '{j.name}', axis2", j.axis2) for j in robot.joints if j.kind is JointKind.UNIVERSAL]
+    axes += [(f"closure '{closure.name}'", closure.axis) for closure in robot.closures]
+    for who, axis in axes:
+        if abs(float(np.linalg.norm(axis)) - 1.0) > _UNIT_SLACK:
+            report("SB415", f"{who}: its axis is of length {float(np.linalg.norm(axis)):g}, not 1")
+            sound = False
+    for joint in robot.joints:
+        if any(map(isnan, _bounds(joint.limit))):
+            report("SB414", f"joint '{joint.name}': a limit is not a number")
+            sound = False
+    return sound
+
+
+def _check_poses(robot: Robot, report: Report) -> bool:
+    """Poses are finite, and their rotations turn; all at once, since there are thousands."""
+    placed = list(_poses(robot))
+    if not placed:
+        return True
+    p, R = np.array([pose.position for _, pose in placed]), np.array([pose.rotation for _, pose in placed])
+    finite = np.isfinite(p).all(axis=1) & np.isfinite(R).all(axis=(1, 2))
+    R = np.where(finite[:, None, None], R, np.eye(3))
+    skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
+    for i in np.flatnonzero(~finite).tolist():
+        report("SB414", f"{placed[i][0]}: its pose is not finite")
+    for i in np.flatnonzero(~turns).tolist():
+        report("SB415", f"{placed[i][0]}: the rotation of its pose is not a rotation")
+    return bool(finite.all() and turns.all())
+
+
+def _check_tree(robot: Robot, report: Report) -> bool:
+    """The root first, each parent before its children, each link but the root the child of one joint."""
+    faults = []
+    if not robot.links:
+        faults.append("it has no links")
+    parents = Counter(joint.child for joint in robot.joints)
+    faults += [f"{count} joints move link '{link}'" for link, count in parents.items() if count > 1]
+    faults += [
+        f"no joint moves link '{link.name}', and it is not the root"
+        for link in robot.links[1:]
+        if not parents[link.name]
+    ]
+    if robot.links and parents[robot.root.name]:
+        faults.append(f"a joint moves the root, link '{robot.root.name}'")
+    known = {robot.root.name} if robot.links else set()
+    for joint in robot.joints:
+        if not faults and joint.parent not in known:
+            faults.append(f"joint '{joint.name}' comes before its parent, or goes round in a circle")
+        known.add(joint.child)
+    for fault in faults:
+        report("SB412", f"robot '{robot.name}': {fault}")
+    return not faults
+
+
+def _check_limits(robot: Robot, report: Report) -> None:
+    for joint in robot.joints:
+        limit, q = joint.limit, joint.drawn_position
+        if not limit.lower < limit.upper:
+            report(
+                "SB416", f"joint '{joint.name}': lower limit {limit.lower:g} is not below upper limit {limit.upper:g}"
+            )
+        elif not limit.lower - _UNIT_SLACK <= q <= limit.upper + _UNIT_SLACK:
+            report(
+                "SB410",
+                f"joint '{joint.name}': drawn at {q:g}, outside its limits {limit.lower:g} to {limit.upper:g}",
+                help=("widen the limits, or say with `zero` which position the CAD drew",),
+            )
+        if limit.velocity < 0.0 or limit.effort < 0.0:
+            report("SB416", f"joint '{joint.name}': a limit of velocity or effort is negative")
+
+
+def _check_masses(robot: Robot, report: Report) -> None:
+    """What moves has mass, and every inertia is one that a body can have."""
+    for members in _rigid_groups(robot):
+        moves = robot.base is Base.FLOATING or members[0] is not robot.root
+        if moves and not any(link.mass_properties.mass > 0.0 for link in members):
+            _report_massless(members, report)
+    for link in robot.links:
+        fault = inertia_fault(link.mass_properties)
+        if fault:
+            report(
+                "SB509",
+                f"link '{link.name}': {fault}",
+                help=("repair its solids in CAD: they are open or cross themselves; or give it an `inertial`",),
+            )
+
+
+def _report_massless(members: list[Link], report: Report) -> None:
+    parts = [path for link in members for path in link.components]
+    if parts:
+        why = f"none of its parts, such as '{parts[0]}', encloses a volume"
+        help = "give it an `inertial` with mass, com and inertia"
+    else:
+        why = "it has no parts"
+        help = "give it parts, or an `inertial`; or make it a frame of the link above"
+    report("SB508", f"link '{members[0].name}': it moves and has no mass: {why}", help=(help,))
+
+
+def inertia_fault(properties: MassProperties) -> str:
+    """Why no body can have such mass properties; empty where one can."""
+    moments = np.linalg.eigvalsh(np.array(properties.inertia))
+    if properties.mass < 0.0:
+        return f"its mass is {properties.mass:g} kg"
+    if properties.mass == 0.0:
+        return "it has an inertia without a mass" if np.abs(moments).max() > 0.0 else ""
+    words = ", ".join(f"{moment:.4g}" for moment in moments.tolist())
+    if moments[0] <= 0.0:
+        return f"its inertia is not positive definite: principal moments {words} kg m^2"
+    if moments[2] > (moments[0] + moments[1]) * (1 + _TRIANGLE_SLACK):
+        return f"one principal moment is larger than the sum of the others: {words} kg m^2"
+    return ""
+
+
+def _check_mimics(robot: Robot, report: Report) -> bool:
+    """No joint mimics itself, directly or through others."""
+    sound = True
+    for joint in robot.joints:
+        try:
+            mimic_relation(robot, joint.name)
+        except ValueError:
+            report("SB412", f"joint '{joint.name}': it mimics itself, directly or through others")
+            sound = False
+    return sound
+
+
+def _check_closures(robot: Robot, report: Report) -> None:
+    """Both sides of each closure meet in the pose that the CAD drew."""
+    if not robot.closures:
+        return
+    poses = link_poses(robot, initial_configuration(robot))
+    for closure in robot.closures:
+        distance, angle = closure_gap(closure, poses[closure.link_a], poses[closure.link_b])
+        if distance > CLOSURE_DISTANCE or angle > CLOSURE_ANGLE:
+            report(
+                "SB411",
+                f"closure '{closure.name}': open by {distance:.3g} m and {angle:.3g} rad in the pose that the CAD drew",
+                help=("check `zero` of the joints in the loop, and the closure's origin",),
+            )
+
+
+def _check_contacts(robot: Robot, report: Report) -> None:
+    """A contact sensor feels what its link touches with."""
+    for sensor in robot.sensors:
+        if sensor.kind is SensorKind.CONTACT and not robot.link_by_name[sensor.link].collisions:
+            message = f"sensor '{sensor.name}': link '{sensor.link}' has no collision geometry to feel with"
+            report("SB418", message, help=("give the link a `collision`, or leave the sensor out",))
+
+
+def _check_scale(robot: Robot, report: Report, unit: str) -> None:
+    """A robot of thousandths of a gram or of dozens of metres is drawn in another unit than its file says."""
+    question = f"is {unit or 'its length unit'} what {robot.source or 'its source'} was drawn in?"
+    total = exact_sum(link.mass_properties.mass for link in robot.links)
+    if 0.0 < total < LIGHTEST:
+        report("SB510", f"robot '{robot.name}': it weighs {total * 1e3:.3g} g; {question}")
+    size = _size(robot)
+    if size > LARGEST:
+        report("SB420", f"robot '{robot.name}': it is {size:.3g} m large; {question}")
+
+
+def _size(robot: Robot) -> float:
+    """Longest edge [m] of the box around the robot as drawn; 0 where nothing is seen."""
+    poses = link_poses(robot, initial_configuration(robot))
+    extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
+    boxes = [
+        bounds((poses[link.name] @ shape.X_LG).apply(_corners(*extent)))
+        for link in robot.links
+        for shape in _shapes(link)
+        if (extent := _extent(shape.geometry, extents)) is not None
+    ]
+    if not boxes:
+        return 0.0
+    low, high = join_bounds(boxes)
+    return max(top - bottom for bottom, top in zip(low, high, strict=True))
+
+
+def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:
+    """Links that fixed joints hold together, the one nearest to the root first."""
+    groups = {robot.root.name: [robot.root]}
+    for joint in robot.joints:
+        group = groups[joint.parent] if joint.kind is JointKind.FIXED else []
+        group.append(robot.link_by_name[joint.child])
+        groups[joint.child] = group
+    yield from {id(group): group for group in groups.values()}.values()
+
+
+def _shapes(link: Link) -> tuple[Visual | Collision, ...]:
+    return (*link.visuals, *link.collisions)
+
+
+def _bounds(limit: Limit) -> tuple[float, float, float, float]:
+    return limit.lower, limit.upper, limit.velocity, limit.effort
+
+
+def _poses(robot: Robot) -> Iterator[tuple[str, Pose]]:
+    for joint in robot.joints:
+        yield f"joint '{joint.name}'", joint.X_PC
+    for closure in robot.closures:
+        yield f"closure '{closure.name}'", closure.X_AF
+        yield f"closure '{closure.name}'", closure.X_BF
+    for frame in robot.frames:
+        yield f"frame '{frame.name}'", frame.X_LF
+    for sensor in robot.sensors:
+        yield f"sensor '{sensor.name}'", sensor.X_LS
+    for link in robot.links:
+        for shape in _shapes(link):
+            yield f"link '{link.name}'", shape.X_LG
+
+
+def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:
+    """Every number that must be finite, with what it belongs to."""
+    for joint in robot.joints:
+        d = joint.dynamics
+        mimic = [] if joint.mimic is None else [joint.mimic.multiplier, joint.mimic.offset]
+        passive = [d.damping, d.friction, d.stiffness, d.spring_reference, d.armature]
+        yield f"joint '{joint.name}'", [*joint.axis, *joint.axis2, *passive, *mimic, joint.drawn_position, joint.pitch]
+    for closure in robot.closures:
+        yield f"closure '{closure.name}'", [*closure.axis]
+    for drive in robot.actuators:
+        yield f"actuator '{drive.name}'", [drive.kp, drive.kv, drive.gear]
+    for sensor in robot.sensors:
+        yield f"sensor '{sensor.name}'", [sensor.rate, sensor.view.fov, sensor.view.nearest]
+    for link in robot.links:
+        m = link.mass_properties
+        yield f"link '{link.name}'", [m.mass, *m.com, *np.array(m.inertia).reshape(-1).tolist()]
+
+
+def _extent(geometry: Geometry, of_meshes: Mapping[str, _Extent]) -> _Extent | None:
+    """Lowest and highest corner [m] of a geometry in its own frame; None where it is empty."""
+    if isinstance(geometry, MeshRef):
+        return of_meshes.get(geometry.name)
+    if isinstance(geometry, Box):
+        half = np.array(geometry.size) / 2
+    else:
+        domes = 0.0 if isinstance(geometry, Cylinder) else geometry.radius
+        straight = 0.0 if isinstance(geometry, Sphere) else geometry.length / 2
+        half = np.array([geometry.radius, geometry.radius, straight + domes])
+    return vector3(-half), vector3(half)
+
+
+def _corners(low: Vector3, high: Vector3) -> Array:
+    """Corners (8, 3) of a box."""
+    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])

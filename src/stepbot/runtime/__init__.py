@@ -1,0 +1,1 @@
+"""Everything about running and nothing about robots: processes, the cache, the output folder, memory and cores."""

@@ -1,0 +1,32 @@
+"""What was computed once, kept on disk under a key made of everything that it depends on.
+
+store    entries in files: safe under concurrent runs and kills, bounded in size
+folder   where they are on this system
+keys     what a key is made of: bytes of inputs, options, versions, stepbot's own code
+codec    data classes and arrays as bytes and back, led by their annotations
+shelf    values of one type: a cache and a codec together
+
+A cache holds nothing that cannot be computed again, and an entry that is broken in any way is simply not there.
+"""
+
+from .codec import Undecodable, codec_of
+from .folder import default_folder
+from .keys import Digest, bytes_digest, content_digest, environment, file_digest, own_code
+from .store import DEFAULT_LIMIT, Cache, Usage
+from .typed import Shelf
+
+__all__ = [
+    "DEFAULT_LIMIT",
+    "Cache",
+    "Digest",
+    "Shelf",
+    "Undecodable",
+    "Usage",
+    "bytes_digest",
+    "codec_of",
+    "content_digest",
+    "default_folder",
+    "environment",
+    "file_digest",
+    "own_code",
+]

@@ -1,0 +1,263 @@
+"""Starts workers from a process that has imported already what they all need, by forking it.
+
+A worker of :mod:`stepbot.runtime.worker` spends most of a second on imports, and a conversion needs ten of them: here
+that is done once, and shared. The server runs one thread and calls nothing but imports; each worker is a process of its
+own as before, with its own memory limit and its own death. Where a system cannot fork safely there is no server, and
+workers are started one by one; so they are by a server in which an import has started threads.
+"""
+
+import contextlib
+import ctypes
+import gc
+import importlib
+import os
+import pickle
+import select
+import signal
+import socket
+import struct
+import subprocess
+import sys
+from collections.abc import Sequence
+from typing import BinaryIO, NoReturn
+
+from .processes import can_fork, end_with_parent, interpreter, start_process, thread_count, worker_environment
+from .worker import Process, answer, spawned, worker_command
+
+_MOST_BYTES = 1 << 16
+"""Of a message to the server."""
+_NUMBER = struct.Struct("<i")
+_DESCRIPTORS = 4
+"""That come with an order to fork: standard input, output, error, and where to tell of the process."""
+_NAME_LENGTH = 15
+_PR_SET_NAME = 15
+
+
+def can_serve() -> bool:
+    """Whether there can be a server on this system."""
+    return can_fork() and hasattr(socket, "SOCK_SEQPACKET") and hasattr(socket, "send_fds")
+
+
+class ForkServer:
+    """A process that forks workers."""
+
+    def __init__(self, modules: Sequence[str]) -> None:
+        """Start it; it begins to import at once.
+
+        Args:
+            modules: What workers will need: ``package.module``, or ``package.module:function`` to be called too. What
+                fails is left to the workers.
+        """
+        self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        code = "from stepbot.runtime.fork_server import _serve; _serve()"
+        command = interpreter(code, str(os.getpid()), str(theirs.fileno()), *modules)
+        with theirs:
+            self._server = start_process(
+                lambda: subprocess.Popen(
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                    pass_fds=[theirs.fileno()],
+                    env=worker_environment(),
+                )
+            )
+
+    def fork(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
+        """Start a worker's process; see :data:`.worker.Start`. If the server has ended, it does without."""
+        reading, input_end = os.pipe()
+        output_end, writing = os.pipe()
+        told, telling = os.pipe()
+        try:
+            order = pickle.dumps(("fork", told, function, memory_limit))
+            socket.send_fds(self._socket, [order], [reading, writing, stderr.fileno(), telling])
+        except OSError:
+            for end in (input_end, output_end, told):
+                os.close(end)
+            return spawned(function, memory_limit, stderr)
+        finally:
+            for end in (reading, writing, telling):
+                os.close(end)
+        return _Forked(self, told, os.fdopen(input_end, "wb"), os.fdopen(output_end, "rb"))
+
+    def kill(self, number: int) -> None:
+        """End the process that tells of itself at descriptor ``number``, unless it has ended."""
+        with contextlib.suppress(OSError):  # without its server it ends by itself
+            self._socket.send(pickle.dumps(("kill", number)))
+
+    def close(self) -> None:
+        """End the server, and with it all of its processes that still run; safe to call twice."""
+        self._socket.close()
+        self._server.kill()
+        self._server.wait()
+
+    def __enter__(self) -> "ForkServer":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
+class _Forked:
+    """A forked process, as :class:`subprocess.Popen` would have it."""
+
+    def __init__(self, server: ForkServer, told: int, stdin: BinaryIO, stdout: BinaryIO) -> None:
+        self.stdin, self.stdout = stdin, stdout
+        self._server, self._told = server, told
+        self._pid = 0
+        self._status: int | None = None
+
+    @property
+    def pid(self) -> int:
+        """Its process id; waits until it is forked."""
+        if not self._pid:
+            self._pid = self._next() or -1
+        return self._pid
+
+    def poll(self) -> int | None:
+        """Its exit code, negative for a signal; None while it runs."""
+        while self._status is None and select.select([self._told], [], [], 0.0)[0]:
+            self._step()
+        return self._status
+
+    def wait(self) -> int:
+        """Its exit code, once it has ended."""
+        while self._status is None:
+            self._step()
+        return self._status
+
+    def kill(self) -> None:
+        """End it."""
+        if self._status is None:
+            self._server.kill(self._told)
+
+    def _step(self) -> None:
+        if not self._pid:
+            self._pid = self._next() or -1
+            return
+        status = self._next()
+        os.close(self._told)
+        self._status = -signal.SIGKILL if status is None else status  # it ends with its server
+
+    def _next(self) -> int | None:
+        message = os.read(self._told, _NUMBER.size) if self._status is None else b""
+        return _NUMBER.unpack(message)[0] if message else None
+
+
+class _Children:
+    """The server's processes that still run."""
+
+    def __init__(self) -> None:
+        self._telling: dict[int, tuple[int, int]] = {}
+        """For each process what its starter calls it, and where to tell of it."""
+
+    def add(self, pid: int, number: int, telling: int) -> None:
+        self._telling[pid] = number, telling
+        _tell(telling, pid)
+
+    def kill(self, number: int) -> None:
+        for pid, (called, _) in self._telling.items():
+            if called == number:
+                os.kill(pid, signal.SIGKILL)
+
+    def reap(self) -> None:
+        """Tell of those that have ended."""
+        while self._telling:
+            pid, status = os.waitpid(-1, os.WNOHANG)
+            if not pid:
+                return
+            _, telling = self._telling.pop(pid)
+            _tell(telling, os.waitstatus_to_exitcode(status))
+            os.close(telling)
+
+    def forget(self) -> None:
+        """In one of them: let go of what belongs to the others."""
+        for _, telling in self._telling.values():
+            os.close(telling)
+
+
+def _tell(telling: int, value: int) -> None:
+    with contextlib.suppress(BrokenPipeError):  # whoever started it does not want to know any more
+        os.write(telling, _NUMBER.pack(value))
+
+
+def _serve() -> NoReturn:
+    """What the server runs."""
+    end_with_parent(int(sys.argv[1]))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends when its socket does
+    orders = socket.socket(fileno=int(sys.argv[2]))
+    woken, waking = os.pipe()
+    os.set_blocking(waking, False)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
+    signal.set_wakeup_fd(waking)
+    gc.disable()
+    for module in sys.argv[3:]:
+        _prepare(module)
+    gc.freeze()  # what is there already is shared as long as nobody touches it
+    children = _Children()
+    while True:
+        ready = select.select([orders.fileno(), woken], [], [])[0]
+        if woken in ready:
+            os.read(woken, 1024)
+            children.reap()
+        if orders.fileno() in ready:
+            message, descriptors, _, _ = socket.recv_fds(orders, _MOST_BYTES, _DESCRIPTORS)
+            if not message:
+                os._exit(0)
+            verb, number, *rest = pickle.loads(message)
+            if verb == "kill":
+                children.kill(number)
+                continue
+            *streams, telling = descriptors
+            if thread_count() > 1:  # something that was imported started threads: a fork could inherit their locks
+                pid = _spawn(streams, *rest)
+            else:
+                server = os.getpid()
+                pid = os.fork()
+                if pid == 0:
+                    end_with_parent(server)
+                    for descriptor in (orders.detach(), woken, waking, telling):
+                        os.close(descriptor)
+                    children.forget()
+                    _work(streams, *rest)
+            children.add(pid, number, telling)
+            for descriptor in streams:
+                os.close(descriptor)
+
+
+def _prepare(module: str) -> None:
+    with contextlib.suppress(Exception):  # the worker that needs it fails in the same way, and that is told
+        name, _, function = module.partition(":")
+        loaded = importlib.import_module(name)
+        if function:
+            getattr(loaded, function)()
+
+
+def _spawn(streams: Sequence[int], function: str, memory_limit: int | None) -> int:
+    """Start a worker as a new interpreter; returns its process id."""
+    copies = [(os.POSIX_SPAWN_DUP2, stream, descriptor) for descriptor, stream in enumerate(streams)]
+    defaults = [signal.SIGCHLD, signal.SIGINT]
+    command = worker_command(function, memory_limit)
+    return os.posix_spawn(command[0], command, os.environ, file_actions=copies, setsigdef=defaults)
+
+
+def _work(streams: Sequence[int], function: str, memory_limit: int | None) -> NoReturn:
+    """Serve one call in a forked process."""
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        for descriptor, stream in enumerate(streams):
+            os.dup2(stream, descriptor)
+            os.close(stream)
+        _rename(function)
+        answer(function, memory_limit)
+    finally:  # it must never return into the server's code
+        os._exit(1)
+
+
+def _rename(function: str) -> None:
+    """Show in lists of processes what this one does; on Linux."""
+    if sys.platform == "linux":
+        name = function.partition(":")[0].rpartition(".")[2]
+        ctypes.CDLL(None).prctl(_PR_SET_NAME, name.encode()[:_NAME_LENGTH])

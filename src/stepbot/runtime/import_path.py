@@ -1,0 +1,48 @@
+"""Where Python may import modules from: never the current folder, which may be anybody's.
+
+``python -c`` and ``python -m`` put the current folder first on ``sys.path``, and an empty entry of ``PYTHONPATH`` means
+it too: a ``random.py`` in that folder would run. Decision 0018 lists what is honoured. This module itself imports
+nothing that Python has not loaded at its start.
+"""
+
+import os
+import sys
+
+_STANDARD_LIBRARY = os.path.dirname(os.__file__)
+_OWN_ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+
+def safe_import_path(path: list[str], python_path: str) -> list[str]:
+    """The absolute entries of an import path, without the current folder where it precedes the standard library.
+
+    Args:
+        path: As ``sys.path``: entries behind the standard library come from the installation.
+        python_path: Value of ``PYTHONPATH``. The current folder is kept where its absolute path is an entry of it, and
+            where stepbot itself is installed in it.
+    """
+    absolute = [entry for entry in path if os.path.isabs(entry)]
+    first_installed = absolute.index(_STANDARD_LIBRARY) if _STANDARD_LIBRARY in absolute else len(absolute)
+    requested = [entry for entry in python_path.split(os.pathsep) if os.path.isabs(entry)]
+    kept = {_resolved(folder) for folder in (_OWN_ROOT, *requested)}
+    here = _current_folder()
+    return [
+        entry
+        for number, entry in enumerate(absolute)
+        if number >= first_installed or _resolved(entry) != here or here in kept
+    ]
+
+
+def restrict_import_path() -> None:
+    """Remove the current folder and relative entries from ``sys.path``."""
+    sys.path[:] = safe_import_path(sys.path, os.environ.get("PYTHONPATH", ""))
+
+
+def _current_folder() -> str:
+    try:
+        return _resolved(os.getcwd())
+    except OSError:  # it was removed
+        return ""
+
+
+def _resolved(folder: str) -> str:
+    return os.path.normcase(os.path.realpath(folder))

@@ -1,0 +1,312 @@
+"""Runs functions on foreign data in processes of their own, so that a crash is a diagnostic.
+
+A :class:`Worker` starts at once and imports the module of its function while the caller is still busy; ``submit`` hands
+it the arguments, ``result`` waits; then there may be another call. What native code prints to file descriptor 1 lands
+in the worker's standard error, never between the bytes of the result. Arguments and results are pickled: data classes
+and arrays only.
+"""
+
+import contextlib
+import gc
+import importlib
+import os
+import pickle
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import traceback
+from collections.abc import Callable
+from functools import cache
+from types import TracebackType
+from typing import IO, Any, BinaryIO, NoReturn, Protocol
+
+from .processes import end_with_parent, interpreter, start_process, worker_environment
+
+DEFAULT_TIMEOUT = 600.0
+"""Seconds that a worker may take for one call."""
+
+_LAST_LINES = 12
+_LENGTH = struct.Struct("<q")
+"""Of an outcome, before it."""
+
+
+class WorkerDied(Exception):
+    """A worker ended without a result.
+
+    Attributes:
+        reason: For people: which signal or exit code, out of time, out of memory.
+        last_lines: The end of what it printed.
+    """
+
+    def __init__(self, reason: str, last_lines: tuple[str, ...]) -> None:
+        self.reason, self.last_lines = reason, last_lines
+        super().__init__(reason)
+
+
+class RemoteError(Exception):
+    """The function raised in the worker: a bug of ours, or an import that failed.
+
+    Attributes:
+        kind: Name of the exception's type.
+        text: Its message.
+        trace: The traceback in the worker.
+    """
+
+    def __init__(self, kind: str, text: str, trace: str) -> None:
+        self.kind, self.text, self.trace = kind, text, trace
+        super().__init__(f"{kind}: {text}\n{trace}")
+
+
+class Process(Protocol):
+    """What a worker needs of its process: a part of :class:`subprocess.Popen`."""
+
+    @property
+    def pid(self) -> int: ...  # noqa: D102
+
+    @property
+    def stdin(self) -> IO[bytes] | None: ...  # noqa: D102
+
+    @property
+    def stdout(self) -> IO[bytes] | None: ...  # noqa: D102
+
+    def poll(self) -> int | None: ...  # noqa: D102
+
+    def wait(self) -> int: ...  # noqa: D102
+
+    def kill(self) -> None: ...  # noqa: D102
+
+
+Start = Callable[[str, int | None, BinaryIO], Process]
+"""Starts a process for a function, with a memory limit [bytes] or none, and a file for what it prints."""
+
+
+class Worker:
+    """One process that calls one function, once or one time after the other."""
+
+    def __init__(self, function: str, *, memory_limit: int | None = None, start: Start | None = None) -> None:
+        """Start the process; it begins to import at once.
+
+        Args:
+            function: ``package.module:function``.
+            memory_limit: Address space [bytes] where the system can limit it (POSIX); None for no limit.
+            start: What starts it; None to start a new interpreter.
+        """
+        self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
+        self._process = (start or spawned)(function, memory_limit, self._stderr)
+        self._writer: threading.Thread | None = None
+        self._more = False
+
+    @property
+    def pid(self) -> int:
+        """The worker's process id."""
+        return self._process.pid
+
+    def submit(self, *arguments: Any, more: bool = False) -> "Worker":
+        """Hand over the arguments of a call; returns at once.
+
+        Args:
+            arguments: What the function is called with.
+            more: Whether there may be another call once this one is answered; if not, the process ends with the answer.
+        """
+        self._more = more
+        payload = pickle.dumps((arguments, more), protocol=5)
+        self._writer = threading.Thread(target=self._feed, args=(payload,), daemon=True)
+        self._writer.start()
+        return self
+
+    def result(self, timeout: float = DEFAULT_TIMEOUT) -> Any:
+        """Wait for the function's result.
+
+        Raises:
+            WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
+            RemoteError: The function raised.
+        """
+        timed_out = threading.Event()
+
+        def end() -> None:
+            timed_out.set()
+            self._process.kill()
+
+        timer = threading.Timer(timeout, end)
+        timer.daemon = True
+        timer.start()
+        try:
+            output = self._answer()
+            status = self._process.wait() if output is None else 0
+        except BaseException:  # Ctrl-C: nobody waits for the process any more
+            self.close()
+            raise
+        finally:
+            timer.cancel()
+        if self._writer is not None:
+            self._writer.join()
+        if output is None:
+            last_lines = self._last_lines()
+            self.close()
+            reason = f"no result after {timeout:g} s" if timed_out.is_set() else _death(status, last_lines)
+            raise WorkerDied(reason, last_lines)
+        outcome, value = pickle.loads(output)
+        if not self._more:
+            self.close()
+        if outcome == "raised":
+            raise RemoteError(*value)
+        return value
+
+    def close(self) -> None:
+        """End the process if it still runs; safe to call twice."""
+        if self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        for stream in (self._process.stdin, self._process.stdout, self._stderr):
+            if stream is not None and not stream.closed:
+                try:
+                    stream.close()
+                except BrokenPipeError:  # the worker died before it read its input: `result` reports that
+                    continue
+
+    def __enter__(self) -> "Worker":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _feed(self, payload: bytes) -> None:
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(payload)
+            self._process.stdin.flush()
+        except (OSError, ValueError):  # the worker is gone, or closed: `result` reports how it ended
+            return
+
+    def _answer(self) -> bytes | None:
+        """The outcome of the call, pickled; None where the process ended before it was written."""
+        assert self._process.stdout is not None
+        head = self._process.stdout.read(_LENGTH.size)
+        if len(head) < _LENGTH.size:
+            return None
+        length = _LENGTH.unpack(head)[0]
+        output = self._process.stdout.read(length)
+        return output if len(output) == length else None
+
+    def _last_lines(self) -> tuple[str, ...]:
+        self._stderr.seek(0)
+        text = self._stderr.read().decode("utf-8", "replace")
+        return tuple(line.rstrip() for line in text.splitlines() if line.strip())[-_LAST_LINES:]
+
+
+def call_isolated(
+    function: str, *arguments: Any, timeout: float = DEFAULT_TIMEOUT, memory_limit: int | None = None
+) -> Any:
+    """Call ``package.module:function`` in a process of its own; see :class:`Worker`.
+
+    Raises:
+        WorkerDied: The process ended without a result.
+        RemoteError: The function raised.
+    """
+    with Worker(function, memory_limit=memory_limit) as worker:
+        return worker.submit(*arguments).result(timeout)
+
+
+def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
+    """Start a worker's process as a new interpreter; see :data:`Start`."""
+    command = worker_command(function, memory_limit)
+    return start_process(
+        lambda: subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=worker_environment()
+        )
+    )
+
+
+def worker_command(function: str, memory_limit: int | None) -> list[str]:
+    """Command line of a worker that is an interpreter of its own and a child of this process."""
+    command = interpreter("from stepbot.runtime.worker import _serve; _serve()", str(os.getpid()), function)
+    return command if memory_limit is None else [*command, str(memory_limit)]
+
+
+def _death(status: int, last_lines: tuple[str, ...]) -> str:
+    if any("MemoryError" in line or "bad_alloc" in line for line in last_lines):
+        return "out of memory"
+    if status < 0:
+        try:
+            return f"killed by {signal.Signals(-status).name}"
+        except ValueError:
+            return f"killed by signal {-status}"
+    return f"ended with exit code {status} and no result"
+
+
+def _serve() -> NoReturn:
+    """What a worker of its own interpreter runs."""
+    end_with_parent(int(sys.argv[1]))
+    answer(sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else None)
+
+
+def answer(function: str, memory_limit: int | None) -> NoReturn:
+    """Serve calls in this process, then end it: import, read the arguments, call, write the outcome.
+
+    Args:
+        function: ``package.module:function``.
+        memory_limit: Address space [bytes]; None for no limit.
+    """
+    results = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # native code that prints to standard output must not write between our bytes
+    sys.stdout = sys.stderr
+    if memory_limit is not None:
+        _limit_memory(memory_limit)
+    more = True
+    while more:
+        more = False
+        outcome: tuple[str, Any]
+        try:
+            call = _prepared(function)
+            arguments, more = _next_call()
+            outcome = ("returned", call(*arguments))
+        except MemoryError:
+            sys.stderr.write("MemoryError\n")
+            sys.exit(1)
+        except Exception as error:  # noqa: BLE001 - raised again by the caller, as a RemoteError
+            outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
+        payload = pickle.dumps(outcome, protocol=5)
+        results.write(_LENGTH.pack(len(payload)))
+        results.write(payload)
+        results.flush()
+    # Engines and the kernel are known to crash while they are torn down: the result is out, so leave at once.
+    os._exit(0)
+
+
+def _next_call() -> tuple[tuple[Any, ...], bool]:
+    """Arguments of the next call, and whether there may be another; where the caller has left, it does not return."""
+    try:
+        arguments, more = pickle.load(sys.stdin.buffer)
+    except EOFError:
+        os._exit(0)
+    return arguments, more
+
+
+@cache
+def _prepared(function: str) -> Callable[..., Any]:
+    """The function, once its module is imported and what it will need is too, while the caller is still busy."""
+    gc.disable()  # what is imported stays, so that to look through it again and again finds nothing
+    module, _, name = function.partition(":")
+    loaded = importlib.import_module(module)
+    call: Callable[..., Any] = getattr(loaded, name)
+    getattr(loaded, "prepare", lambda: None)()
+    gc.freeze()
+    gc.enable()
+    return call
+
+
+def _limit_memory(limit: int) -> None:
+    try:
+        import resource
+    except ImportError:  # Windows: no such limit; the timeout still holds
+        return
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    allowed = limit if most == resource.RLIM_INFINITY else min(limit, most)
+    # macOS refuses limits of address space; the timeout holds there too.
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_AS, (allowed, most))

@@ -1,0 +1,43 @@
+"""Code pages by name: what the bytes of a text mean that does not say so itself."""
+
+import codecs
+from encodings.aliases import aliases
+
+from stepbot.diagnostics import did_you_mean
+
+_ASCII = b"\t\r\n" + bytes(range(32, 92)) + bytes(range(93, 127)) + rb"\n\x41" + b"\x1b$B!!\x1b(B"
+"""Text that encodings which are no supersets of ASCII read as another text: escapes, shifts, other letters."""
+_COMMON = ("cp1250", "cp1251", "cp1252", "gbk", "gb18030", "cp932", "big5", "cp949", "koi8-r", "latin1", "utf-8")
+
+
+class UnknownCodePage(ValueError):
+    """No code page has this name, or none that a text of ASCII and other characters can be in.
+
+    Attributes:
+        hints: What to write instead.
+    """
+
+    def __init__(self, message: str, *hints: str) -> None:
+        self.hints = hints
+        super().__init__(message)
+
+
+def code_page(name: str) -> str:
+    """The usual name of a code page: ``windows-1251`` is ``cp1251``.
+
+    Raises:
+        UnknownCodePage: There is none of this name, or it writes ASCII otherwise.
+    """
+    possible = f"for example {', '.join(_COMMON)}"
+    try:
+        found = codecs.lookup(name.strip())
+    except (LookupError, ValueError):  # ValueError: a name with a null character
+        near = did_you_mean(name.strip().lower(), [*_COMMON, *aliases.values(), *aliases])
+        raise UnknownCodePage(f"there is no code page '{name}'", *near, possible) from None
+    try:
+        is_superset = _ASCII.decode(found.name) == _ASCII.decode("ascii")
+    except (LookupError, ValueError):  # LookupError: no encoding of texts, such as base64
+        is_superset = False
+    if not is_superset:
+        raise UnknownCodePage(f"'{name}' writes other bytes for ASCII than STEP files have", possible)
+    return "utf-8" if found.name == "utf-8-sig" else found.name

@@ -1,0 +1,333 @@
+"""Units of measure: the only scale factors in stepbot.
+
+Inside, everything is SI: m, kg, s, rad. Values are converted where they enter, in ``step/`` and ``sidecar/``. A
+quantity is written as a number, which is SI already, or as a number with its unit: ``45 deg``, ``1.04 g/cm^3``,
+``1.5 N*m``, also as catalogues print them: ``1.04 g/cm3``, ``1.5 N.m``, ``20 kg.cm``, ``80 oz-in``. Scales are exact
+fractions, so that ``57.2 g`` is 0.0572 kg and not 0.057200000000000004. (A table of our own, because importing a units
+library costs every run more than half a second.)
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+from stepbot.diagnostics import did_you_mean
+
+Powers = tuple[int, int, int, int]
+"""Exponents of kilogram, metre, second and radian."""
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """What kind of quantity a value is."""
+
+    name: str
+    unit: str
+    """The SI unit, as printed."""
+    powers: tuple[Powers, ...]
+    """Exponents that are accepted; several where radians may be written or left out."""
+    example: str
+
+
+LENGTH = Dimension("length", "m", ((0, 1, 0, 0),), "12 mm")
+ANGLE = Dimension("angle", "rad", ((0, 0, 0, 1),), "45 deg")
+MASS = Dimension("mass", "kg", ((1, 0, 0, 0),), "57 g")
+DENSITY = Dimension("density", "kg/m^3", ((1, -3, 0, 0),), "1.04 g/cm^3")
+INERTIA = Dimension("inertia", "kg*m^2", ((1, 2, 0, 0),), "120 g*cm^2")
+SPEED = Dimension("speed", "m/s", ((0, 1, -1, 0),), "20 mm/s")
+ANGULAR_SPEED = Dimension("angular speed", "rad/s", ((0, 0, -1, 1),), "60 rpm")
+FORCE = Dimension("force", "N", ((1, 1, -2, 0),), "20 N")
+TORQUE = Dimension("torque", "N*m", ((1, 2, -2, 0),), "1.5 N*m")
+LINEAR_DAMPING = Dimension("damping", "N*s/m", ((1, 0, -1, 0),), "10 N*s/m")
+ANGULAR_DAMPING = Dimension("damping", "N*m*s/rad", ((1, 2, -1, -1), (1, 2, -1, 0)), "0.1 N*m*s/rad")
+LINEAR_STIFFNESS = Dimension("stiffness", "N/m", ((1, 0, -2, 0),), "200 N/m")
+ANGULAR_STIFFNESS = Dimension("stiffness", "N*m/rad", ((1, 2, -2, -1), (1, 2, -2, 0)), "5 N*m/rad")
+FREQUENCY = Dimension("rate", "Hz", ((0, 0, -1, 0),), "30 Hz")
+PITCH = Dimension("pitch", "m/rad", ((0, 1, 0, -1),), "2 mm/rev")
+RATIO = Dimension("ratio", "1", ((0, 0, 0, 0),), "0.2 %")
+
+
+class UnitOfMeasure(NamedTuple):
+    """``scale * (2 pi)**turns`` SI units."""
+
+    scale: Fraction
+    turns: int
+    powers: Powers
+
+
+class Quantity(NamedTuple):
+    """A value that was read."""
+
+    value: float
+    """[SI]."""
+    dimension: Dimension | None
+    """The dimension of the unit that was written; None for a plain number."""
+    taken_as: str = ""
+    """How it reads in forces, where a mass stands for its weight: ``20 kgf*cm`` for ``20 kg.cm``; else empty."""
+
+
+class UnitError(ValueError):
+    """A text is not a quantity of the dimension that is asked for; the message says why.
+
+    Attributes:
+        hints: What may have been meant.
+    """
+
+    def __init__(self, message: str, hints: tuple[str, ...] = ()) -> None:
+        self.hints = hints
+        super().__init__(message)
+
+
+def parse_quantity(text: str, dimension: Dimension) -> float:
+    """The SI value of ``text``: a number alone is SI already, a unit must be of the dimension.
+
+    Raises:
+        UnitError: No number, an unknown unit, or a unit of another dimension.
+    """
+    return read_quantity(text, dimension).value
+
+
+def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
+    """The SI value of ``text``, and whether a unit of one of ``dimensions`` was written.
+
+    Raises:
+        UnitError: No number, an unknown unit, or a unit of none of the dimensions.
+    """
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise UnitError(f"{_shown(text)} is not {_a(dimensions)}", _number_hints(text, dimensions[0]))
+    if match["unit"] is None:
+        return Quantity(_float(match["number"]), None)
+    unit = _parse_unit(match["unit"])
+    for dimension in dimensions:
+        if unit.powers in dimension.powers:
+            return Quantity(_scaled(match["number"], unit), dimension)
+    if unit.powers == _MASS_TIMES_LENGTH and TORQUE in dimensions:  # as data sheets of servos print torques
+        weight = UnitOfMeasure(unit.scale * _G0, unit.turns, _TORQUE_POWERS)
+        return Quantity(_scaled(match["number"], weight), TORQUE, f"{match['number']} {_with_forces(match['unit'])}")
+    message = f"'{match['unit']}' is not a unit of {described(*dimensions)}"
+    raise UnitError(message, _dimension_hints(match["number"], match["unit"], unit, dimensions))
+
+
+def described(*dimensions: Dimension) -> str:
+    """Names and SI units, for people: ``angle [rad] or length [m]``, ``damping [N*m*s/rad] or [N*s/m]``."""
+    units_of: dict[str, list[str]] = {}
+    for dimension in dimensions:
+        units_of.setdefault(dimension.name, []).append(f"[{dimension.unit}]")
+    return " or ".join(f"{name} {' or '.join(units)}" for name, units in units_of.items())
+
+
+def known_units() -> tuple[str, ...]:
+    """Every symbol that can be written, in the order of the table."""
+    return tuple(_UNITS)
+
+
+_LENGTH_POWERS: Powers = (0, 1, 0, 0)
+_MASS_POWERS: Powers = (1, 0, 0, 0)
+_TIME_POWERS: Powers = (0, 0, 1, 0)
+_ANGLE_POWERS: Powers = (0, 0, 0, 1)
+_FORCE_POWERS: Powers = (1, 1, -2, 0)
+_TORQUE_POWERS: Powers = (1, 2, -2, 0)
+_MASS_TIMES_LENGTH: Powers = (1, 1, 0, 0)
+
+_INCH = Fraction("0.0254")
+_POUND = Fraction("0.45359237")
+_G0 = Fraction("9.80665")
+"""Standard gravity [m/s^2], which makes a force of a kilogram or a pound."""
+
+
+def _unit(scale: Fraction | str | int, powers: Powers, turns: int = 0) -> UnitOfMeasure:
+    return UnitOfMeasure(Fraction(scale), turns, powers)
+
+
+_DEGREE = _unit("1/360", _ANGLE_POWERS, 1)
+
+_UNITS: dict[str, UnitOfMeasure] = {
+    "m": _unit(1, _LENGTH_POWERS),
+    "km": _unit(1000, _LENGTH_POWERS),
+    "dm": _unit("1e-1", _LENGTH_POWERS),
+    "cm": _unit("1e-2", _LENGTH_POWERS),
+    "mm": _unit("1e-3", _LENGTH_POWERS),
+    "um": _unit("1e-6", _LENGTH_POWERS),
+    "\N{MICRO SIGN}m": _unit("1e-6", _LENGTH_POWERS),
+    "nm": _unit("1e-9", _LENGTH_POWERS),
+    "in": _unit(_INCH, _LENGTH_POWERS),
+    "inch": _unit(_INCH, _LENGTH_POWERS),
+    "ft": _unit(12 * _INCH, _LENGTH_POWERS),
+    "t": _unit(1000, _MASS_POWERS),
+    "kg": _unit(1, _MASS_POWERS),
+    "g": _unit("1e-3", _MASS_POWERS),
+    "mg": _unit("1e-6", _MASS_POWERS),
+    "lb": _unit(_POUND, _MASS_POWERS),
+    "oz": _unit(_POUND / 16, _MASS_POWERS),
+    "s": _unit(1, _TIME_POWERS),
+    "ms": _unit("1e-3", _TIME_POWERS),
+    "min": _unit(60, _TIME_POWERS),
+    "rad": _unit(1, _ANGLE_POWERS),
+    "mrad": _unit("1e-3", _ANGLE_POWERS),
+    "deg": _DEGREE,
+    "\N{DEGREE SIGN}": _DEGREE,
+    "rev": _unit(1, _ANGLE_POWERS, 1),
+    "rpm": _unit("1/60", (0, 0, -1, 1), 1),
+    "Hz": _unit(1, (0, 0, -1, 0)),
+    "kHz": _unit(1000, (0, 0, -1, 0)),
+    "N": _unit(1, _FORCE_POWERS),
+    "kN": _unit(1000, _FORCE_POWERS),
+    "mN": _unit("1e-3", _FORCE_POWERS),
+    "lbf": _unit(_POUND * _G0, _FORCE_POWERS),
+    "ozf": _unit(_POUND / 16 * _G0, _FORCE_POWERS),
+    "kgf": _unit(_G0, _FORCE_POWERS),
+    "gf": _unit(_G0 / 1000, _FORCE_POWERS),
+    "Nm": _unit(1, _TORQUE_POWERS),
+    "mNm": _unit("1e-3", _TORQUE_POWERS),
+    "%": _unit("1e-2", (0, 0, 0, 0)),
+}
+
+_LONGEST = 100
+"""Characters of the longest quantity; longer texts are refused unread, so that none takes long."""
+_NUMBER = r"[+-]?(?:(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][+-]?\d+)?|\.?inf)"
+_QUANTITY = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>[^\s\d_.,+*/^-].*?)?\s*", re.ASCII)
+_FACTOR = re.compile(
+    r"\s*(?P<operator>[*/.\N{MIDDLE DOT}\N{DOT OPERATOR}-])?\s*(?P<symbol>[A-Za-z\N{MICRO SIGN}]+|[%\N{DEGREE SIGN}])"
+    r"(?:\s*(?:\^|\*\*)\s*(?P<power>[+-]?\d)(?!\d)"
+    r"|(?P<raised>-[1-3]|[23\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])(?!\d))?",
+    re.ASCII,
+)
+_SUPERSCRIPTS = {"\N{SUPERSCRIPT TWO}": 2, "\N{SUPERSCRIPT THREE}": 3}
+
+QUANTITY_PATTERN = rf"^\s*{_NUMBER.replace('(?:', '(')}(\s*[^\s\d_.,+*/^-].*)?\s*$"
+"""For JSON Schema (ECMA 262): a number, then perhaps a unit; whether it fits, only :func:`read_quantity` knows."""
+
+
+def _float(number: str) -> float:
+    return float(number.replace("_", "").replace(".inf", "inf"))
+
+
+def _scaled(number: str, unit: UnitOfMeasure) -> float:
+    """The number times the unit, rounded once where no turns are in it."""
+    plain = _float(number)
+    if not math.isfinite(plain) or plain == 0.0:
+        return plain
+    exact = Fraction(number.replace("_", "")) * unit.scale
+    try:
+        value = float(exact)
+    except OverflowError:
+        value = math.copysign(math.inf, plain)
+    return value * math.tau**unit.turns if unit.turns else value
+
+
+def _parse_unit(text: str) -> UnitOfMeasure:
+    """The product of factors such as ``N*m*s/rad``, ``g/cm^3``, ``g/cm3``, ``N m`` or ``N.m``, from left to right."""
+    scale, turns, powers, end = Fraction(1), 0, (0, 0, 0, 0), 0
+    while end < len(text.rstrip()):
+        match = _FACTOR.match(text, end)
+        if match is None or match["symbol"] not in _UNITS or (match["operator"] and not end):
+            symbol = match["symbol"] if match else text
+            raise UnitError(f"unknown unit '{text}'", _spelling_hints(symbol))
+        written = match["power"] or match["raised"] or "1"
+        power = _SUPERSCRIPTS[written] if written in _SUPERSCRIPTS else int(written)
+        power = -power if match["operator"] == "/" else power
+        factor = _UNITS[match["symbol"]]
+        scale *= factor.scale**power
+        turns += factor.turns * power
+        powers = _multiplied(powers, factor.powers, power)
+        end = match.end()
+    return UnitOfMeasure(scale, turns, powers)
+
+
+_FORCE_OF = {"kg": "kgf", "g": "gf", "lb": "lbf", "oz": "ozf"}
+"""The force that each mass is the name of, where a data sheet leaves its `f` out."""
+
+
+def _with_forces(text: str) -> str:
+    """A unit with forces in the place of masses: ``kgf*cm`` for ``kg.cm``."""
+    symbols = re.findall(r"[A-Za-z\N{MICRO SIGN}]+", text)
+    return "*".join(_FORCE_OF.get(symbol, symbol) for symbol in symbols)
+
+
+def _multiplied(a: Powers, b: Powers, power: int) -> Powers:
+    kilogram, metre, second, radian = (x + power * y for x, y in zip(a, b, strict=True))
+    return (kilogram, metre, second, radian)
+
+
+_SPELLED_OUT = {
+    "degree": "deg",
+    "degrees": "deg",
+    "radian": "rad",
+    "radians": "rad",
+    "turn": "rev",
+    "turns": "rev",
+    "meter": "m",
+    "metre": "m",
+    "meters": "m",
+    "metres": "m",
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "inches": "in",
+    "gram": "g",
+    "grams": "g",
+    "kilogram": "kg",
+    "kilograms": "kg",
+    "kilo": "kg",
+    "sec": "s",
+    "second": "s",
+    "seconds": "s",
+    "newton": "N",
+    "nm": "N*m",
+    "gr": "g",
+    "lbs": "lb",
+    "kgcm": "kgf*cm",
+    "kgfcm": "kgf*cm",
+    "ozin": "ozf*in",
+    "cc": "cm^3",
+    "\N{MASCULINE ORDINAL INDICATOR}": "\N{DEGREE SIGN}",
+}
+
+
+def _spelling_hints(symbol: str) -> tuple[str, ...]:
+    if symbol.lower() in _SPELLED_OUT:
+        return (f"did you mean '{_SPELLED_OUT[symbol.lower()]}'?",)
+    return did_you_mean(symbol, _UNITS) or ("known units: " + ", ".join(_UNITS),)
+
+
+def _dimension_hints(number: str, text: str, unit: UnitOfMeasure, dimensions: tuple[Dimension, ...]) -> tuple[str, ...]:
+    if text == "nm":  # a nanometre where a torque belongs
+        return ("did you mean 'N*m'?",)
+    hints = []
+    if unit.powers == _MASS_POWERS and text in _FORCE_OF:
+        force, arm = _FORCE_OF[text], "in" if text in ("oz", "lb") else "cm"
+        if TORQUE in dimensions:
+            hints.append(f"a torque is a force times a length: `{number} {force}*{arm}`, if the data sheet means that")
+        if FORCE in dimensions:
+            hints.append(f"a force is written `{number} {force}`; {text} is a mass")
+        if DENSITY in dimensions:
+            hints.append("a density is a mass per volume: g/cm^3 or kg/m^3")
+    as_force = _multiplied(unit.powers, (0, 1, -2, 0), 1)
+    if not hints and any(as_force in dimension.powers for dimension in dimensions):
+        hints.append("a force is written in N, kgf, lbf or ozf; kg, lb and oz are masses")
+    return (*hints, f"for example {' or '.join(d.example for d in dimensions)}")
+
+
+_DECIMAL_COMMA = re.compile(r"(?P<whole>\s*[+-]?\d+),(?P<decimals>\d+)(?P<rest>[^,]*)", re.ASCII)
+
+
+def _number_hints(text: str, dimension: Dimension) -> tuple[str, ...]:
+    if match := _DECIMAL_COMMA.fullmatch(text) if len(text) <= _LONGEST else None:
+        corrected = (match["whole"] + "." + match["decimals"] + match["rest"]).strip()
+        hint = f"the decimal separator is a point: write `{corrected}`"
+        if len(match["decimals"]) == 3 and match["whole"].strip(" +-0"):  # 1,000 may be a thousand
+            thousand = (match["whole"] + match["decimals"] + match["rest"]).strip()
+            hint += f"; if the comma separates thousands, `{thousand}`"
+        return (hint,)
+    return (f"write a number [{dimension.unit}], or a number with its unit, such as {dimension.example}",)
+
+
+def _a(dimensions: tuple[Dimension, ...]) -> str:
+    names = " or ".join(dict.fromkeys(dimension.name for dimension in dimensions))
+    return f"an {names}" if names[0] in "aeiou" else f"a {names}"
+
+
+def _shown(text: str) -> str:
+    return f"'{text}'" if len(text) <= _LONGEST else f"'{text[:40]}...'"

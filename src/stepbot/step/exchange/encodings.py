@@ -1,0 +1,212 @@
+"""What bytes above 127 mean in a STEP file: UTF-8, a declared code page, or nothing that the file tells.
+
+ISO 10303-21 allows ASCII alone, and since 2016 UTF-8. Many programs write the code page of their computer, and no file
+says which. A file is never read as mojibake in silence: either its bytes are UTF-8, or somebody has declared a
+code page that they all exist in, or a warning shows how the names would read in those that are likely.
+"""
+
+import codecs
+import mmap
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+
+Text = bytes | mmap.mmap
+
+FALLBACK = "cp1252"
+"""What bytes above 127 are shown as where nothing tells."""
+
+_LIKELY = ("cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
+"""Code pages that a warning tries."""
+_PLAIN = ("ascii", "utf-8")
+"""What the kernel reads as it is."""
+BYTE_ORDER_MARK = codecs.BOM_UTF8
+_NOT_ASCII = re.compile(rb"[\x80-\xff]+")
+_TEXT = re.compile(rb"'([^'\x80-\xff]*[\x80-\xff][^']*)'")
+_MEANINGLESS = re.compile("[\x80-\x9f\uf8f0-\uf8f3]")
+"""Characters that no name has: single bytes that mean nothing in a code page come out as these."""
+_CHUNK = 1 << 20
+_SAMPLES = 500
+"""Names with bytes above 127 that are looked at to tell in which code pages they exist."""
+_SHOWN = 40
+"""Characters of a name that a note shows."""
+
+
+def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) -> str | None:
+    """The encoding of a file: ``ascii``, ``utf-8``, the declared one, or empty where nothing tells.
+
+    Args:
+        data: The file.
+        declared: Code page that its reader has declared; empty for none.
+        place: What diagnostics call the file.
+        found: Receives SB210 where nothing tells, SB225 where the file contradicts what is declared.
+
+    Returns:
+        None, with the error SB224 in ``found``, where the file's bytes do not exist in what is declared.
+    """
+    first = next(_non_ascii_runs(data), None)
+    if first is None:
+        return "ascii"
+    not_utf8 = next((offset for offset, run in _non_ascii_runs(data) if not _is_utf8(run)), None)
+    if declared and declared != "utf-8":
+        return _check_declared(data, declared, not_utf8 is None, place, found)
+    if not_utf8 is None:
+        return "utf-8"
+    span = Span(place, line_of(data, not_utf8), 1)
+    if declared:
+        _refuse(data, declared, not_utf8, span, found)
+        return None
+    found.add(
+        "SB210",
+        f"names are neither ASCII nor UTF-8; they are shown as if they were Western European ({FALLBACK})",
+        span,
+        help=[
+            "say in which code page they are: `--encoding cp1251`, or `step_encoding: cp1251` in the sidecar",
+            "or export with UTF-8 or with \\X2\\ escapes",
+        ],
+        notes=_readings(data),
+    )
+    return ""
+
+
+def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found: Diagnostics) -> str | None:
+    strange = _strange(data, declared)
+    if strange is not None:
+        _refuse(data, declared, strange, Span(place, line_of(data, strange), 1), found)
+        return None
+    if is_utf8:
+        offset, _ = next(_non_ascii_runs(data))
+        found.add(
+            "SB225",
+            f"names are read as {declared}, as declared, but they are valid UTF-8",
+            Span(place, line_of(data, offset), 1),
+            help=["leave the declaration out: UTF-8 needs none"],
+            notes=[f"in {encoding} the first reads '{_first(data, encoding)}'" for encoding in (declared, "utf-8")],
+        )
+    return declared
+
+
+def _is_unicode(path: Path) -> bool:
+    """Whether the kernel, which takes names in UTF-8, can open a file by its name."""
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+@contextmanager
+def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
+    """The path of a file with the same text in UTF-8; the same file where it is that already, and its name is UTF-8.
+
+    Args:
+        path: The file.
+        encoding: As :func:`check_encoding` tells.
+    """
+    if encoding in _PLAIN and _is_unicode(path):
+        yield path
+        return
+    # The kernel's own tables know few code pages, and take the backslash in the second byte of a GBK character for the
+    # start of an escape.
+    errors = "strict" if encoding else "replace"
+    with tempfile.TemporaryDirectory(prefix="stepbot-") as folder:
+        copy = Path(folder) / "utf-8.step"
+        with path.open("rb") as source, copy.open("wb") as target:
+            if source.read(3) != BYTE_ORDER_MARK:
+                source.seek(0)
+            decoder = codecs.getincrementaldecoder(encoding or FALLBACK)(errors)
+            while chunk := source.read(_CHUNK):
+                target.write(decoder.decode(chunk).encode())
+            target.write(decoder.decode(b"", final=True).encode())
+        yield copy
+
+
+def encoding_fact(encoding: str) -> str:
+    """How `inspect` tells the encoding of a file, as :func:`check_encoding` does."""
+    if encoding in _PLAIN:
+        return encoding.upper()
+    return f"{encoding}, as declared" if encoding else f"unknown, shown as {FALLBACK}"
+
+
+def line_of(data: Text, offset: int) -> int:
+    """Line, from 1, of a byte of the file."""
+    lines = 1
+    for start in range(0, offset, _CHUNK):
+        lines += bytes(data[start : min(start + _CHUNK, offset)]).count(b"\n")
+    return lines
+
+
+def _refuse(data: Text, declared: str, offset: int, span: Span, found: Diagnostics) -> None:
+    byte = bytes(data[offset : offset + 1]).hex()
+    found.add(
+        "SB224",
+        f"names are not {declared}, as declared: byte 0x{byte} means nothing there",
+        span,
+        help=["declare the code page that the file was written in, or none: UTF-8 is seen without"],
+        notes=_readings(data),
+    )
+
+
+def _strange(data: Text, encoding: str) -> int | None:
+    """Offset of the first byte that means nothing, or a control character, in a code page."""
+    decoder = codecs.getincrementaldecoder(encoding)()
+    for start in range(0, len(data), _CHUNK):
+        chunk = bytes(data[start : start + _CHUNK])
+        end = start + len(chunk)
+        try:
+            text = decoder.decode(chunk, final=end >= len(data))
+        except UnicodeDecodeError as error:
+            return end - len(error.object) + error.start
+        if character := _MEANINGLESS.search(text):
+            return end - len(text[character.start() :].encode(encoding))
+    return None
+
+
+def _readings(data: Text) -> list[str]:
+    """How a name of the file reads in the code pages in which all of them exist, each reading once."""
+    runs = [match[1] for match, _ in zip(_TEXT.finditer(data), range(_SAMPLES), strict=False)]
+    readings: dict[str, list[str]] = {}
+    for encoding in _LIKELY:
+        try:
+            texts = [run.decode(encoding) for run in runs]
+        except UnicodeDecodeError:
+            continue
+        if texts and not any(map(_MEANINGLESS.search, texts)):
+            readings.setdefault(_shortened(texts[0]), []).append(encoding)
+    return [f"in {' and '.join(encodings)} the first reads '{text}'" for text, encodings in readings.items()]
+
+
+def _first(data: Text, encoding: str) -> str:
+    match = _TEXT.search(data)
+    return "" if match is None else _shortened(match[1].decode(encoding, "replace"))
+
+
+def _shortened(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= _SHOWN else line[: _SHOWN - 1] + "…"
+
+
+def _is_utf8(run: bytes) -> bool:
+    try:
+        run.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _non_ascii_runs(data: Text) -> Iterator[tuple[int, bytes]]:
+    """Every run of bytes above 127 with its offset, whole also where it crosses a chunk."""
+    start = 0
+    while start < len(data):
+        end = min(start + _CHUNK, len(data))
+        while end < len(data) and data[end] > 127:
+            end += 1
+        chunk = bytes(data[start:end])
+        if not chunk.isascii():
+            for match in _NOT_ASCII.finditer(chunk):
+                yield start + match.start(), match[0]
+        start = end

@@ -1,0 +1,215 @@
+"""What the kernel could not make sense of while it read a file, so that nothing goes missing without a word.
+
+The kernel skips statements that are broken, takes references that lead nowhere for nothing, and goes on: a part is then
+missing, lies at the origin, or brings the kernel down later. It tells so only where it is asked.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from OCP.StepBasic import StepBasic_MeasureWithUnit, StepBasic_NamedUnit, StepBasic_ProductDefinition
+from OCP.StepData import StepData_UndefinedEntity
+from OCP.StepGeom import StepGeom_GeometricRepresentationItem
+from OCP.StepRepr import (
+    StepRepr_ItemDefinedTransformation,
+    StepRepr_MappedItem,
+    StepRepr_NextAssemblyUsageOccurrence,
+    StepRepr_ProductDefinitionShape,
+    StepRepr_RepresentationContext,
+    StepRepr_RepresentationMap,
+    StepRepr_RepresentationRelationship,
+)
+from OCP.StepShape import (
+    StepShape_ContextDependentShapeRepresentation,
+    StepShape_ShapeDefinitionRepresentation,
+    StepShape_ShapeRepresentation,
+    StepShape_TopologicalRepresentationItem,
+)
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .statements import Statement, find_statements
+
+_SHAPES = (
+    StepGeom_GeometricRepresentationItem,
+    StepShape_TopologicalRepresentationItem,
+    StepRepr_ItemDefinedTransformation,
+    StepRepr_MappedItem,
+    StepRepr_NextAssemblyUsageOccurrence,
+    StepRepr_RepresentationMap,
+    StepRepr_RepresentationRelationship,
+)
+"""Classes whose entities draw or place something: none of them may lack a part."""
+_STRUCTURE = (
+    StepBasic_MeasureWithUnit,
+    StepBasic_NamedUnit,
+    StepBasic_ProductDefinition,
+    StepRepr_ProductDefinitionShape,
+    StepRepr_RepresentationContext,
+    StepShape_ContextDependentShapeRepresentation,
+    StepShape_ShapeDefinitionRepresentation,
+    StepShape_ShapeRepresentation,
+)
+"""Classes that must not refer to what is not there, though newer schemas let them refer to what the kernel ignores."""
+_PRESENTATION = re.compile("StepVisual_(?!Tessellated|Triangulated|Coordinates|Complex)|StepDimTol_|StepAP")
+"""Modules of entities that show or manage: texts and styles are representation items too."""
+_NOT_SHAPES = re.compile("TEXT|CALLOUT|ANNOTATION|DIMENSION|TOLERANCE|DATUM|SYMBOL|FILL_AREA|HATCH|CAMERA|PLANAR_")
+"""Kinds among the items of a shape that are drawing notes, which nobody misses."""
+
+_SYNTAX = re.compile(r"Undefined Parsing: Line (\d+): (?:Incorrect syntax: )?(.*)", re.DOTALL)
+_UNRESOLVED = re.compile(r"Unresolved Reference,.*\(Id\.#(\d+)\)")
+_DOUBLE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
+_WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal type")
+
+_SHOWN = 5
+"""Places that a diagnostic lists."""
+_REMEDY = ("export it again, or copy it again from where it was exported",)
+
+
+@dataclass(frozen=True, order=True)
+class _Fault:
+    """Something that is wrong with one statement."""
+
+    line: int
+    text: str
+    """``#12 LINE: there is no #15``."""
+    is_essential: bool = True
+    """Whether a shape, or its place, depends on it."""
+
+
+class _Statements:
+    """The statements of a file, looked up only where something is wrong."""
+
+    def __init__(self, path: Path, model: Any) -> None:
+        self._path, self._model = path, model
+
+    @cached_property
+    def data(self) -> bytes:
+        """The bytes of the file."""
+        return self._path.read_bytes()
+
+    @cached_property
+    def all(self) -> list[Statement]:
+        """In file order."""
+        return list(find_statements(self.data))
+
+    @cached_property
+    def by_number(self) -> dict[int, Statement]:
+        """By the number that they define."""
+        return {statement.number: statement for statement in self.all}
+
+    def entity(self, statement: Statement) -> Any:
+        """The kernel's entity of a statement; None where it has none."""
+        index = self._model.NextNumberForLabel(f"#{statement.number}")
+        return self._model.Value(index) if index > 0 else None
+
+    def of_entity(self, index: int) -> Statement | None:
+        """The statement of an entity by its index, from 1; None where the kernel counts otherwise than the text."""
+        statement = self.all[index - 1] if 0 < index <= len(self.all) else None
+        if statement is None or self._model.NextNumberForLabel(f"#{statement.number}") != index:
+            return None
+        return statement
+
+    @cached_property
+    def _line_ends(self) -> NDArray[np.intp]:
+        return np.flatnonzero(np.frombuffer(self.data, dtype=np.uint8) == ord("\n"))
+
+    def line(self, statement: Statement) -> int:
+        """From 1."""
+        return int(np.searchsorted(self._line_ends, statement.start)) + 1
+
+
+def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) -> bool:
+    """Whether all that draws or places something was understood; what was not is in ``found``.
+
+    Args:
+        session: The reader's work session.
+        path: The file.
+        place: What diagnostics call it.
+        found: Receives SB221 and SB222, which are errors, and SB223.
+    """
+    model = session.Model()
+    check = model.GlobalCheck(True)
+    messages = [str(check.CFail(index)) for index in range(1, check.NbFails() + 1)]
+    statements = _Statements(path, model)
+    broken = [*_broken(messages), *_doubled(messages, statements)]
+    lacking = [*_missing(messages, statements), *_wrong_kinds(session, statements)]
+    essential = [fault for fault in lacking if fault.is_essential]
+    others = [fault for fault in lacking if not fault.is_essential]
+    _report("SB221", "the text of the file is broken", broken, place, found)
+    _report("SB222", "what shapes and places are made of is missing", essential, place, found)
+    _report("SB223", "entities beside the shapes were not read", others, place, found)
+    return not (broken or essential)
+
+
+def _broken(messages: Sequence[str]) -> Iterator[_Fault]:
+    for message in messages:
+        if match := _SYNTAX.search(message):
+            yield _Fault(int(match[1]), " ".join(match[2].split()))
+
+
+def _doubled(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
+    for message in messages:
+        if (match := _DOUBLE.search(message)) and (statement := statements.by_number.get(int(match[1]))):
+            yield _Fault(statements.line(statement), f"{statement}: its number stands for another entity too")
+
+
+def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
+    """References that lead nowhere. The kernel names their target, but not always where they stand."""
+    targets = {int(match[1]) for message in messages if (match := _UNRESOLVED.search(message))}
+    for statement in statements.all if targets else ():
+        numbers = set(statement.references)
+        for number in sorted(numbers & targets - statements.by_number.keys()):
+            is_essential = _is_essential(statements.entity(statement), (*_SHAPES, *_STRUCTURE))
+            text = f"{statement}: there is no #{number}"
+            yield _Fault(statements.line(statement), text, is_essential)
+
+
+def _wrong_kinds(session: Any, statements: _Statements) -> Iterator[_Fault]:
+    """References to what cannot stand there, or is of a kind that the kernel does not know."""
+    checks = session.ModelCheckList(False)
+    checks.Start()
+    while checks.More():
+        index, check = checks.Number(), checks.Value()
+        checks.Next()
+        fails = (_WRONG_KIND.search(str(check.CFail(number))) for number in range(1, check.NbFails() + 1))
+        names = list(dict.fromkeys(match[1] for match in fails if match))
+        entity = session.Model().Value(index) if names and index > 0 else None
+        statement = statements.of_entity(index) if entity is not None else None
+        if isinstance(entity, StepShape_ShapeRepresentation) and statement is not None:
+            yield from _unknown_items(statement, statements)
+        elif _is_essential(entity, _SHAPES):
+            kind = type(entity).__name__.partition("_")[2]
+            name, line = (str(statement), statements.line(statement)) if statement is not None else (kind, 0)
+            yield _Fault(line, f"{name}: {', '.join(names)} is of the wrong kind")
+
+
+def _unknown_items(representation: Statement, statements: _Statements) -> Iterator[_Fault]:
+    """Items of a shape that the kernel does not know, unless they are notes on a drawing."""
+    for number in representation.references:
+        item = statements.by_number.get(number)
+        if item is None or not isinstance(statements.entity(item), StepData_UndefinedEntity):
+            continue
+        if not _NOT_SHAPES.search(item.keyword):
+            yield _Fault(statements.line(item), f"{item}: the kind is not known", is_essential=False)
+
+
+def _is_essential(entity: Any, kinds: tuple[type, ...]) -> bool:
+    return isinstance(entity, kinds) and not _PRESENTATION.match(type(entity).__name__)
+
+
+def _report(code: str, message: str, faults: Sequence[_Fault], place: str, found: Diagnostics) -> None:
+    if not faults:
+        return
+    ordered = sorted(dict.fromkeys(faults))
+    notes = [f"line {fault.line}: {fault.text}" if fault.line else fault.text for fault in ordered[:_SHOWN]]
+    if len(ordered) > _SHOWN:
+        notes.append(f"and {len(ordered) - _SHOWN} more")
+    line = ordered[0].line
+    found.add(code, message, Span(place, line, 1) if line else Span(place), help=_REMEDY, notes=notes)

@@ -1,0 +1,126 @@
+"""The length unit of a STEP file, and how exact it says that it is.
+
+Every shape of a STEP file has its own context with its own unit, and the kernel scales each by it. Where a context has
+none the kernel takes millimetres; stepbot does not.
+"""
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from OCP.STEPConstruct import STEPConstruct_UnitContext
+from OCP.StepGeom import StepGeom_GeometricRepresentationItem
+from OCP.StepRepr import StepRepr_MappedItem
+from OCP.StepShape import StepShape_ShapeDimensionRepresentation, StepShape_ShapeRepresentation
+from OCP.StepVisual import StepVisual_TessellatedItem
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .declared_units import KNOWN_LENGTHS, DeclaredUnit, declared_unit
+from .selection import entities, items
+
+_WITH_LENGTHS = (StepGeom_GeometricRepresentationItem, StepRepr_MappedItem, StepVisual_TessellatedItem)
+DEFAULT_PRECISION = 1e-3
+"""Precision [mm] of a shape that does not tell: the kernel's own default."""
+
+
+@dataclass(frozen=True)
+class LengthUnit:
+    """The unit that most shapes of a file are in."""
+
+    name: str
+    scale: float
+    """Metres per unit."""
+    others: tuple[str, ...] = ()
+    """Further units that some shapes are in."""
+
+
+def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit | None:
+    """The file's length unit; None, with the reason in ``found``, where a shape has none."""
+    units: Counter[DeclaredUnit] = Counter()
+    missing = 0
+    sizes: dict[int, tuple[Any, DeclaredUnit | None]] = {}  # the context is kept, so that its id stays its own
+    for representation in entities(session, StepShape_ShapeRepresentation):
+        if isinstance(representation, StepShape_ShapeDimensionRepresentation) or not _has_lengths(representation):
+            continue
+        context = representation.ContextOfItems()
+        if id(context) not in sizes:
+            sizes[id(context)] = (context, context_unit(context))
+        unit = sizes[id(context)][1]
+        if unit is None:
+            missing += 1
+        else:
+            units[unit] += 1
+    if missing:
+        of = f"{missing} of {missing + units.total()} shapes do" if units else "the file does"
+        found.add(
+            "SB207",
+            f"{of} not say in which unit lengths are",
+            Span(place),
+            help=["export with a CAD program that writes the unit", "add a LENGTH_UNIT to the geometric context"],
+        )
+        return None
+    if not units:
+        return LengthUnit("mm", 1e-3)  # no shape at all: said elsewhere, and nothing there to scale
+    for unit in units:
+        _check_name(unit, place, found)
+    first = max(units, key=lambda unit: units[unit])
+    return LengthUnit(first.name, first.size, tuple(unit.name for unit in units if unit != first))
+
+
+def precision(context: Any) -> float:
+    """Uncertainty [mm] that the shapes of a context are drawn with, as the kernel reads it."""
+    measures = _part(context, "GlobalUncertaintyAssignedContext")
+    factors = unit_factors(context)
+    if measures is None or factors is None:
+        return DEFAULT_PRECISION
+    factors.ComputeTolerance(measures)
+    value = factors.Uncertainty() * factors.LengthFactor() if factors.HasUncertainty() else 0.0
+    return value if math.isfinite(value) and value > 0.0 else DEFAULT_PRECISION
+
+
+def _has_lengths(representation: Any) -> bool:
+    return any(isinstance(item, _WITH_LENGTHS) for item in items(representation))
+
+
+def context_unit(context: Any) -> DeclaredUnit | None:
+    """The length unit of a context; None where it has none, or one that the kernel does not follow."""
+    factors = unit_factors(context)
+    assigned = _part(context, "GlobalUnitAssignedContext")
+    if factors is None or not factors.LengthDone():
+        return None
+    for index in range(1, assigned.NbUnits() + 1):
+        unit = declared_unit(assigned.UnitsValue(index))
+        if unit.quantity == "length":
+            followed = math.isclose(unit.size * 1e3, factors.LengthFactor(), rel_tol=1e-9)
+            return unit if followed else None
+    return None
+
+
+def unit_factors(context: Any) -> Any:
+    """The kernel's own unit factors for a context; None where it has no units."""
+    assigned = _part(context, "GlobalUnitAssignedContext")
+    if assigned is None:
+        return None
+    factors = STEPConstruct_UnitContext()
+    factors.ComputeFactors(assigned)
+    return factors
+
+
+def _part(context: Any, name: str) -> Any:
+    """A part of a combined context, or the context itself if it is just that part."""
+    if type(context).__name__ == f"StepRepr_{name}":
+        return context
+    return getattr(context, name)() if hasattr(context, name) else None
+
+
+def _check_name(unit: DeclaredUnit, place: str, found: Diagnostics) -> None:
+    known = KNOWN_LENGTHS.get(unit.name, unit.size)
+    if not math.isclose(known, unit.size, rel_tol=1e-4):
+        found.add(
+            "SB209",
+            f"the file's unit '{unit.name}' is declared as {unit.size:.9g} m, not {known:.9g} m",
+            Span(place),
+            help=["compare a known dimension in `stepbot inspect`"],
+        )

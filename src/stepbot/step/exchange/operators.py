@@ -1,0 +1,108 @@
+"""Transformation operators of a STEP file, made such that the kernel reads them as ISO 10303-42 means them.
+
+``cartesian_transformation_operator_3d`` may mirror (its axes may be left-handed) and scale. The kernel takes the axes
+as right-handed, which turns a mirror image into a rotation, and divides by the scale. Operators that it would get
+wrong are rewritten in the model before shapes are built. A negative scale breaks the standard; the kernel's own
+writer means mirror images by it, and reads them back, so those are left alone.
+"""
+
+from typing import Any
+
+import numpy as np
+from OCP.collections import HArray1_double
+from OCP.gp import gp_Trsf
+from OCP.StepData import StepData_Factors
+from OCP.StepGeom import StepGeom_CartesianPoint, StepGeom_CartesianTransformationOperator3d, StepGeom_Direction
+from OCP.StepToGeom import StepToGeom
+from OCP.TCollection import TCollection_HAsciiString
+
+from stepbot.geometry.spatial import Array, unit
+
+from ..kernel import StepUnreadable
+from .selection import entities
+
+_SAME = 1e-9
+"""Relative deviation up to which two matrices are the same."""
+
+
+def correct_operators(session: Any) -> int:
+    """Rewrite the operators that the kernel would misread; how many there were.
+
+    Raises:
+        StepUnreadable: An operator is no transformation.
+    """
+    corrected = 0
+    for operator in entities(session, StepGeom_CartesianTransformationOperator3d):
+        scale = operator.Scale() if operator.HasScale() else 1.0
+        if scale <= 0.0:
+            continue
+        try:
+            R, origin = _axes(operator), _coordinates(operator.LocalOrigin())
+        except ValueError:
+            raise StepUnreadable(
+                "a transformation operator in it has an axis without a direction, or no place"
+            ) from None
+        meant = np.column_stack([scale * R, origin])
+        if not _is_close(_as_read(operator), meant):
+            _rewrite(operator, R, origin, scale)
+            if not _is_close(_as_read(operator), meant):
+                raise StepUnreadable("a transformation operator in it is not one that the kernel can follow")
+            corrected += 1
+    return corrected
+
+
+def _axes(operator: Any) -> Array:
+    """The operator's axes as columns: base_axis of ISO 10303-42, which follows the second axis also to the left."""
+    z = unit(_ratios(operator.Axis3())) if operator.HasAxis3() else np.array([0.0, 0.0, 1.0])
+    x = _ratios(operator.Axis1()) if operator.HasAxis1() else np.array([1.0, 0.0, 0.0])
+    if not operator.HasAxis1() and abs(z[0]) > 1.0 - _SAME:
+        x = np.array([0.0, 1.0, 0.0])
+    x = unit(x - (x @ z) * z)
+    y = _ratios(operator.Axis2()) if operator.HasAxis2() else np.array([0.0, 1.0, 0.0])
+    y = y - (y @ z) * z - (y @ x) * x
+    return np.column_stack([x, np.cross(z, x) if np.linalg.norm(y) < _SAME else unit(y), z])
+
+
+def _rewrite(operator: Any, R: Array, origin: Array, scale: float) -> None:
+    """Give the operator values from which the kernel makes x -> scale R x + origin.
+
+    From rotation Q, point c and factor f it makes x -> (Q x + c) / f, with Q always right-handed.
+    """
+    factor = 1.0 / scale if np.linalg.det(R) > 0.0 else -1.0 / scale
+    Q, c = factor * scale * R, factor * origin
+    x, y, z = (_direction(Q[:, k]) for k in range(3))
+    point = StepGeom_CartesianPoint()
+    point.Init3D(TCollection_HAsciiString(""), *c.tolist())
+    operator.Init(operator.Name(), True, x, True, y, point, True, factor, True, z)
+
+
+def _as_read(operator: Any) -> Array:
+    """What the kernel makes of an operator, shape (3, 4), in the unit of the file."""
+    transformation = gp_Trsf()
+    StepToGeom.MakeTransformation3d_s(operator, transformation, StepData_Factors())
+    return np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
+
+
+def _is_close(a: Array, b: Array) -> bool:
+    return bool(np.abs(a - b).max() <= _SAME * max(1.0, float(np.abs(b).max())))
+
+
+def _ratios(direction: Any) -> Array:
+    if direction is None:
+        raise ValueError("something that is no direction")
+    return np.array([direction.DirectionRatiosValue(index) for index in (1, 2, 3)])
+
+
+def _coordinates(point: Any) -> Array:
+    if point is None:
+        raise ValueError("something that is no point")
+    return np.array([point.CoordinatesValue(index) for index in (1, 2, 3)])
+
+
+def _direction(ratios: Array) -> Any:
+    values = HArray1_double(1, 3)
+    for index, value in enumerate(ratios.tolist(), start=1):
+        values.SetValue(index, value)
+    direction = StepGeom_Direction()
+    direction.Init(TCollection_HAsciiString(""), values)
+    return direction

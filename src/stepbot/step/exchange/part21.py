@@ -1,0 +1,252 @@
+"""What can be told of a STEP file without the geometry kernel: whether it is one, and what its header says.
+
+The kernel takes a second to load and answers most faults with "no shapes". This looks at the text itself (ISO 10303-21,
+the exchange structure), so that a file that cannot be read is named for what it is, with the line, at once.
+"""
+
+import mmap
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+
+from .encodings import BYTE_ORDER_MARK, FALLBACK, Text, check_encoding, line_of
+from .strings import decode_string
+
+_BLANK = re.compile(rb"\s*")
+_START = re.compile(rb"ISO-10303-21\s*;")
+_END = b"END-ISO-10303-21"
+_DATA = re.compile(rb"\bDATA\s*[;(]")
+_FIRST_ENTITY = re.compile(rb"#\s*\d+\s*=")
+_HEADER_TOKEN = re.compile(rb"/\*.*?(?:\*/|\Z)|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
+_DOCUMENT_FILE = re.compile(rb"DOCUMENT_FILE\s*\(\s*'((?:[^']|'')*)'\s*,\s*'((?:[^']|'')*)'", re.DOTALL)
+_HEADER_LIMIT = 1 << 20
+
+_GEOMETRY = (
+    b"ADVANCED_FACE", b"MANIFOLD_SOLID_BREP", b"FACE_SURFACE", b"FACETED_BREP", b"BREP_WITH_VOIDS", b"TESSELLATED_",
+    b"TRIANGULATED_", b"SURFACE_MODEL", b"GEOMETRIC_CURVE_SET", b"GEOMETRIC_SET", b"WIREFRAME_MODEL", b"CSG_SOLID",
+    b"AREA_SOLID",
+)  # fmt: skip
+"""Words that geometry cannot do without; the first is in nearly every file, and early."""
+
+_CAD_FILE = re.compile(
+    r"\.(stp|step|p21|stpz?|stpx|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)"
+    r"(\.\d+)?$",
+    re.IGNORECASE,
+)
+_STEP_FILE = re.compile(r"\.(stp|step|p21)$", re.IGNORECASE)
+_SHOWN = 5
+"""Files that a remedy names."""
+_SCHEMAS = (
+    ("CONFIG_CONTROL", "AP203"), ("AP203", "AP203"), ("AUTOMOTIVE_DESIGN", "AP214"), ("AP214", "AP214"),
+    ("AP242", "AP242"), ("AP209", "AP209"), ("AP238", "AP238"), ("INTEGRATED_CNC", "AP238"),
+)  # fmt: skip
+_OTHER_FILES = (
+    (b"\x1f\x8b", "a gzip archive", "unpack it first: a .stpz is a zipped STEP file"),
+    (b"PK\x03\x04", "a zip archive", "unpack it first: a .stpz is a zipped STEP file"),
+    (b"<?xml", "XML", "stepbot reads the text form of STEP (Part 21), not STEP-XML (Part 28)"),
+    (b"\xd0\xcf\x11\xe0", "a native CAD file", "export the assembly as STEP (AP214 or AP242)"),
+    (b"version https://git-lfs", "a Git LFS pointer", "fetch the file itself: `git lfs pull`"),
+    (b"solid ", "an STL mesh", "a mesh has no parts and no exact shape: export the assembly as STEP"),
+    (b"%PDF", "a PDF", "export the assembly as STEP (AP214 or AP242)"),
+)
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a STEP file says of itself."""
+
+    name: str = ""
+    time_stamp: str = ""
+    preprocessor: str = ""
+    originating_system: str = ""
+    """CAD program that wrote the file; where it is silent, the library that wrote it."""
+    schemas: tuple[str, ...] = ()
+
+    @property
+    def schema(self) -> str:
+        """``AP203``, ``AP214``, ``AP242``, or the schema's own name."""
+        first = self.schemas[0].upper() if self.schemas else ""
+        return next((label for word, label in _SCHEMAS if word in first), first.split(" ")[0])
+
+
+@dataclass(frozen=True)
+class Part21:
+    """A STEP file as far as its text tells."""
+
+    header: Header
+    encoding: str
+    """``ascii``, ``utf-8``, or a declared code page; empty where names are neither and nobody tells."""
+
+
+def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -> Part21 | None:
+    """Look at a STEP file; None, with the reason in ``found``, where the kernel need not even try.
+
+    Args:
+        path: The file.
+        place: What diagnostics call it.
+        found: Receives what is wrong with it.
+        encoding: Code page that names are declared to be in; empty for none.
+    """
+    span = Span(place)
+    try:
+        with _opened(path) as data:
+            return _check(data, encoding, place, found)
+    except IsADirectoryError:
+        found.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
+    except FileNotFoundError:
+        found.add("SB001", "no such file", span, help=_meant(path))
+    except OSError as error:
+        found.add("SB001", f"cannot be read: {error.strerror or error}", span)
+    return None
+
+
+def _meant(path: Path) -> tuple[str, ...]:
+    """The STEP files that are where one was looked for, the likeliest first."""
+    folder = path if path.is_dir() else path.parent
+    try:
+        beside = sorted(file.name for file in folder.iterdir() if _STEP_FILE.search(file.name))
+    except OSError:  # there is no such folder, or nobody may look into it
+        beside = []
+    if not beside:
+        return ("give the path of a STEP file (.step, .stp)",)
+    shown = ", ".join(f"'{name}'" for name in beside[:_SHOWN])
+    return (*did_you_mean(path.name, beside), f"STEP files in {folder}: {shown}{', ...' if beside[_SHOWN:] else ''}")
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Text]:
+    """The file's bytes, mapped: a large assembly has hundreds of megabytes."""
+    if path.is_dir():
+        raise IsADirectoryError(path)
+    with path.open("rb") as file:
+        if file.seek(0, 2) == 0:
+            yield b""
+            return
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            yield data
+
+
+def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 | None:
+    beginning = data[:_HEADER_LIMIT]
+    start = _START.match(beginning, _end_of_comments(beginning))
+    if start is None:
+        _report_not_step(bytes(data[:1024]), place, found)
+        return None
+    section = _DATA.search(data, start.end())
+    end_mark = data.rfind(_END, section.end() if section else start.end())
+    if section is None or end_mark < 0 or data.find(b";", end_mark) < 0:
+        end = Span(place, line_of(data, len(data)), 1)
+        found.add("SB204", "the file ends in the middle", end, help=["export or copy it again"])
+        return None
+    encoding = check_encoding(data, declared, place, found)
+    if encoding is None:
+        return None
+    header = _read_header(bytes(data[start.end() : min(section.start(), start.end() + _HEADER_LIMIT)]), encoding)
+    if header.schema.startswith("IFC"):
+        message = f"is a building model ({header.schema}), not a product"
+        found.add("SB208", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
+        return None
+    if _FIRST_ENTITY.search(data, section.end()) is None:
+        span = Span(place, line_of(data, section.start()), 1)
+        found.add("SB202", "the DATA section is empty", span, help=["export the assembly again"])
+        return None
+    if not _has_geometry(data, section.end(), encoding, place, found):
+        return None
+    return Part21(header, encoding)
+
+
+def _end_of_comments(data: bytes) -> int:
+    """Where the text begins behind a byte order mark, white space and comments."""
+    position = len(BYTE_ORDER_MARK) if data.startswith(BYTE_ORDER_MARK) else 0
+    while True:
+        match = _BLANK.match(data, position)
+        position = match.end() if match is not None else position
+        end = data.find(b"*/", position + 2) if data.startswith(b"/*", position) else -1
+        if end < 0:
+            return position
+        position = end + 2
+
+
+def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
+    if not beginning.strip(b"\0 \t\r\n"):
+        found.add("SB202", "the file is empty", Span(place), help=["export the assembly again"])
+        return
+    kind, remedy = next(
+        ((kind, remedy) for magic, kind, remedy in _OTHER_FILES if beginning.startswith(magic)),
+        ("", "a STEP file begins with the line `ISO-10303-21;`"),
+    )
+    if len(beginning) > 80 and beginning[72:73] == b"S" and b"\n" in beginning[79:83]:
+        kind, remedy = "IGES", "IGES has no assembly tree: export the assembly as STEP (AP214 or AP242)"
+    what = f"is {kind}, not a STEP file" if kind else "is not a STEP file"
+    found.add("SB201", what, Span(place, 1, 1), help=[remedy])
+
+
+def _has_geometry(data: Text, start: int, encoding: str, place: str, found: Diagnostics) -> bool:
+    """Whether shapes are in the file itself, and all of them."""
+    names = (_decoded(match[1] or match[2], encoding) for match in _DOCUMENT_FILE.finditer(data, start))
+    documents = list(dict.fromkeys(names))
+    geometry = any(data.find(word, start) >= 0 for word in _GEOMETRY)
+    elsewhere = [name for name in documents if _CAD_FILE.search(name)] if geometry else documents
+    if not elsewhere:
+        if not geometry:
+            remedy = "export it with its geometry, as a B-rep (AP203, AP214 or AP242)"
+            found.add("SB206", "there is no geometry in the file", Span(place), help=[remedy])
+        return geometry
+    reference = data.find(b"DOCUMENT_FILE", start)
+    message = f"{'parts of the' if geometry else 'all'} geometry is in other files: {_listed(elsewhere)}"
+    found.add(
+        "SB203",
+        message,
+        Span(place, line_of(data, reference), 1),
+        help=["export the assembly as one STEP file, with external references switched off"],
+    )
+    return False
+
+
+def _read_header(text: bytes, encoding: str) -> Header:
+    """The header's three entities; what is missing or malformed stays empty."""
+    values: dict[str, list[bytes | list[bytes]]] = {}
+    arguments: list[bytes | list[bytes]] | None = None
+    inner: list[bytes] | None = None
+    keyword, depth = "", 0
+    for match in _HEADER_TOKEN.finditer(text):
+        token = match[0]
+        if token.startswith(b"/*"):
+            continue
+        if token == b"(":
+            depth += 1
+            if depth == 1:
+                arguments = values.setdefault(keyword, [])
+            elif arguments is not None and depth == 2:
+                inner = []
+                arguments.append(inner)
+        elif token == b")":
+            depth -= 1
+            inner = None
+        elif depth == 0:
+            keyword = token.decode("ascii")
+        elif token[:1] in (b"'", b"$") and arguments is not None:
+            (arguments if inner is None else inner).append(token)
+    name, schema = values.get("FILE_NAME", []), values.get("FILE_SCHEMA", [])
+    texts = [_text(argument, encoding) for argument in name] + [""] * 7
+    listed = schema[0] if schema and isinstance(schema[0], list) else []
+    schemas = tuple(_text(argument, encoding) for argument in listed)
+    return Header(texts[0], texts[1], texts[4], texts[5].strip() or texts[4].strip(), schemas)
+
+
+def _text(argument: bytes | list[bytes], encoding: str) -> str:
+    return "" if isinstance(argument, list) or argument == b"$" else _decoded(argument[1:-1], encoding)
+
+
+def _decoded(raw: bytes, encoding: str) -> str:
+    """The text of a string between its quotes, whatever the file is in."""
+    return decode_string(raw, encoding) if encoding else decode_string(raw, FALLBACK, "replace")
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:5])
+    return f"{shown} and {len(names) - 5} more" if len(names) > 5 else shown

@@ -1,0 +1,1 @@
+"""Features of bodies that joints are found from: cylindrical and conical faces, and the axis lines that they share."""

@@ -1,0 +1,391 @@
+"""Axis lines: where joints can turn. The straight lines that carry cylindrical and conical faces of components.
+
+Faces of one line lie within 0.01 mm and 1 mrad of each other, at the places where the faces are. Unique is the line and
+not the pair of faces: an axis carries many faces of several radii. Everything is in the frame of the assembly, W.
+
+    faces = axis_faces(assembly, components)      rows of faces
+    lines(faces)                                  the lines of one component or link
+    mates(a, b)                                   the lines that two share, with the weight that decides between them
+    choose(lines)                                 the one line that is meant, or its rivals
+    line_frame(line)                              the joint frame on it
+    selectors(lines)                              what to write to mean just one of them
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array, Pose, Vector3, perpendicular_frame, vector3
+from stepbot.robot.joint_table import Basis
+
+from ..assembly import Assembly
+from .axis_contacts import Spans, meeting
+from .coaxial import Indices, Rays, close_pairs, coaxial, gaps, signed
+
+DISTANCE_TOLERANCE = 1e-5
+"""Distance [m] within which faces share a line, and radii are equal."""
+ANGLE_TOLERANCE = 1e-3
+"""Angle [rad] within which faces share a line, and lines are parallel."""
+NEAR_MISS_DISTANCE = 2e-3
+"""Distance [m] up to which two lines that do not mate are told."""
+NEAR_MISS_ANGLE = 0.02
+"""Angle [rad] up to which two lines that do not mate are told."""
+OUTWEIGHS = 2.0
+"""How many times wider than the next a line must be to be meant without a word."""
+_TIERS = {Basis.TOUCH: 1, Basis.APART: 2}
+"""Bases that are weaker than the others."""
+
+
+@dataclass(frozen=True, eq=False)
+class AxisFaces:
+    """Cylindrical and conical faces in the frame of the assembly, one per row."""
+
+    centers: Array
+    """Shape (n, 3) [m]: the point of each axis in the middle of its face."""
+    directions: Array
+    """Shape (n, 3): unit directions of the axes; the sign means nothing."""
+    radii: Array
+    """Shape (n,) [m]; of a cone, the larger one."""
+    lengths: Array
+    """Shape (n,) [m]: extent of each face along its axis."""
+    cones: NDArray[np.bool_]
+    """Shape (n,)."""
+    bores: NDArray[np.bool_]
+    """Shape (n,): whether material lies outside."""
+    components: Indices
+    """Shape (n,): index of the component that each face belongs to."""
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    def select(self, rows: NDArray[np.bool_] | Indices) -> "AxisFaces":
+        """Some of the faces, by mask (n,) or by indices."""
+        return AxisFaces(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
+
+    @property
+    def rays(self) -> Rays:
+        """The axes."""
+        return Rays(self.centers, self.directions)
+
+
+@dataclass(frozen=True)
+class LineFace:
+    """A face on a line."""
+
+    component: int
+    """Index of its component."""
+    radius: float
+    """[m]."""
+    bore: bool
+    """Whether material lies outside."""
+
+
+@dataclass(frozen=True)
+class AxisLine:
+    """A line that carries faces."""
+
+    point: Vector3
+    """Where a joint frame goes [m]: the middle of the extent; of a mate, between what both sides share."""
+    direction: Vector3
+    """Unit direction; of its (z, y, x) the first larger than 1e-6 is positive."""
+    low: float
+    """Start of the faces along ``direction`` from ``point`` [m]."""
+    high: float
+    """End of the faces along ``direction`` from ``point`` [m]."""
+    radii: tuple[float, ...]
+    """Radii [m] of the faces, each once, the widest first."""
+    weight: float
+    """What decides between lines [m]: the widest radius; of a mate, the smaller one of the two faces that tell most."""
+    components: tuple[int, ...]
+    """Indices of the components whose faces it carries."""
+    faces: tuple[LineFace, ...] = ()
+    """The faces that tell most: the widest; of a mate, one of each side."""
+    basis: Basis = Basis.AXIS
+    """How the two sides of a mate meet: fit, flange, touch or apart."""
+    overlap: float | None = None
+    """Of a mate, length [m] along the line that both of ``faces`` cover; negative for the gap between them."""
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """Sorts lines: those on which a joint can turn first, among them the heaviest."""
+        return _TIERS.get(self.basis, 0), -self.weight
+
+    def distance_to(self, point: Vector3) -> float:
+        """Distance [m] of a point from the line, both ways endless."""
+        return float(_rays([self]).distances(np.array(point))[0])
+
+
+@dataclass(frozen=True)
+class NearMiss:
+    """Two lines that nearly coincide."""
+
+    line_a: AxisLine
+    line_b: AxisLine
+    distance: float
+    """How far they are apart [m] where their faces are."""
+    angle: float
+    """Angle between them [rad]."""
+
+    @property
+    def weight(self) -> float:
+        """What the mate would weigh [m]."""
+        return min(self.line_a.weight, self.line_b.weight)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The line that is meant, or the rivals between which nothing decides."""
+
+    line: AxisLine | None
+    rivals: tuple[AxisLine, ...] = ()
+    """The heaviest first; empty where there was no line at all, or the choice is made."""
+
+
+@dataclass(frozen=True)
+class Selector:
+    """What an ``origin`` needs to say to mean one line among several; None for what it need not say."""
+
+    radius: float | None = None
+    near: Vector3 | None = None
+
+    def __str__(self) -> str:
+        """As keys of a YAML flow mapping, each after a comma: ``, radius: 8 mm, near: [0 mm, 12.5 mm, 3 mm]``."""
+        text = "" if self.radius is None else f", radius: {millimetres(self.radius)}"
+        return text if self.near is None else f"{text}, near: [{', '.join(map(millimetres, self.near))}]"
+
+
+def axis_faces(assembly: Assembly, components: Iterable[int]) -> AxisFaces:
+    """The faces of just these components, not of those below them, in the frame of the assembly."""
+    parts = [
+        _moved(_body_faces(assembly, component.body), component.X_WC, index)
+        for index in components
+        if (component := assembly.components[index]).body >= 0 and assembly.bodies[component.body].axis_faces
+    ]
+    return _joined(parts)
+
+
+def lines(faces: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
+    """The lines that carry faces, the heaviest first; with ``radius`` [m], only faces of that radius count."""
+    if radius is not None:
+        faces = faces.select(np.abs(faces.radii - radius) <= DISTANCE_TOLERANCE)
+    found = [_line(faces, rows) for rows in coaxial(faces.rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE)]
+    return tuple(sorted(found, key=lambda line: -line.weight))
+
+
+def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
+    """The lines that carry cylinders of both, those where the two sides fit first, among equals the heaviest.
+
+    With ``radius`` [m], only lines that carry a cylinder of that radius.
+    """
+    a, b = a.select(~a.cones), b.select(~b.cones)
+    faces = _joined([a, b])
+    found = []
+    for rows in coaxial(faces.rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE):
+        rows_a, rows_b = rows[rows < len(a)], rows[rows >= len(a)]
+        if len(rows_a) and len(rows_b):
+            line = _mate(faces, rows_a, rows_b)
+            if radius is None or np.abs(np.array(line.radii) - radius).min() <= DISTANCE_TOLERANCE:
+                found.append(line)
+    return tuple(sorted(found, key=lambda line: line.order))
+
+
+def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
+    """Pairs of lines that carry cylinders, one of each side, apart but at most 2 mm; the heaviest first.
+
+    A line that mates with another one misses none.
+    """
+    lines_a, lines_b = lines(a.select(~a.cones)), lines(b.select(~b.cones))
+    if not lines_a or not lines_b:
+        return ()
+    rays_a, rays_b = _rays(lines_a), _rays(lines_b)
+    i, j = close_pairs(rays_a, rays_b, NEAR_MISS_DISTANCE, NEAR_MISS_ANGLE)
+    distances = gaps(rays_a.rows(i), rays_b.rows(j))
+    angles = np.linalg.norm(np.cross(rays_a.directions[i], rays_b.directions[j]), axis=1)
+    mated = (distances <= DISTANCE_TOLERANCE) & (angles <= ANGLE_TOLERANCE)
+    missed = ~(np.isin(i, i[mated]) | np.isin(j, j[mated]))
+    misses = [
+        NearMiss(lines_a[row_a], lines_b[row_b], distance, angle)
+        for row_a, row_b, distance, angle in zip(*(x[missed].tolist() for x in (i, j, distances, angles)), strict=True)
+    ]
+    return tuple(sorted(misses, key=lambda miss: (-miss.weight, miss.distance)))
+
+
+def choose(
+    found: Sequence[AxisLine], near: Vector3 | None = None, *, direction_only: bool = False, selected: bool = False
+) -> Choice:
+    """The line that is meant: the nearest to ``near`` [m], where given; the only one, or twice as heavy as the next.
+
+    Lines where shaft and bore fit, or bores meet, count before those whose faces merely touch; where nothing decides
+    between the former, one of the latter may be twice as heavy as all. Faces apart from each other are never meant,
+    unless they are selected.
+
+    Args:
+        found: The lines.
+        near: A point [m] of the assembly.
+        direction_only: Whether parallel lines agree; the strongest of them is taken.
+        selected: Whether the caller has picked ``found`` by a radius.
+    """
+    candidates = sorted(found, key=lambda line: line.order)
+    if near is not None and candidates:
+        distances = [line.distance_to(near) for line in candidates]
+        limit = min(distances) + DISTANCE_TOLERANCE
+        candidates = [line for line, distance in zip(candidates, distances, strict=True) if distance <= limit]
+    rivals: list[AxisLine] = []
+    for tier in range(3 if selected or near is not None else 2):
+        rivals = _rivals([line for line in candidates if line.order[0] <= tier], direction_only)
+        by_weight = sorted(rivals, key=lambda line: -line.weight)
+        if len(rivals) == 1 or (rivals and by_weight[0].weight >= OUTWEIGHS * by_weight[1].weight * (1 - 1e-9)):
+            return Choice(by_weight[0])
+    return Choice(None, tuple(rivals or _rivals(candidates, direction_only)))
+
+
+def _rivals(candidates: Sequence[AxisLine], direction_only: bool) -> list[AxisLine]:
+    """The lines between which to decide; of parallel ones the first, where only directions count."""
+    rivals: list[AxisLine] = []
+    for line in candidates:
+        if not direction_only or not any(is_parallel(line, rival) for rival in rivals):
+            rivals.append(line)
+    return rivals
+
+
+def line_frame(line: AxisLine) -> Pose:
+    """X_WF of the joint frame on a line: z along it, x as near to the assembly's x as can be."""
+    return Pose.of(perpendicular_frame(line.direction), line.point)
+
+
+def selectors(found: Sequence[AxisLine]) -> tuple[Selector, ...]:
+    """For each line what makes :func:`choose` take it among all: nothing, a radius that it alone has, or a point."""
+    chosen = choose(found).line
+    return tuple(Selector() if line is chosen else selector(line, found) for line in found)
+
+
+def selector(line: AxisLine, found: Sequence[AxisLine]) -> Selector:
+    """What selects a line among all explicitly: a radius that it alone has, or a point."""
+    radii = np.array([radius for other in found for radius in other.radii])
+    alone = [r for r in line.radii if np.count_nonzero(np.abs(radii - _rounded(r)) <= 2 * DISTANCE_TOLERANCE) == 1]
+    return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_telling_point(line, _rays(found)))
+
+
+def millimetres(length: float) -> str:
+    """A length [m] as text in mm, to the micrometre."""
+    return f"{round(length * 1e3, 3) + 0.0:.10g} mm"
+
+
+def _rounded(length: float) -> float:
+    """A length [m] as :func:`millimetres` writes it."""
+    return round(length * 1e3, 3) / 1e3
+
+
+def _telling_point(line: AxisLine, rays: Rays) -> Vector3:
+    """A point of the line, to the micrometre, to which no other line comes near: its middle, or one of its ends."""
+    candidates = [np.array(line.point) + t * np.array(line.direction) for t in (0.0, line.low, line.high)]
+    clearances = []
+    for point in candidates:
+        distances = rays.distances(point)
+        clearances.append(float(np.partition(distances, 1)[1]) if len(distances) > 1 else np.inf)
+        if clearances[-1] > 3 * DISTANCE_TOLERANCE:
+            break
+    x, y, z = (_rounded(c) for c in candidates[int(np.argmax(clearances))].tolist())
+    return (x, y, z)
+
+
+def _rays(found: Sequence[AxisLine]) -> Rays:
+    points, directions = [line.point for line in found], [line.direction for line in found]
+    return Rays(np.array(points).reshape(-1, 3), np.array(directions).reshape(-1, 3))
+
+
+def is_parallel(a: AxisLine, b: AxisLine) -> bool:
+    """Whether two lines have the same direction, or opposite ones."""
+    return float(np.linalg.norm(np.cross(a.direction, b.direction))) <= ANGLE_TOLERANCE
+
+
+def _body_faces(assembly: Assembly, body: int) -> AxisFaces:
+    """The faces of a body in its own frame."""
+    faces = assembly.bodies[body].axis_faces
+    points = np.array([face.point for face in faces])
+    directions = np.array([face.direction for face in faces])
+    low, high = np.array([face.low for face in faces]), np.array([face.high for face in faces])
+    return AxisFaces(
+        points + directions * (0.5 * (low + high))[:, None],
+        directions,
+        np.array([face.radius for face in faces]),
+        np.abs(high - low),
+        np.array([face.cone for face in faces]),
+        np.array([face.bore for face in faces]),
+        np.zeros(len(faces), dtype=np.intp),
+    )
+
+
+def _moved(faces: AxisFaces, X_WC: Pose, component: int) -> AxisFaces:
+    return replace(
+        faces,
+        centers=X_WC.apply(faces.centers),
+        directions=X_WC.turn(faces.directions),
+        components=np.full(len(faces), component, dtype=np.intp),
+    )
+
+
+def _joined(parts: Sequence[AxisFaces]) -> AxisFaces:
+    if not parts:
+        nothing = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0)
+        return AxisFaces(*nothing, np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros(0, dtype=np.intp))
+    return AxisFaces(*(np.concatenate([getattr(p, name) for p in parts]) for name in AxisFaces.__dataclass_fields__))
+
+
+def _line(faces: AxisFaces, rows: Indices) -> AxisLine:
+    center, direction = _carrier(faces, rows)
+    low, high = _extent(faces, rows, center, direction)
+    line = _axis_line(faces, rows, center, direction, 0.5 * (low + high), float(faces.radii[rows].max()))
+    return replace(line, faces=(_line_face(faces, _widest(faces, rows)),))
+
+
+def _mate(faces: AxisFaces, rows_a: Indices, rows_b: Indices) -> AxisLine:
+    rows = np.concatenate([rows_a, rows_b])
+    center, direction = _carrier(faces, rows)
+    (low_a, high_a), (low_b, high_b) = (_extent(faces, side, center, direction) for side in (rows_a, rows_b))
+    middle = 0.5 * (max(low_a, low_b) + min(high_a, high_b))
+    met = meeting(*(_spans(faces, side, center, direction) for side in (rows_a, rows_b)))
+    sides = _line_face(faces, rows_a[met.rows[0]]), _line_face(faces, rows_b[met.rows[1]])
+    weight = min(side.radius for side in sides)
+    line = _axis_line(faces, rows, center, direction, middle, weight)
+    return replace(line, faces=sides, basis=met.basis, overlap=met.overlap)
+
+
+def _line_face(faces: AxisFaces, row: int) -> LineFace:
+    return LineFace(int(faces.components[row]), float(faces.radii[row]), bool(faces.bores[row]))
+
+
+def _spans(faces: AxisFaces, rows: Indices, point: Array, direction: Array) -> Spans:
+    along = (faces.centers[rows] - point) @ direction
+    half = 0.5 * faces.lengths[rows]
+    return Spans(along - half, along + half, faces.radii[rows], faces.bores[rows])
+
+
+def _axis_line(faces: AxisFaces, rows: Indices, center: Array, direction: Array, t: float, weight: float) -> AxisLine:
+    """The line through ``center``, with its point ``t`` [m] further along."""
+    point = center + t * direction
+    low, high = _extent(faces, rows, point, direction)
+    radii: list[float] = []
+    for radius in sorted(faces.radii[rows].tolist(), reverse=True):
+        if not radii or radii[-1] - radius > DISTANCE_TOLERANCE:
+            radii.append(radius)
+    components = tuple(dict.fromkeys(faces.components[rows].tolist()))
+    return AxisLine(vector3(point), vector3(direction), low, high, tuple(radii), weight, components)
+
+
+def _carrier(faces: AxisFaces, rows: Indices) -> tuple[Array, Array]:
+    """Centre and signed direction of the face that stands for a line."""
+    row = _widest(faces, rows)
+    return faces.centers[row], signed(faces.directions[row : row + 1])[0]
+
+
+def _widest(faces: AxisFaces, rows: Indices) -> int:
+    """The face that stands for a line: the widest, then the longest, then the first."""
+    return int(min(rows.tolist(), key=lambda r: (-faces.radii[r], -faces.lengths[r], r)))
+
+
+def _extent(faces: AxisFaces, rows: Indices, point: Array, direction: Array) -> tuple[float, float]:
+    spans = _spans(faces, rows, point, direction)
+    return float(spans.low.min()), float(spans.high.max())

@@ -1,0 +1,103 @@
+"""How two sides meet on a line that carries faces of both: what tells an axis from a coincidence.
+
+Parts of an arm that is drawn straight have many lines in common, a horn and a bracket at its other end among them. A
+joint can turn where a shaft is in a bore that fits it, or where two bores meet face to face. Faces that merely overlap
+or touch are weak evidence; faces apart from each other are none.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+from stepbot.robot.joint_table import Basis
+
+TIGHTEST = 1e-5
+"""Slack [m] that every fit may have, and difference of radii that count as equal."""
+LOOSEST = 5e-4
+"""Slack [m] that no fit exceeds."""
+SLACK_SHARE = 0.06
+"""Slack of a fit at most, as a share of the bore's radius."""
+INTERFERENCE = 1.5e-4
+"""How much wider [m] than its bore a shaft may be drawn, for a press fit; no more than its slack might be."""
+ENGAGED = 2e-5
+"""Length [m] that a shaft and its bore have in common at least."""
+BESIDE = 1e-3
+"""Gap [m] along the line up to which faces count as touching: two edges chamfered by half a millimetre."""
+
+_RANKS = (Basis.FIT, Basis.FLANGE, Basis.TOUCH, Basis.APART)
+_PAIRS_AT_ONCE = 1 << 20
+
+
+@dataclass(frozen=True, eq=False)
+class Spans:
+    """Cylindrical faces on one line, one per row."""
+
+    low: Array
+    """Shape (n,) [m]: where each face starts along the line."""
+    high: Array
+    """Shape (n,) [m]: where it ends."""
+    radii: Array
+    """Shape (n,) [m]."""
+    bores: NDArray[np.bool_]
+    """Shape (n,): whether material lies outside."""
+
+    def rows(self, rows: slice) -> "Spans":
+        """Some of the faces."""
+        return Spans(self.low[rows], self.high[rows], self.radii[rows], self.bores[rows])
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """The two faces, one of each side, that tell most of how the sides meet."""
+
+    basis: Basis
+    """Fit, flange, touch or apart."""
+    rows: tuple[int, int]
+    """The face of each side."""
+    overlap: float
+    """Length [m] along the line that both cover; negative for the gap between them."""
+
+    @property
+    def rank(self) -> int:
+        """0 for the strongest evidence."""
+        return _RANKS.index(self.basis)
+
+
+def meeting(a: Spans, b: Spans) -> Meeting:
+    """How the faces of two sides, at least one of each, meet: the pair with the strongest evidence.
+
+    Among equals the widest pair counts, then the longest overlap; of faces apart, the pair that is nearest.
+    """
+    return min(_best_of_blocks(a, b), key=lambda best: best[0])[1]
+
+
+def _best_of_blocks(a: Spans, b: Spans) -> Iterator[tuple[tuple[float, ...], Meeting]]:
+    """The best pair of each block of rows of ``a``, with what it is ordered by."""
+    block = max(1, _PAIRS_AT_ONCE // len(b.radii))
+    for start in range(0, len(a.radii), block):
+        ranks, widths, overlaps = _pairs(a.rows(slice(start, start + block)), b)
+        apart = ranks == _RANKS.index(Basis.APART)
+        first = np.where(apart, -overlaps, -widths).ravel()
+        second = np.where(apart, -widths, -overlaps).ravel()
+        best = int(np.lexsort((second, first, ranks.ravel()))[0])
+        i, j = divmod(best, len(b.radii))
+        found = Meeting(_RANKS[int(ranks[i, j])], (start + i, j), float(overlaps[i, j]))
+        yield (float(ranks[i, j]), float(first[best]), float(second[best]), start + i, j), found
+
+
+def _pairs(a: Spans, b: Spans) -> tuple[NDArray[np.intp], Array, Array]:
+    """For every pair of faces (n, m) its rank, the smaller radius [m] and the overlap [m]."""
+    radii_a, radii_b = a.radii[:, None], b.radii[None, :]
+    overlaps = np.minimum(a.high[:, None], b.high) - np.maximum(a.low[:, None], b.low)
+    beside = overlaps >= -BESIDE
+    facing = a.bores[:, None] != b.bores
+    bore = np.where(a.bores[:, None], radii_a, radii_b)
+    slack = bore - np.where(a.bores[:, None], radii_b, radii_a)
+    widest = np.maximum(TIGHTEST, np.minimum(LOOSEST, SLACK_SHARE * bore))
+    fits = facing & (overlaps >= ENGAGED) & (slack <= widest) & (slack >= -np.minimum(widest, INTERFERENCE))
+    flanges = a.bores[:, None] & b.bores & beside & (np.abs(radii_a - radii_b) <= TIGHTEST)
+    ranks = np.select([fits, flanges, beside], [0, 1, 2], 3)
+    return ranks.astype(np.intp), np.minimum(radii_a, radii_b), overlaps

@@ -1,0 +1,190 @@
+"""Cylindrical and conical faces of a body: the lines that joints can bind to.
+
+The extent along the axis is that of the trimmed face, so it is taken at the face's edges: exactly at the ends of
+straight lines and of circles about the axis, elsewhere where the curve turns back. A face that other programs wrote as
+swept or revolved counts where it is a cylinder or a cone.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
+from OCP.gp import gp_Ax1, gp_Cone, gp_Cylinder, gp_Pnt, gp_Vec
+from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
+from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS
+
+from ..assembly import AxisFace
+from ..kernel import MILLIMETRES_PER_METRE
+
+_SWEPT = (
+    GeomAbs_SurfaceType.GeomAbs_SurfaceOfRevolution,
+    GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
+)
+_RECOGNITION_TOLERANCE = 1e-5
+"""How far [mm] a swept surface may be from the cylinder or cone that it counts as."""
+_SAMPLES = 16
+"""Places on a curve between which its extremes are sought."""
+_SECTIONS = 32
+"""Steps of the search: they leave 2e-7 of the interval, and its square of the height."""
+_LEVEL = 1e-9
+"""Height [mm] within which samples count as equally high."""
+_PARALLEL = 1e-9
+"""Angle [rad] below which directions count as parallel."""
+_SMALLEST = 1e-6
+"""Radius [mm] below which there is no face: meshes lie on a grid of a nanometre."""
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+
+
+def axis_faces(faces: list[Any]) -> tuple[AxisFace, ...]:
+    """Those of a body's faces that lie on a cylinder or a cone, in their order."""
+    found = (_axis_face(face) for face in faces)
+    return tuple(face for face in found if face is not None)
+
+
+def _axis_face(face: Any) -> AxisFace | None:
+    surface = BRepAdaptor_Surface(face)
+    quadric = _quadric(face, surface)
+    if quadric is None:
+        return None
+    axis = quadric.Axis()
+    low, high = extent(face, axis)
+    if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
+        return None
+    if isinstance(quadric, gp_Cone):
+        radius, is_cone = max(cone_radius(quadric, low), cone_radius(quadric, high)), True
+    else:
+        radius, is_cone = quadric.Radius(), False
+    if not radius > _SMALLEST:  # a line, as broken files have it
+        return None
+    point, direction, scale = axis.Location(), axis.Direction(), MILLIMETRES_PER_METRE
+    return AxisFace(
+        (point.X() / scale, point.Y() / scale, point.Z() / scale),
+        (direction.X(), direction.Y(), direction.Z()),
+        radius / scale,
+        low / scale,
+        high / scale,
+        is_bore(face, surface, axis),
+        is_cone,
+    )
+
+
+def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
+    kind = surface.GetType()
+    if kind == GeomAbs_SurfaceType.GeomAbs_Cylinder:
+        return surface.Cylinder()
+    if kind == GeomAbs_SurfaceType.GeomAbs_Cone:
+        return surface.Cone()
+    if kind in _SWEPT:
+        recognition = ShapeAnalysis_CanonicalRecognition(face)
+        cylinder, cone = gp_Cylinder(), gp_Cone()
+        if recognition.IsCylinder(_RECOGNITION_TOLERANCE, cylinder):
+            return cylinder
+        if recognition.IsCone(_RECOGNITION_TOLERANCE, cone):
+            return cone
+    return None
+
+
+def cone_radius(cone: gp_Cone, at: float) -> float:
+    """Radius [mm] of a cone at a place along its axis."""
+    return abs(float(cone.RefRadius()) + at * math.tan(cone.SemiAngle()))
+
+
+def is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
+    """Whether the outside of the face looks towards the axis."""
+    u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
+    v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
+    at, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
+    surface.D1(u, v, at, along_u, along_v)
+    normal = along_u.Crossed(along_v)
+    # Along the axis the normal of a cone leans either way; only its part away from the axis counts.
+    along, outwards = gp_Vec(axis.Direction()), gp_Vec(axis.Location(), at)
+    outwards.Subtract(along.Multiplied(outwards.Dot(along)))
+    is_reversed = face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+    return bool((normal.Dot(outwards) < 0.0) != is_reversed)
+
+
+def extent(face: Any, axis: gp_Ax1) -> tuple[float, float]:
+    """Lowest and highest place [mm] of a face's edges along a line."""
+    low, high = math.inf, -math.inf
+    edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
+    while edges.More():
+        edge = TopoDS.Edge(edges.Current())
+        edges.Next()
+        if BRep_Tool.Degenerated_s(edge):
+            continue
+        for place in _extremes(BRepAdaptor_Curve(edge), axis):
+            low, high = min(low, place), max(high, place)
+    return low, high
+
+
+def _extremes(curve: Any, axis: gp_Ax1) -> list[float]:
+    """Places along a line among which are the lowest and the highest of a curve."""
+    origin, direction = axis.Location(), axis.Direction()
+    x, y, z = direction.X(), direction.Y(), direction.Z()
+    start = origin.X() * x + origin.Y() * y + origin.Z() * z
+
+    def place(parameter: float) -> float:
+        at = curve.Value(parameter)
+        return float(at.X() * x + at.Y() * y + at.Z() * z - start)
+
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    ends = [place(first), place(last)]
+    if curve.GetType() == GeomAbs_CurveType.GeomAbs_Line or _is_around(curve, axis):
+        return ends
+    step = (last - first) / _SAMPLES
+    places = [ends[0], *(place(first + step * k) for k in range(1, _SAMPLES)), ends[1]]
+    slopes = [_slope(curve, parameter, direction) for parameter in (first, last)]
+    return [
+        *ends,
+        _highest(place, places, first, step, slopes),
+        -_highest(lambda p: -place(p), [-p for p in places], first, step, [-slope for slope in slopes]),
+    ]
+
+
+def _slope(curve: Any, parameter: float, direction: Any) -> float:
+    """How fast a curve goes along a direction."""
+    at, tangent = gp_Pnt(), gp_Vec()
+    curve.D1(parameter, at, tangent)
+    return float(tangent.Dot(gp_Vec(direction)))
+
+
+def _is_around(curve: Any, axis: gp_Ax1) -> bool:
+    """Whether a curve is a circle whose plane is normal to a line: all of it is at one place."""
+    if curve.GetType() != GeomAbs_CurveType.GeomAbs_Circle:
+        return False
+    return bool(curve.Circle().Axis().Direction().IsParallel(axis.Direction(), _PARALLEL))
+
+
+def _highest(
+    place: Callable[[float], float], places: list[float], first: float, step: float, slopes: list[float]
+) -> float:
+    """Largest value of a function near the largest of its samples; of a closed curve both ends may be that.
+
+    Where it is an end towards which the function rises, it is the end itself.
+    """
+    top = max(places)
+    rises = {0: slopes[0] < 0.0, len(places) - 1: slopes[1] > 0.0}
+    peaks = [k for k, value in enumerate(places) if value >= top - _LEVEL and not rises.get(k, False)]
+    last = len(places) - 1
+    return max([top, *(_peak(place, first + step * max(k - 1, 0), first + step * min(k + 1, last)) for k in peaks)])
+
+
+def _peak(place: Callable[[float], float], low: float, high: float) -> float:
+    """Largest value of a function that has one peak in an interval (golden section)."""
+    a, b = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_a, at_b = place(a), place(b)
+    for _ in range(_SECTIONS):
+        if at_a > at_b:
+            high, b, at_b = b, a, at_a
+            a = high - _GOLDEN * (high - low)
+            at_a = place(a)
+        else:
+            low, a, at_a = a, b, at_b
+            b = low + _GOLDEN * (high - low)
+            at_b = place(b)
+    return max(at_a, at_b)

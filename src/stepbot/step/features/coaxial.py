@@ -1,0 +1,152 @@
+"""Which of many lines in space coincide, without comparing each with each.
+
+Lines are given by a point where their faces are, and a direction whose sign means nothing; that the point is near the
+faces matters, because lines that are a milliradian apart are nowhere near each other a metre further along.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array, perpendicular_frame
+
+Indices = NDArray[np.intp]
+
+_SIGN_THRESHOLD = 1e-6
+_SAME_DIRECTION = 1e-7
+_SAME_FOOT = 1e-7
+_CHUNK = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Rays:
+    """Lines in space, one per row."""
+
+    centers: Array
+    """Shape (n, 3) [m]."""
+    directions: Array
+    """Shape (n, 3), unit."""
+
+    def rows(self, rows: Indices) -> "Rays":
+        """Some of the lines."""
+        return Rays(self.centers[rows], self.directions[rows])
+
+    def distances(self, points: Array) -> Array:
+        """Distances (n,) [m] of a point (3,), or of one point for each line (n, 3), from the endless lines."""
+        return np.asarray(np.linalg.norm(np.cross(points - self.centers, self.directions), axis=1))
+
+
+def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
+    """Rows of the rays that share a line within ``distance`` [m] and ``angle`` [rad], in the order of their first rows.
+
+    Rays that coincide to a tenth of a micrometre are joined first: a line may carry thousands of them, and what is left
+    to compare in pairs is few.
+    """
+    if not len(rays.centers):
+        return []
+    kinds = _direction_kinds(rays.directions)
+    basis = np.array([perpendicular_frame(d)[:, :2] for d in kinds.directions])[kinds.of]
+    feet = np.rint(np.einsum("ni,nij->nj", rays.centers, basis) / _SAME_FOOT).astype(np.int64)
+    keys = np.column_stack([kinds.of, feet])
+    _, first, rod_of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    rods = rays.rows(first)
+    group_of = _connected(len(first), zip(*close_pairs(rods, rods, distance, angle), strict=True))
+    group_of_face = group_of[rod_of.reshape(-1)]
+    order = np.argsort(group_of_face, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(group_of_face[order])) + 1)
+    return sorted(groups, key=lambda rows: int(rows[0]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Kinds:
+    """Directions that are equal but for rounding."""
+
+    directions: Array
+    """Shape (k, 3), one per kind."""
+    of: Indices
+    """Shape (n,): the kind of each row."""
+
+    def members(self) -> list[Indices]:
+        order = np.argsort(self.of, kind="stable")
+        return np.split(order, np.flatnonzero(np.diff(self.of[order])) + 1)
+
+
+def signed(directions: Array) -> Array:
+    """The same lines' directions (n, 3), of whose (z, y, x) the first larger than 1e-6 is positive."""
+    large = np.abs(directions[:, ::-1]) > _SIGN_THRESHOLD
+    leading = np.take_along_axis(directions[:, ::-1], large.argmax(axis=1)[:, None], axis=1)
+    return np.where(leading < 0.0, -directions, directions) + 0.0
+
+
+def _direction_kinds(directions: Array) -> _Kinds:
+    cells = np.rint(signed(directions) / _SAME_DIRECTION).astype(np.int64)
+    _, first, of = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    return _Kinds(directions[first], of.reshape(-1))
+
+
+def close_pairs(a: Rays, b: Rays, distance: float, angle: float) -> tuple[Indices, Indices]:
+    """Pairs of lines, one of each set, within ``distance`` [m] of each other's centre and ``angle`` [rad]."""
+    kinds_a, kinds_b = _direction_kinds(a.directions), _direction_kinds(b.directions)
+    members_a, members_b = kinds_a.members(), kinds_b.members()
+    found = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
+    for i, j in _nearly_parallel(kinds_a.directions, kinds_b.directions, angle):
+        rows_a, rows_b = members_a[i], members_b[j]
+        plane = perpendicular_frame(kinds_a.directions[i])[:, :2]
+        p, q = _close_points(a.centers[rows_a] @ plane, b.centers[rows_b] @ plane, distance)
+        rows_a, rows_b = rows_a[p], rows_b[q]
+        apart = gaps(a.rows(rows_a), b.rows(rows_b))
+        found.append((rows_a[apart <= distance], rows_b[apart <= distance]))
+    return np.concatenate([rows for rows, _ in found]), np.concatenate([rows for _, rows in found])
+
+
+def gaps(a: Rays, b: Rays) -> Array:
+    """Distances (n,) [m] between the lines of each row, at the centre of one or the other, whichever is larger."""
+    return np.maximum(a.distances(b.centers), b.distances(a.centers))
+
+
+def _nearly_parallel(A: Array, B: Array, angle: float) -> Iterator[tuple[int, int]]:
+    """Indices of directions, one of each set, whose lines are within ``angle`` [rad]."""
+    for start in range(0, len(A), _CHUNK):
+        close = np.abs(A[start : start + _CHUNK] @ B.T) >= np.cos(angle) - 1e-15
+        for i, j in np.argwhere(close).tolist():
+            yield start + i, j
+
+
+def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices]:
+    """Pairs of points of the plane, (n, 2) and (m, 2), within ``distance``, by sorting them into cells of that size."""
+    origin = np.minimum(P.min(axis=0), Q.min(axis=0)) - distance
+    cells_p, cells_q = (np.floor((X - origin) / distance).astype(np.int64) for X in (P, Q))
+    stride = int(max(cells_p[:, 1].max(), cells_q[:, 1].max())) + 2
+    keys_q = cells_q[:, 0] * stride + cells_q[:, 1]
+    order = np.argsort(keys_q, kind="stable")
+    found = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
+    for dx in (-1, 0, 1):
+        # The three cells next to each other in y have keys next to each other.
+        keys = (cells_p[:, 0] + dx) * stride + cells_p[:, 1]
+        start = np.searchsorted(keys_q[order], keys - 1, side="left")
+        counts = np.searchsorted(keys_q[order], keys + 1, side="right") - start
+        p = np.repeat(np.arange(len(P)), counts)
+        offsets = np.arange(len(p)) - np.repeat(np.cumsum(counts) - counts, counts)
+        q = order[np.repeat(start, counts) + offsets]
+        close = np.linalg.norm(P[p] - Q[q], axis=1) <= distance * (1 + 1e-9)
+        found.append((p[close], q[close]))
+    return np.concatenate([p for p, _ in found]), np.concatenate([q for _, q in found])
+
+
+def _connected(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
+    """For each of n the smallest index that pairs connect it with."""
+    root = list(range(n))
+
+    def find(i: int) -> int:
+        while root[i] != i:
+            root[i] = root[root[i]]
+            i = root[i]
+        return i
+
+    for i, j in pairs:
+        a, b = find(int(i)), find(int(j))
+        if a != b:
+            root[max(a, b)] = min(a, b)
+    return np.array([find(i) for i in range(n)], dtype=np.intp)

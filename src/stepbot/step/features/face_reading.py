@@ -1,0 +1,233 @@
+"""Reads all faces of a body: see :mod:`stepbot.step.faces`. A face that the kernel cannot evaluate is no evidence."""
+
+import math
+from typing import Any
+
+import numpy as np
+from OCP.Bnd import Bnd_Box
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
+from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
+from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Pnt, gp_Sphere, gp_Vec
+from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
+from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS
+
+from stepbot.geometry.spatial import Array, Vector3
+
+from ..faces import Face, FaceKind
+from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
+from .axis_faces import cone_radius, extent, is_bore
+
+_FREE_FORMS = (
+    GeomAbs_SurfaceType.GeomAbs_BSplineSurface,
+    GeomAbs_SurfaceType.GeomAbs_BezierSurface,
+    GeomAbs_SurfaceType.GeomAbs_SurfaceOfRevolution,
+    GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
+)
+_RECOGNITION_TOLERANCE = 1e-5
+"""How far [mm] a free-form surface may be from the plane or quadric that it counts as."""
+_SMALLEST = 1e-3
+"""Radius [mm] below which a face is none."""
+_LARGEST = 1e6
+"""Size [mm] of a box from which it is that of an endless surface, not of the face."""
+_SEGMENTS = 16
+"""Straight pieces for an edge that is not straight."""
+_ALL_ROUND = 2.0 * math.pi
+_NO_AXIS = (0.0, 0.0, 1.0)
+
+
+def read_faces(faces: list[Any]) -> tuple[Face, ...]:
+    """All of a body's faces that the kernel can evaluate, in their order."""
+    found = []
+    for face in faces:
+        try:
+            made = _read_face(face)
+        except OUT_OF_MEMORY:
+            raise
+        except KERNEL_ERRORS:
+            made = None
+        if made is not None:
+            found.append(made)
+    return tuple(found)
+
+
+def _read_face(face: Any) -> Face | None:
+    surface = BRepAdaptor_Surface(face)
+    found = _geometry(face, surface)
+    box = _box(face)
+    if isinstance(found, gp_Pln):
+        return _plane(face, surface, found, box)
+    if isinstance(found, gp_Cylinder | gp_Cone):
+        return _revolved(face, surface, found, box)
+    if isinstance(found, gp_Sphere):
+        return _sphere(face, surface, found, box)
+    if surface.GetType() == GeomAbs_SurfaceType.GeomAbs_Torus:
+        torus = surface.Torus()
+        point, direction = _metres(torus.Location()), _xyz(torus.Axis().Direction())
+        radius = torus.MajorRadius() / MILLIMETRES_PER_METRE
+        return Face(FaceKind.TORUS, point, direction, box, radius, span=_span(surface))
+    middle = _vector(0.5 * (np.array(box[0]) + np.array(box[1])))
+    return Face(FaceKind.OTHER, middle, _NO_AXIS, box)
+
+
+def _geometry(face: Any, surface: Any) -> Any:
+    """The plane, cylinder, cone or sphere that a face lies on; None for others."""
+    kind = surface.GetType()
+    if kind == GeomAbs_SurfaceType.GeomAbs_Plane:
+        return surface.Plane()
+    if kind == GeomAbs_SurfaceType.GeomAbs_Cylinder:
+        return surface.Cylinder()
+    if kind == GeomAbs_SurfaceType.GeomAbs_Cone:
+        return surface.Cone()
+    if kind == GeomAbs_SurfaceType.GeomAbs_Sphere:
+        return surface.Sphere()
+    if kind not in _FREE_FORMS:
+        return None
+    recognition = ShapeAnalysis_CanonicalRecognition(face)
+    plane, cylinder, cone, sphere = gp_Pln(), gp_Cylinder(), gp_Cone(), gp_Sphere()
+    for recognized, geometry in (
+        (recognition.IsPlane, plane),
+        (recognition.IsCylinder, cylinder),
+        (recognition.IsCone, cone),
+        (recognition.IsSphere, sphere),
+    ):
+        if recognized(_RECOGNITION_TOLERANCE, geometry):
+            return geometry
+    return None
+
+
+def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3]) -> Face:
+    normal = np.array(_xyz(plane.Axis().Direction()))
+    _, outwards = _outwards(face, surface)
+    if outwards @ normal < 0.0:
+        normal = -normal
+    # A point in the middle of the face's box keeps numbers near the face.
+    middle = 0.5 * (np.array(box[0]) + np.array(box[1]))
+    point = middle - normal * float((middle - np.array(_metres(plane.Location()))) @ normal)
+    return Face(FaceKind.PLANE, _vector(point), _vector(normal), box, rings=_rings(face))
+
+
+def _revolved(face: Any, surface: Any, quadric: Any, box: tuple[Vector3, Vector3]) -> Face | None:
+    axis = quadric.Axis()
+    low, high = extent(face, axis)
+    if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
+        return None
+    if isinstance(quadric, gp_Cone):
+        kind, radius = FaceKind.CONE, max(cone_radius(quadric, low), cone_radius(quadric, high))
+    else:
+        kind, radius = FaceKind.CYLINDER, quadric.Radius()
+    if not radius > _SMALLEST:
+        return None
+    direction = np.array(_xyz(axis.Direction()))
+    point = np.array(_metres(axis.Location())) + direction * (0.5 * (low + high) / MILLIMETRES_PER_METRE)
+    return Face(
+        *(kind, _vector(point), _vector(direction), box, radius / MILLIMETRES_PER_METRE),
+        *((high - low) / MILLIMETRES_PER_METRE, is_bore(face, surface, axis), _span(surface)),
+    )
+
+
+def _sphere(face: Any, surface: Any, sphere: gp_Sphere, box: tuple[Vector3, Vector3]) -> Face:
+    centre = _metres(sphere.Location())
+    at, outwards = _outwards(face, surface)
+    is_socket = bool((at - np.array(centre)) @ outwards < 0.0)
+    radius = sphere.Radius() / MILLIMETRES_PER_METRE
+    return Face(FaceKind.SPHERE, centre, _NO_AXIS, box, radius, bore=is_socket, span=_span(surface))
+
+
+def _outwards(face: Any, surface: Any) -> tuple[Array, Array]:
+    """A point [m] in the middle of a face's parameters, and the direction in which its outside looks there."""
+    u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
+    v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
+    at, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
+    surface.D1(u, v, at, along_u, along_v)
+    normal = np.array(_xyz(along_u.Crossed(along_v)))
+    if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
+        normal = -normal
+    return np.array(_metres(at)), normal
+
+
+def _span(surface: Any) -> float:
+    """Angle about the axis that a face covers; of a free form, whose parameter is no angle, the whole circle."""
+    if surface.GetType() in _FREE_FORMS:
+        return _ALL_ROUND
+    return min(_ALL_ROUND, abs(float(surface.LastUParameter() - surface.FirstUParameter())))
+
+
+def _box(face: Any) -> tuple[Vector3, Vector3]:
+    box = Bnd_Box()
+    BRepBndLib.Add_s(face, box, False)
+    if box.IsVoid():
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    box.SetGap(0.0)
+    if not box.IsOpen():
+        low, high = box.CornerMin(), box.CornerMax()
+        if low.Distance(high) < _LARGEST:
+            return _metres(low), _metres(high)
+    return _edge_box(face)
+
+
+def _edge_box(face: Any) -> tuple[Vector3, Vector3]:
+    """The box of a face's edges, for faces on surfaces that have no end."""
+    rings = _rings(face)
+    if not rings:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    points = np.concatenate(rings)
+    return _vector(points.min(axis=0)), _vector(points.max(axis=0))
+
+
+def _rings(face: Any) -> tuple[Array, ...]:
+    """Outline of a face, the outer wire first."""
+    outer = BRepTools.OuterWire_s(face)
+    rings: list[Array] = []
+    wires = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_WIRE)
+    while wires.More():
+        wire = TopoDS.Wire(wires.Current())
+        wires.Next()
+        pieces = []
+        edges = BRepTools_WireExplorer(wire, face)
+        while edges.More():
+            if not BRep_Tool.Degenerated_s(edges.Current()):
+                pieces.append(_edge_points(edges.Current()))
+            edges.Next()
+        ring = np.concatenate(pieces) if pieces else np.zeros((0, 3))
+        if len(ring) >= 3:
+            rings.insert(0, ring) if wire.IsSame(outer) else rings.append(ring)
+    return tuple(rings)
+
+
+def _edge_points(edge: Any) -> Array:
+    """Points (n, 3) [m] of an edge in the direction of its wire, without the last."""
+    curve = BRepAdaptor_Curve(edge)
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    is_reversed = edge.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+    kind = curve.GetType()
+    if kind == GeomAbs_CurveType.GeomAbs_Line:
+        return np.array([_metres(curve.Value(last if is_reversed else first))])
+    parameters = np.linspace(first, last, _SEGMENTS + 1)
+    if is_reversed:
+        parameters = parameters[::-1]
+    if kind == GeomAbs_CurveType.GeomAbs_Circle:
+        circle = curve.Circle()
+        centre, radius = np.array(_metres(circle.Location())), circle.Radius() / MILLIMETRES_PER_METRE
+        x, y = np.array(_xyz(circle.XAxis().Direction())), np.array(_xyz(circle.YAxis().Direction()))
+        t = parameters[:-1, None]
+        return np.asarray(centre + radius * (np.cos(t) * x + np.sin(t) * y))
+    return np.array([_metres(curve.Value(t)) for t in parameters[:-1].tolist()])
+
+
+def _xyz(p: Any) -> Vector3:
+    return p.X(), p.Y(), p.Z()
+
+
+def _metres(p: Any) -> Vector3:
+    return p.X() / MILLIMETRES_PER_METRE, p.Y() / MILLIMETRES_PER_METRE, p.Z() / MILLIMETRES_PER_METRE
+
+
+def _vector(values: Array) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z

@@ -1,0 +1,105 @@
+"""Opens a STEP file with the kernel and hands over its products as a document (XCAF).
+
+Transfer builds shapes without healing them: healing is most of its time, and is done body by body afterwards, in
+parallel (:mod:`stepbot.step.shapes.healing`).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from OCP.collections import DataMap_TCollection_AsciiString_TCollection_AsciiString as ParameterMap
+from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.Interface import Interface_Static
+from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Reader
+from OCP.TCollection import TCollection_AsciiString, TCollection_ExtendedString
+from OCP.TDocStd import TDocStd_Document
+from OCP.XCAFDoc import XCAFDoc_ShapeTool
+
+from stepbot.geometry.spatial import Array
+
+MILLIMETRES_PER_METRE = 1000.0
+"""The kernel's lengths are millimetres, whatever the file's unit is."""
+
+_SETTINGS = {
+    "xstep.cascade.unit": "MM",
+    "read.step.codepage": "UTF8",
+    # A part that has both an exact shape and triangles would come twice.
+    "read.step.tessellated": "OnNoBRep",
+}
+_HEALING = (
+    "FixFreeShellMode", "FixFreeFaceMode", "FixFreeWireMode", "FixSameParameterMode", "FixSolidMode",
+    "FixShellOrientationMode", "CreateOpenSolidMode", "FixShellMode", "FixFaceOrientationMode", "FixFaceMode",
+    "FixWireMode", "FixOrientationMode", "FixAddNaturalBoundMode", "FixMissingSeamMode", "FixSmallAreaWireMode",
+    "RemoveSmallAreaFaceMode", "FixIntersectingWiresMode", "FixLoopWiresMode", "FixSplitFaceMode",
+    "AutoCorrectPrecisionMode", "ModifyTopologyMode", "ModifyGeometryMode", "ClosedWireMode", "PreferencePCurveMode",
+    "FixReorderMode", "FixSmallMode", "FixConnectedMode", "FixEdgeCurvesMode", "FixDegeneratedMode", "FixLackingMode",
+    "FixSelfIntersectionMode", "RemoveLoopMode", "FixReversed2dMode", "FixRemovePCurveMode", "FixRemoveCurve3dMode",
+    "FixAddPCurveMode", "FixAddCurve3dMode", "FixSeamMode", "FixShiftedMode", "FixEdgeSameParameterMode",
+    "FixNotchedEdgesMode", "FixSelfIntersectingEdgeMode", "FixIntersectingEdgesMode",
+    "FixNonAdjacentIntersectingEdgesMode", "FixTailMode", "FixVertexPositionMode", "FixVertexToleranceMode",
+)  # fmt: skip
+_UNUSED = ("Layer", "SHUO", "GDT", "View", "Meta", "Props", "Mat")
+
+
+class StepUnreadable(Exception):
+    """The kernel does not accept the file; the message says what it answered."""
+
+
+@dataclass(frozen=True)
+class StepModel:
+    """A STEP file that was read, its shapes not built yet."""
+
+    reader: Any
+    """``STEPCAFControl_Reader``."""
+    session: Any
+    """Its work session, which holds the entities."""
+
+
+def read_model(path: Path) -> StepModel:
+    """Read the entities of a file in UTF-8.
+
+    Raises:
+        StepUnreadable: The kernel cannot make sense of the file.
+    """
+    STEPCAFControl_Controller.Init_s()
+    XCAFDoc_ShapeTool.SetAutoNaming_s(False)  # names are the file's, whoever used the kernel in this process before
+    for name, value in _SETTINGS.items():
+        if not Interface_Static.SetCVal_s(name, value):
+            raise AssertionError(f"the kernel has no setting {name} = {value}")
+    reader = STEPCAFControl_Reader()
+    status = reader.ReadFile(str(path))
+    if status != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise StepUnreadable(f"the kernel cannot read it ({str(status).rpartition('_Ret')[2].lower()})")
+    return StepModel(reader, reader.Reader().WS())
+
+
+def transfer(model: StepModel) -> Any:
+    """Build the shapes; the document that holds them.
+
+    Raises:
+        StepUnreadable: Not a single shape came of it.
+    """
+    reader = model.reader
+    # Earlier than this the settings would be lost: reading the file sets them anew.
+    switched_off = ParameterMap()
+    for name in _HEALING:
+        switched_off.Bind(TCollection_AsciiString(f"FixShape.{name}"), TCollection_AsciiString("0"))
+    reader.SetShapeFixParameters(switched_off)
+    for mode in _UNUSED:
+        getattr(reader, f"Set{mode}Mode")(False)
+    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
+    if not reader.Transfer(document):
+        raise StepUnreadable("the kernel finds no shape in it")
+    return document
+
+
+def matrix_of(transformation: Any) -> Array:
+    """A transformation of the kernel as a homogeneous matrix (4, 4) [m]."""
+    X = np.eye(4)
+    for row in range(3):
+        for column in range(3):
+            X[row, column] = transformation.Value(row + 1, column + 1)
+        X[row, 3] = transformation.Value(row + 1, 4) / MILLIMETRES_PER_METRE
+    return X

@@ -1,0 +1,205 @@
+"""Runs one function over many inputs in forked processes, so that a crash costs one input and every core works.
+
+A forked process shares what its parent has read; nothing is sent to it but numbers of inputs. Each takes the next
+number from a pipe, says so, and writes its results to a file of its own; when it dies, or is stopped because it takes
+too long, the parent knows over which input. Where there is no fork, the function runs in this process, which
+:mod:`stepbot.step.attempts` watches.
+"""
+
+import ctypes
+import os
+import pickle
+import signal
+import struct
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import BinaryIO, Generic, TypeVar
+
+from stepbot.runtime.cores import core_count
+from stepbot.runtime.processes import can_fork, end_with_parent
+
+from .attempts import Attempt
+
+T = TypeVar("T")
+
+_NUMBER = struct.Struct("<i")
+_LENGTH = struct.Struct("<q")
+_PIPE_NUMBERS = 1024
+"""Numbers that fit into a pipe at once, on the smallest of them."""
+
+
+@dataclass(frozen=True)
+class Died:
+    """A process ended in the middle of an input."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Raised:
+    """The function raised one of the errors that it is expected to."""
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class _Bug:
+    """The function raised something that nobody expected."""
+
+    trace: str
+
+
+class _Child(Generic[T]):
+    """A forked process that works through the shared pipe of numbers."""
+
+    def __init__(
+        self, function: Callable[[int], T], numbers: int, failures: tuple[type[Exception], ...], seconds: float
+    ) -> None:
+        self._seconds = seconds
+        self._results: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - read after the process has ended
+        sys.stdout.flush()
+        sys.stderr.flush()
+        with warnings.catch_warnings():
+            # Forking beside threads is risky where they hold locks; the kernel's process has none of its own.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            parent = os.getpid()
+            self.pid = os.fork()
+        if self.pid == 0:
+            status = 1
+            try:
+                end_with_parent(parent)
+                _work(function, numbers, self._results, failures, seconds)
+                status = 0
+            finally:  # a forked process must never return into its parent's code
+                os._exit(status)
+
+    def collect(self, results: dict[int, T | Died | Raised | _Bug]) -> None:
+        """Wait for the process and take over what it did."""
+        _, status = os.waitpid(self.pid, 0)
+        code = os.waitstatus_to_exitcode(status)
+        self._results.seek(0)
+        with self._results as file:
+            while head := file.read(_NUMBER.size):
+                number = _NUMBER.unpack(head)[0]
+                length = file.read(_LENGTH.size)
+                payload = file.read(_LENGTH.unpack(length)[0]) if len(length) == _LENGTH.size else b""
+                if len(length) < _LENGTH.size or len(payload) < _LENGTH.unpack(length)[0]:
+                    results[number] = Died(_reason(code, self._seconds))
+                    return
+                results[number] = pickle.loads(payload)
+
+
+def run(
+    function: Callable[[int], T],
+    order: Sequence[int],
+    *,
+    processes: int | None = None,
+    failures: tuple[type[Exception], ...] = (),
+    seconds: float = 0.0,
+    attempt: Attempt | None = None,
+) -> dict[int, T | Died | Raised]:
+    """Call ``function`` for every number of ``order``, the first ones first.
+
+    Args:
+        function: Its results must be picklable, and depend on nothing but the number.
+        order: The numbers, each once, the ones that take longest first.
+        processes: How many to use; None for one per core.
+        failures: Errors that are a result: given back as :class:`Raised`, where others end the program.
+        seconds: Processor time [s] that one input may take, where processes can be forked; 0 for any.
+        attempt: What stops and names an input that ends its process, where none is forked.
+    """
+    count = min(processes if processes is not None else core_count(), len(order))
+    if not can_fork() or (count < 2 and not seconds):
+        return {number: _call_here(function, number, failures, attempt) for number in order}
+    _give_back_freed_memory()
+    results: dict[int, T | Died | Raised | _Bug] = {}
+    left = list(order)
+    while left:
+        done = len(results)
+        batch, left = left[:_PIPE_NUMBERS], left[_PIPE_NUMBERS:]
+        reading, writing = os.pipe()
+        os.write(writing, b"".join(map(_NUMBER.pack, batch)))
+        os.close(writing)
+        children = [_Child(function, reading, failures, seconds) for _ in range(min(count, len(batch)))]
+        for child in children:
+            child.collect(results)
+        os.close(reading)
+        # Processes that died leave numbers that nobody took: they are done in a new round, without the fatal one.
+        left = [number for number in batch if number not in results] + left
+        if len(results) == done:
+            raise OSError("forked processes end before they begin")
+    return {number: _expected(results[number]) for number in order}
+
+
+def _give_back_freed_memory() -> None:
+    """Hand to the system what was freed: forked processes would fill its pages, each of them anew."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+    if trim is not None:  # glibc has it, musl does not
+        trim(0)
+
+
+def _expected(result: T | Died | Raised | _Bug) -> T | Died | Raised:
+    if isinstance(result, _Bug):
+        raise RuntimeError(f"in a forked process:\n{result.trace}")
+    return result
+
+
+def _call(function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...]) -> T | Raised:
+    try:
+        return function(number)
+    except failures as error:
+        return Raised(type(error).__name__, str(error))
+
+
+def _call_here(
+    function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...], attempt: Attempt | None
+) -> T | Died | Raised:
+    if attempt is None:
+        return _call(function, number, failures)
+    if (reason := attempt.reason(number)) is not None:
+        return Died(reason)
+    with attempt.at(number):
+        return _call(function, number, failures)
+
+
+def _work(
+    function: Callable[[int], T],
+    numbers: int,
+    results: BinaryIO,
+    failures: tuple[type[Exception], ...],
+    seconds: float,
+) -> None:
+    while head := os.read(numbers, _NUMBER.size):
+        number = _NUMBER.unpack(head)[0]
+        results.write(head)
+        results.flush()
+        # The signal of this timer ends the process even within native code that never comes back.
+        signal.setitimer(signal.ITIMER_PROF, seconds)
+        payload = _payload(function, number, failures)
+        results.write(_LENGTH.pack(len(payload)))
+        results.write(payload)
+        results.flush()
+
+
+def _payload(function: Callable[[int], T], number: int, failures: tuple[type[Exception], ...]) -> bytes:
+    try:
+        return pickle.dumps(_call(function, number, failures), protocol=5)
+    except Exception:  # noqa: BLE001 - raised again by the parent, with this traceback
+        import traceback
+
+        return pickle.dumps(_Bug(traceback.format_exc()), protocol=5)
+
+
+def _reason(code: int, seconds: float) -> str:
+    if code == -signal.SIGPROF:
+        return f"it took more than {seconds:g} s of processor time"
+    if code >= 0:
+        return f"exit code {code}"
+    try:
+        return signal.Signals(-code).name
+    except ValueError:
+        return f"signal {-code}"

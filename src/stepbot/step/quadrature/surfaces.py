@@ -1,0 +1,249 @@
+"""Surfaces as functions of arrays: points S(u, v) and the flux density S . (S_u x S_v) of the field S through them.
+
+A patch is one surface, or many of one kind. An integral over it runs along v first, from a start to each of many points
+of its boundary: the parameters u of those points are given beforehand, so that what depends on u is computed once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from OCP.gp import gp_Pnt, gp_Vec
+
+from stepbot.geometry.spatial import Array
+
+from .curves import Curve
+from .splines import Indices, SplineSurface, is_rational
+
+_NONE = np.empty(0)
+
+
+class Section(Protocol):
+    """A patch at given parameters u."""
+
+    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
+        """Points (m, 3) and flux densities (m,) at the parameters v (m,) of the numbered u (m,)."""
+
+
+class Patch(Protocol):
+    """One surface, or many of one kind."""
+
+    @property
+    def order(self) -> int:
+        """Gauss points that integrate along v, between two breaks, to rounding."""
+
+    @property
+    def breaks(self) -> tuple[Array, Array]:
+        """Parameters u and v at which the surface is less smooth."""
+
+    def section(self, u: Array, faces: Indices, /) -> Section:
+        """The patch at parameters u (k,) of the numbered surfaces (k,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """Origins and axes, each (n, 3)."""
+
+    origins: Array
+    x: Array
+    y: Array
+    z: Array
+
+    @staticmethod
+    def of(positions: Sequence[Any], origin: Array) -> "Frames":
+        """From the kernel's ``gp_Ax3``, with respect to an origin."""
+        rows = [
+            (axis.X(), axis.Y(), axis.Z())
+            for position in positions
+            for axis in (position.Location(), position.XDirection(), position.YDirection(), position.Direction())
+        ]
+        table = np.array(rows).reshape(-1, 4, 3)
+        return Frames(table[:, 0] - origin, table[:, 1], table[:, 2], table[:, 3])
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Planes; S is linear in u and v."""
+
+    frames: Frames
+    order: int = 2
+    breaks: tuple[Array, Array] = (_NONE, _NONE)
+
+    def section(self, u: Array, faces: Indices) -> Section:
+        """See :meth:`Patch.section`."""
+        frames = self.frames
+        normal = np.cross(frames.x, frames.y)
+        flux = (frames.origins * normal).sum(axis=1)
+        return _PlaneSection(frames.origins[faces] + u[:, None] * frames.x[faces], frames.y[faces], flux[faces])
+
+
+@dataclass(frozen=True, eq=False)
+class _PlaneSection:
+    start: Array
+    along: Array
+    flux: Array
+
+    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
+        return self.start[rows] + v[:, None] * self.along[rows], self.flux[rows]
+
+
+@dataclass(frozen=True, eq=False)
+class Quadrics:
+    """Cylinders and cones, or spheres and tori: of radius r0 + s v + q cos v at the height c v + q sin v."""
+
+    frames: Frames
+    shape: Array
+    """Shape (n, 4): r0, s, q, c of each."""
+    order: int
+    breaks: tuple[Array, Array] = (_NONE, _NONE)
+
+    def section(self, u: Array, faces: Indices) -> Section:
+        """See :meth:`Patch.section`."""
+        frames = self.frames
+        handed = np.sign((np.cross(frames.x, frames.y) * frames.z).sum(axis=1))[faces]
+        outwards = np.cos(u)[:, None] * frames.x[faces] + np.sin(u)[:, None] * frames.y[faces]
+        return _QuadricSection(frames.origins[faces], frames.z[faces], outwards, handed, self.shape[faces])
+
+
+@dataclass(frozen=True, eq=False)
+class _QuadricSection:
+    origins: Array
+    axes: Array
+    outwards: Array
+    handed: Array
+    shape: Array
+
+    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
+        r0, s, q, c = self.shape[rows].T
+        cos, sin = q * np.cos(v), q * np.sin(v)
+        radius, height = r0 + s * v + cos, c * v + sin
+        origins, axes, outwards = self.origins[rows], self.axes[rows], self.outwards[rows]
+        point = origins + radius[:, None] * outwards + height[:, None] * axes
+        out, up = (point * outwards).sum(axis=1), (point * axes).sum(axis=1)
+        return point, self.handed[rows] * radius * ((c + cos) * out - (s - sin) * up)
+
+
+@dataclass(frozen=True, eq=False)
+class Splined:
+    """A B-spline surface."""
+
+    surface: SplineSurface
+
+    @property
+    def order(self) -> int:
+        """See :meth:`Patch.order`."""
+        return min((5 * self.surface.v.degree + 1) // 2 + 4 * is_rational(self.surface.poles), 14)
+
+    @property
+    def breaks(self) -> tuple[Array, Array]:
+        """See :meth:`Patch.breaks`."""
+        return self.surface.breaks
+
+    def section(self, u: Array, _faces: Indices) -> Section:
+        """See :meth:`Patch.section`."""
+        return _SplinedSection(self.surface, self.surface.sections(u))
+
+
+@dataclass(frozen=True, eq=False)
+class _SplinedSection:
+    surface: SplineSurface
+    sections: tuple[Array, Array]
+
+    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
+        return _with_flux(*self.surface.at(self.sections, rows, v))
+
+
+@dataclass(frozen=True, eq=False)
+class Extruded:
+    """A curve moved along a line: S = C(u) + v d."""
+
+    curve: Curve
+    origin: Array
+    direction: Array
+    order: int = 2
+
+    @property
+    def breaks(self) -> tuple[Array, Array]:
+        """See :meth:`Patch.breaks`."""
+        return self.curve.breaks, _NONE
+
+    def section(self, u: Array, _faces: Indices) -> Section:
+        """See :meth:`Patch.section`."""
+        points, tangents = self.curve.at(u)
+        points = points - self.origin
+        flux = (points * np.cross(tangents, self.direction)).sum(axis=1)
+        return _PlaneSection(points, np.broadcast_to(self.direction, points.shape), flux)
+
+
+@dataclass(frozen=True, eq=False)
+class Revolved:
+    """A curve turned about a line: C(v), by the angle u."""
+
+    curve: Curve
+    center: Array
+    """A point of the axis."""
+    axis: Array
+    origin: Array
+    order: int = 10
+
+    @property
+    def breaks(self) -> tuple[Array, Array]:
+        """See :meth:`Patch.breaks`."""
+        return _NONE, self.curve.breaks
+
+    def section(self, u: Array, _faces: Indices) -> Section:
+        """See :meth:`Patch.section`."""
+        return _RevolvedSection(self, np.cos(u), np.sin(u))
+
+
+@dataclass(frozen=True, eq=False)
+class _RevolvedSection:
+    patch: Revolved
+    cos: Array
+    sin: Array
+
+    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
+        points, tangents = self.patch.curve.at(v)
+        center, axis = self.patch.center, self.patch.axis
+        cos, sin = self.cos[rows, None], self.sin[rows, None]
+
+        def turned(vectors: Array) -> tuple[Array, Array]:
+            along = (vectors @ axis)[:, None] * axis
+            across, beside = vectors - along, np.cross(axis, vectors)
+            return along + cos * across + sin * beside, cos * beside - sin * across
+
+        point, by_u = turned(points - center)
+        return _with_flux(point + (center - self.patch.origin), by_u, turned(tangents)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Any surface, point by point."""
+
+    adaptor: Any
+    origin: Array
+    breaks: tuple[Array, Array]
+    order: int = 10
+
+    def section(self, u: Array, _faces: Indices) -> Section:
+        """See :meth:`Patch.section`."""
+        return _SampledSection(self, u)
+
+
+@dataclass(frozen=True, eq=False)
+class _SampledSection:
+    patch: Sampled
+    u: Array
+
+    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
+        found = np.empty((len(v), 3, 3))
+        point, by_u, by_v = gp_Pnt(), gp_Vec(), gp_Vec()
+        for i, (a, b) in enumerate(zip(self.u[rows].tolist(), v.tolist(), strict=True)):
+            self.patch.adaptor.D1(a, b, point, by_u, by_v)
+            found[i] = [(each.X(), each.Y(), each.Z()) for each in (point, by_u, by_v)]
+        return _with_flux(found[:, 0] - self.patch.origin, found[:, 1], found[:, 2])
+
+
+def _with_flux(point: Array, by_u: Array, by_v: Array) -> tuple[Array, Array]:
+    return point, (point * np.cross(by_u, by_v)).sum(axis=1)

@@ -1,0 +1,186 @@
+"""Reads STEP files: the kernel runs in a process of its own, so that whatever it does ends in a diagnostic.
+
+reading = start_reading(path, options)      the kernel loads and reads while the caller does something else
+assembly = reading.finish(found)            waits; None where errors are in ``found``
+"""
+
+import ctypes.util
+import re
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+
+from . import KERNEL
+from .assembly import Assembly, ReadOptions
+from .attempts import BODY_SECONDS, Attempt
+from .exchange.part21 import Part21, check_step
+
+__all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
+
+_SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpat.so.1": "libexpat1"}
+"""Shared libraries that the kernel's wheel takes from the system, and their Debian packages."""
+_NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC")
+"""What systems say of a kernel that is there and does not load."""
+_MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
+
+
+@dataclass(frozen=True)
+class _Order:
+    """What the kernel's process is asked to do."""
+
+    path: Path
+    part21: Part21
+    options: ReadOptions
+    memory_limit: int | None
+    folder: "tempfile.TemporaryDirectory[str]"
+    """Where that process says which body it is at."""
+
+    def submit(self, worker: Worker, attempt: Attempt) -> Worker:
+        return worker.submit(str(self.path), str(self.path), self.part21, self.options, attempt)
+
+
+class Reading:
+    """A STEP file that is being read."""
+
+    def __init__(self, worker: Worker | None, order: _Order | None, place: str, found: Diagnostics) -> None:
+        self._worker, self._order, self._place, self._found = worker, order, place, found
+        if order is not None and worker is not None:
+            self._attempt = Attempt(order.folder.name, BODY_SECONDS)
+            order.submit(worker, self._attempt)
+
+    @property
+    def pid(self) -> int | None:
+        """Id of the kernel's process; None where there is none, or no longer."""
+        return self._worker.pid if self._worker is not None else None
+
+    def finish(self, found: Diagnostics, timeout: float = DEFAULT_TIMEOUT) -> Assembly | None:
+        """Wait for the assembly.
+
+        Args:
+            found: Receives what there is to say about the file.
+            timeout: Seconds after which the kernel is stopped.
+
+        Returns:
+            None where errors in ``found`` say why; bodies that failed are errors too, beside an assembly without them.
+        """
+        found.extend(self._found)
+        if self._worker is None:
+            return None
+        try:
+            assembly, diagnostics = self._result(time.monotonic() + timeout)
+        except WorkerDied as death:
+            _report_death(death, self._place, found)
+            return None
+        except RemoteError as error:
+            if not _report_import(error, found, self._place):
+                raise
+            return None
+        finally:
+            self.close()
+        found.extend(diagnostics)
+        return _read_only(assembly) if assembly is not None else None
+
+    def close(self) -> None:
+        """Stop reading; safe to call at any time."""
+        if self._worker is not None:
+            self._worker.close()
+            self._worker = None
+        if self._order is not None:
+            self._order.folder.cleanup()
+
+    def _result(self, deadline: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
+        """What the kernel's process answers, or another one that leaves out the bodies that ended those before."""
+        assert self._worker is not None
+        assert self._order is not None
+        while True:
+            try:
+                answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(
+                    max(deadline - time.monotonic(), 0.0)
+                )
+            except WorkerDied as death:
+                again = self._attempt.after(death.reason) if time.monotonic() < deadline else None
+                if again is None:
+                    raise
+                self._attempt = again
+                self._worker = self._order.submit(Worker(KERNEL, memory_limit=self._order.memory_limit), again)
+            else:
+                return answer
+
+
+def start_reading(
+    path: Path, options: ReadOptions, *, memory_limit: int | None = None, kernel: Worker | None = None
+) -> Reading:
+    """Begin to read a STEP file; returns at once.
+
+    Args:
+        path: The file; diagnostics name it as it is given.
+        options: What to compute.
+        memory_limit: Address space [bytes] that the kernel's process may take; None for no limit.
+        kernel: A process that was started for it; None to start one.
+    """
+    found = Diagnostics()
+    place = str(path)
+    worker = kernel or Worker(KERNEL, memory_limit=memory_limit)
+    try:
+        part21 = check_step(path, place, found, options.encoding)
+        if part21 is not None:
+            folder = tempfile.TemporaryDirectory(prefix="stepbot-", ignore_cleanup_errors=True)
+            return Reading(worker, _Order(path, part21, options, memory_limit, folder), place, found)
+    except BaseException:  # Ctrl-C: nobody will wait for the process
+        worker.close()
+        raise
+    worker.close()
+    return Reading(None, None, place, found)
+
+
+def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:
+    """Read a STEP file; None where errors in ``found`` say why."""
+    return start_reading(path, options).finish(found)
+
+
+def _report_death(death: WorkerDied, place: str, found: Diagnostics) -> None:
+    found.add(
+        "SB902",
+        f"the geometry kernel ended while it read the file: {death.reason}",
+        Span(place),
+        help=["open the file in another CAD program and export it again", "raise `--timeout` or `--memory-limit`"],
+        notes=death.last_lines,
+    )
+
+
+def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
+    """Whether the kernel could not even be loaded, and what is missing."""
+    if error.kind == "ModuleNotFoundError" and "OCP" in error.text:
+        found.add("SB003", "the geometry kernel is not installed", Span(place), help=["pip install cadquery-ocp-novtk"])
+        return True
+    named = _MISSING_LIBRARY.findall(error.text)
+    if error.kind != "ImportError" or not (named or _NOT_LOADED.search(error.text)):
+        return False  # an import of ours that fails is a bug
+    missing = [library for library in _SYSTEM_LIBRARIES if library in named or not _loads(library)] if named else []
+    others = [library for library in named if library not in missing]
+    packages = " ".join(_SYSTEM_LIBRARIES[library] for library in missing)
+    what = ", ".join([*missing, *others]) or error.text
+    remedies = [f"on Debian or Ubuntu: apt-get install {packages}"] if missing else []
+    remedies += [f"install the system package that has {library}" for library in others]
+    found.add("SB002", f"the geometry kernel does not load: {what} is missing", Span(place), help=remedies)
+    return True
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
+
+
+def _read_only(assembly: Assembly) -> Assembly:
+    """Arrays come writable out of the process; they are shared, so nobody may change them."""
+    for body in assembly.bodies:
+        for array in (body.mesh.vertices, body.mesh.faces, body.face_colors):
+            array.setflags(write=False)
+    return assembly

@@ -1,0 +1,1 @@
+"""One body at a time: healed, sewn, meshed, stitched, mirrored, its exact mass properties integrated."""

@@ -1,0 +1,174 @@
+"""How exact the mass properties of a solid are: the kernel's integration against stepbot's own, and against meshes.
+
+    simple solids          the kernel's, which is right to rounding there
+    both agree to 1e-5     stepbot's own; what they differ by is its error
+    both agree to 1e-3     stepbot's own where it has converged; what they differ by is its error
+    else                   whichever ever finer meshes tend to, and what it is off the limit of these
+
+A solid is simple if all its faces are planes, cylinders, cones, spheres or tori between edges of few spans.
+"""
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Any
+
+import numpy as np
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
+from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp
+from OCP.TopoDS import TopoDS
+
+from stepbot.geometry.spatial import Array
+from stepbot.geometry.volume import VolumeProperties
+
+from ..assembly import CERTAIN
+from ..kernel import MILLIMETRES_PER_METRE
+from ..quadrature.solids import properties_of, quadrature
+from ..topology import faces_of
+from .stitching import Stitched, is_watertight
+from .tessellation import Tessellation, tessellated
+
+_SAME = 1e-9
+"""Relative difference up to which the kernel's integration is kept as it is."""
+_AGREEMENT = 1e-5
+"""Relative difference up to which two ways to integrate need no third."""
+_CONVERGED = 1e-7
+_MOST_PARTS = 8
+_MOST_TRIANGLES = 50_000
+"""Triangles beyond which no finer mesh is made as a second opinion."""
+_SIMPLE_ERROR = 1e-9
+"""What the kernel is off on simple solids at most, as measured on closed forms and real files."""
+_SIMPLE_SPANS = 8
+_SIMPLE = frozenset(
+    (
+        GeomAbs_SurfaceType.GeomAbs_Plane,
+        GeomAbs_SurfaceType.GeomAbs_Cylinder,
+        GeomAbs_SurfaceType.GeomAbs_Cone,
+        GeomAbs_SurfaceType.GeomAbs_Sphere,
+        GeomAbs_SurfaceType.GeomAbs_Torus,
+    )
+)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Mass properties and how far they may be off."""
+
+    properties: VolumeProperties
+    error: float
+    """Relative, of volume, centre and inertia; above :data:`.assembly.CERTAIN` they are not known."""
+    opinions: tuple[tuple[str, float], ...] = ()
+    """Volumes [m^3] that several ways gave, where they do not agree."""
+
+
+def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_closed: bool) -> Estimate:
+    """Mass properties of a closed solid.
+
+    Args:
+        shape: The solid [mm].
+        kernel: What the kernel's integration says of it.
+        mesh: A mesh of it.
+        is_closed: Whether that is closed; else it has no say.
+    """
+
+    def fits(properties: VolumeProperties) -> bool:
+        """Whether the mesh is as far off as its fineness explains."""
+        volume = mesh.mesh.signed_volume / MILLIMETRES_PER_METRE**3
+        return not is_closed or abs(volume - properties.volume) <= mesh.volume_tolerance * properties.volume
+
+    if fits(kernel) and is_simple(shape):
+        return Estimate(kernel, _SIMPLE_ERROR)
+    origin = np.array(kernel.unit_density.com) * MILLIMETRES_PER_METRE
+    if len(mesh.mesh.vertices):
+        origin = 0.5 * (mesh.mesh.vertices.min(axis=0) + mesh.mesh.vertices.max(axis=0))
+    own = _integrated(shape, origin, kernel)
+    if own is None:
+        return _by_meshes(shape, mesh, [Estimate(kernel, inf)]) if is_closed else Estimate(kernel, inf)
+    apart = _apart(own.properties, kernel)
+    if apart <= _AGREEMENT and fits(own.properties):
+        return Estimate(kernel if apart <= _SAME else own.properties, max(apart, _SIMPLE_ERROR))
+    if apart <= CERTAIN and own.error <= _AGREEMENT and fits(own.properties):
+        return Estimate(own.properties, max(apart, own.error))
+    if is_closed:
+        return _by_meshes(shape, mesh, [own, Estimate(kernel, 0.0)])
+    opinions = (("stepbot", own.properties.volume), ("the kernel", kernel.volume))
+    return Estimate(own.properties, max(apart, own.error), opinions)
+
+
+def is_simple(shape: Any) -> bool:
+    """Whether all faces are planes, cylinders, cones, spheres or tori, and all edges short."""
+    if any(BRepAdaptor_Surface(face, False).GetType() not in _SIMPLE for face in faces_of(shape)):
+        return False
+    edges = ShapeMap()
+    TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_EDGE, edges)
+    for index in range(1, edges.Extent() + 1):
+        edge = TopoDS.Edge(edges.FindKey(index))
+        if BRep_Tool.Degenerated_s(edge):
+            continue
+        curve = BRepAdaptor_Curve(edge)
+        if curve.GetType() == GeomAbs_CurveType.GeomAbs_BSplineCurve and curve.NbKnots() > _SIMPLE_SPANS + 1:
+            return False
+    return True
+
+
+def _integrated(shape: Any, origin: Array, kernel: VolumeProperties) -> Estimate | None:
+    """By stepbot's own integration, until it agrees with the kernel's or does not change any more."""
+    last, parts, error = properties_of(quadrature(shape, origin, 1), origin), 1, inf
+    while last is not None and parts < _MOST_PARTS and error > _CONVERGED:
+        if _apart(last, kernel) <= _AGREEMENT:
+            return Estimate(last, _apart(last, kernel))
+        parts *= 2
+        finer = properties_of(quadrature(shape, origin, parts), origin)
+        error = inf if finer is None else _apart(last, finer)
+        last = finer
+    return None if last is None else Estimate(last, error)
+
+
+def _by_meshes(shape: Any, mesh: Tessellation, candidates: list[Estimate]) -> Estimate:
+    """The candidate that ever finer meshes tend to, and what it is off their limit.
+
+    What a mesh is off falls with the square of its angles, and with its deflection: so two of them give their
+    limit. The first two are the one that is there, and a coarser one.
+    """
+    origin = 0.5 * (mesh.mesh.vertices.min(axis=0) + mesh.mesh.vertices.max(axis=0))
+    coarse = tessellated(shape, mesh.fineness.scaled_by_square(2.0)).mesh
+    last = _moments(coarse, origin) if is_watertight(coarse.faces) else None
+    current, fine, opinions = mesh.mesh, mesh.fineness, []
+    best = replace(candidates[0], error=inf)
+    while True:
+        if is_watertight(current.faces):
+            moments = _moments(current, origin)
+            limits = [moments] if last is None else [moments, (4.0 * moments - last) / 3.0]
+            last = moments
+            for limit in filter(None, (properties_of(limit, origin) for limit in limits)):
+                judged = [replace(c, error=max(c.error, _apart(limit, c.properties))) for c in candidates]
+                best = min(best, *judged, key=lambda estimate: estimate.error)
+                opinions = [("meshes", limit.volume)]
+        if best.error <= CERTAIN or len(current.faces) > _MOST_TRIANGLES:
+            break
+        fine = fine.scaled_by_square(0.5)
+        current = tessellated(shape, fine).mesh
+    if best.error <= CERTAIN:
+        return best
+    names = ("stepbot", "the kernel") if len(candidates) > 1 else ("the kernel",)
+    volumes = (c.properties.volume for c in candidates)
+    return replace(best, opinions=(*zip(names, volumes, strict=True), *opinions))
+
+
+def _apart(a: VolumeProperties, b: VolumeProperties) -> float:
+    return a.deviation_from(b)[0]
+
+
+def _moments(mesh: Stitched, origin: Array) -> Array:
+    """The ten integrals of :func:`.quadrature.quadrature` over a closed mesh."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] - origin for k in range(3))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    total = a + b + c
+    second = [
+        (volume * (total[:, i] * total[:, j] + a[:, i] * a[:, j] + b[:, i] * b[:, j] + c[:, i] * c[:, j])).sum() / 20.0
+        for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    ]
+    return np.array([volume.sum(), *(volume[:, None] * total).sum(axis=0) / 4.0, *second])

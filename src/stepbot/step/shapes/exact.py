@@ -1,0 +1,49 @@
+"""Mass properties of the exact B-rep, by the kernel's integration over its faces (GProp).
+
+It is exact to 1e-14 on planes, quadrics and tori between short edges. Elsewhere it is often off by 1e-5, and by 10 % on
+faces with many spans, which it does not integrate span by span; with adaptive subdivision it ends at another value for
+each tolerance. So :mod:`.certainty` compares it with stepbot's own integration.
+"""
+
+from typing import Any
+
+import numpy as np
+from OCP.BRepGProp import BRepGProp
+from OCP.GProp import GProp_GProps
+
+from stepbot.geometry.volume import VolumeProperties
+
+from ..kernel import MILLIMETRES_PER_METRE
+
+_ADAPTIVE_AREA = 1e-6
+"""Relative error at which the integration of areas ends; the plain one misses up to 1e-3 of a rational B-spline."""
+
+
+def integrate(shape: Any) -> Any:
+    """The kernel's ``GProp_GProps`` of the volume that a shape encloses [mm]."""
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return properties
+
+
+def surface_area(shape: Any) -> float:
+    """Area [m^2] of all faces, by subdividing them until it does not change any more; 0 where it is not a number."""
+    properties = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(shape, properties, _ADAPTIVE_AREA, False)
+    area = properties.Mass() / MILLIMETRES_PER_METRE**2
+    return float(area) if np.isfinite(area) else 0.0
+
+
+def volume_properties(properties: Any) -> VolumeProperties | None:
+    """In SI; None for no volume at all, or one that is not a number.
+
+    The kernel gives the inertia about the centre of mass, along the axes of the shape's frame.
+    """
+    volume = properties.Mass()
+    center, matrix = properties.CentreOfMass(), properties.MatrixOfInertia()
+    com = np.array([center.X(), center.Y(), center.Z()])
+    inertia = np.array([[matrix.Value(row, column) for column in (1, 2, 3)] for row in (1, 2, 3)])
+    if not (volume > 0.0 and np.isfinite(volume) and np.isfinite(com).all() and np.isfinite(inertia).all()):
+        return None
+    scale = MILLIMETRES_PER_METRE
+    return VolumeProperties.of(volume / scale**3, com / scale, inertia / scale**5)

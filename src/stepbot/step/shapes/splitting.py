@@ -1,0 +1,91 @@
+"""Parts a closed mesh along edges where more than two of its faces meet, without changing its shape.
+
+Blocks of one solid that touch along an edge give an edge with four faces. Their mesh encloses a volume all the same,
+but no program for closed meshes takes it. Around such an edge outside and inside alternate: faces with the inside
+between them belong together, and each pair gets a middle of the edge for itself, so that no two pairs share an edge.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+
+from .stitching import Indices, Stitched
+
+_COINCIDENT = 1e-6
+"""Angle [rad] between two faces at an edge below which one lies upon the other."""
+
+# Sides are numbered over all triangles: side s of triangle s // 3 runs from its corner s % 3 to the next one.
+
+
+def parted(mesh: Stitched) -> Stitched:
+    """The mesh with two faces at every edge; where inside and outside do not alternate, it stays as it is."""
+    while True:
+        cuts = _cuts(mesh)
+        if not cuts:
+            return mesh
+        mesh = _divided(mesh, cuts)
+
+
+def _cuts(mesh: Stitched) -> list[tuple[int, int]]:
+    """Pairs of sides to divide next, such that no triangle is divided twice."""
+    cuts: list[tuple[int, int]] = []
+    divided: set[int] = set()
+    for sides in _crowded(mesh.faces):
+        triangles = set((sides // 3).tolist())
+        if divided.isdisjoint(triangles) and (pairs := _pairs_around(mesh, sides)):
+            cuts += pairs
+            divided |= triangles
+    return cuts
+
+
+def _crowded(faces: NDArray[np.int32]) -> list[Indices]:
+    """The sides at each edge that has more than two."""
+    start, end = faces.reshape(-1).astype(np.int64), np.roll(faces, -1, axis=1).reshape(-1).astype(np.int64)
+    edges = np.minimum(start, end) * (int(faces.max(initial=0)) + 1) + np.maximum(start, end)
+    order = np.argsort(edges, kind="stable")
+    _, first, count = np.unique(edges[order], return_index=True, return_counts=True)
+    return [order[first[i] : first[i] + count[i]] for i in np.flatnonzero(count > 2)]
+
+
+def _pairs_around(mesh: Stitched, sides: Indices) -> list[tuple[int, int]]:
+    """The sides at one edge in pairs with the inside between them; none where inside and outside do not alternate."""
+    start, end, opposite = (mesh.faces[sides // 3, (sides + k) % 3] for k in range(3))
+    is_forward = start == start[0]
+    angles = _angles(mesh.vertices[opposite], mesh.vertices[start[0]], mesh.vertices[end[0]])
+    order = np.argsort(angles)
+    gaps = np.diff(np.append(angles[order], angles[order[0]] + 2.0 * np.pi))
+    if not gaps.min() > _COINCIDENT:
+        return []
+    # Counter-clockwise around the edge the outside follows a face that runs forwards, the inside one that does not.
+    if is_forward[order[0]]:
+        order = np.roll(order, -1)
+    backward, forward = order[0::2], order[1::2]
+    if len(sides) % 2 or is_forward[backward].any() or not is_forward[forward].all():
+        return []
+    return [(int(a), int(b)) for a, b in zip(sides[backward], sides[forward], strict=True)]
+
+
+def _angles(points: Array, start: Array, end: Array) -> Array:
+    """Angles [rad] of points (n, 3) around the axis from start to end, from the first point on; NaN without an axis."""
+    with np.errstate(invalid="ignore"):
+        axis = (end - start) / np.linalg.norm(end - start)
+    offsets = points - start
+    radial = offsets - np.outer(offsets @ axis, axis)
+    angles: Array = np.arctan2(radial @ np.cross(axis, radial[0]), radial @ radial[0]) % (2.0 * np.pi)
+    return angles
+
+
+def _divided(mesh: Stitched, cuts: list[tuple[int, int]]) -> Stitched:
+    """The mesh with both triangles of each cut divided at the middle of their sides, by a vertex of the cut's own."""
+    sides = np.array(cuts)
+    triangles, corners = sides // 3, [mesh.faces[sides // 3, (sides + k) % 3] for k in range(3)]
+    start, end, opposite = corners
+    middles = 0.5 * (mesh.vertices[start[:, 0]] + mesh.vertices[end[:, 0]])
+    middle = np.repeat(len(mesh.vertices) + np.arange(len(cuts)), 2).reshape(-1, 2)
+    faces = np.concatenate([mesh.faces, np.stack([middle, end, opposite], axis=-1).reshape(-1, 3)])
+    faces[triangles.reshape(-1)] = np.stack([start, middle, opposite], axis=-1).reshape(-1, 3)
+    places = np.concatenate([mesh.places, mesh.places[triangles.reshape(-1)]])
+    return replace(mesh, vertices=np.concatenate([mesh.vertices, middles]), faces=faces.astype(np.int32), places=places)

@@ -1,0 +1,188 @@
+"""Faces meshed one by one become one mesh, watertight wherever the solid is.
+
+The mesher divides an edge once, for all its faces, and tells for each face which of its nodes lie on it. Nodes that
+stand for the same point of an edge, or for the same vertex, become one; no distance is ever compared, so thin walls
+stay apart and gaps are never closed by chance.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class FacetedFace:
+    """The triangles of one face; they look outwards."""
+
+    place: int
+    """Place of the face in its shape, from 0."""
+    nodes: Array
+    """Shape (n, 3)."""
+    triangles: NDArray[np.int32]
+    """Shape (m, 3), indices of the face's own nodes."""
+
+
+@dataclass(frozen=True)
+class EdgeUse:
+    """An edge as one side of a face."""
+
+    place: int
+    """Place of the face."""
+    edge: int
+    """Number of the edge, the same for every face that has it."""
+    nodes: list[int]
+    """The face's own nodes on the edge, from 1, in the edge's direction; empty where the face has no triangles."""
+    ends: tuple[int, int]
+    """Numbers of the vertices; 0 where there is none."""
+    is_point: bool
+    """Whether the edge is a point, such as a pole of a sphere."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stitched:
+    """One mesh of all faces."""
+
+    vertices: Array
+    """Shape (n, 3)."""
+    faces: NDArray[np.int32]
+    """Shape (m, 3)."""
+    places: NDArray[np.int32]
+    """Shape (m,): which face of the shape each triangle is of."""
+    open_edges: int
+    """Number of edges of the shape that belong to one face only."""
+
+    @property
+    def signed_volume(self) -> float:
+        """Volume of a closed mesh; negative where its faces look inwards."""
+        if not len(self.faces):
+            return 0.0
+        a, b, c = (self.vertices[self.faces[:, k]] - self.vertices.mean(axis=0) for k in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    @property
+    def area(self) -> float:
+        """Area of all faces."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+
+    def turned(self) -> "Stitched":
+        """The same mesh with its faces looking the other way."""
+        return Stitched(self.vertices, self.faces[:, ::-1], self.places, self.open_edges)
+
+
+def stitched(faces: Sequence[FacetedFace], uses: Sequence[EdgeUse]) -> Stitched:
+    """Join faces along the edges that they share."""
+    starts = _starts(faces)
+    total = sum(len(face.nodes) for face in faces)
+    left, right = _same_points(uses, starts)
+    roots = merged_labels(total, left, right)
+    triangles = _triangles(faces, starts)
+    places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
+    nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))])
+    return _assembled(nodes, roots[triangles], places, _open_edges(uses))
+
+
+def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
+    """Join faces at nodes with equal coordinates: for triangles that came without edges, as in tessellated STEP."""
+    starts = _starts(faces)
+    nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))]) + 0.0
+    triangles = _triangles(faces, starts)
+    places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
+    _, first, inverse = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
+    return _assembled(nodes, first[inverse.reshape(-1)][triangles], places, 0)
+
+
+def is_watertight(faces: NDArray[np.int32]) -> bool:
+    """Whether every edge joins exactly two faces that agree on the outside: it runs once each way."""
+    if not len(faces):
+        return False
+    start, end = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
+    span = int(faces.max()) + 1
+    forward, backward = np.sort(start * span + end), np.sort(end * span + start)
+    return bool((forward[1:] != forward[:-1]).all() and (forward == backward).all())
+
+
+def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
+    """For each of ``count`` elements the lowest that pairs (left, right) join it to, itself included."""
+    labels = np.arange(count, dtype=np.int64)
+    while True:
+        a, b = labels[left], labels[right]
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        apart = low != high
+        if not apart.any():
+            return labels
+        np.minimum.at(labels, high[apart], low[apart])
+        while True:
+            shorter = labels[labels]
+            if (shorter == labels).all():
+                break
+            labels = shorter
+
+
+def _same_points(uses: Sequence[EdgeUse], starts: dict[int, int]) -> tuple[Indices, Indices]:
+    """Pairs of nodes, counted over all faces, that stand for one point."""
+    first_use: dict[int, Indices] = {}
+    at_vertex: dict[int, int] = {}
+    left, right = [_none()], [_none()]
+    vertex_pairs: list[tuple[int, int]] = []
+    for use in uses:
+        if not use.nodes:
+            continue
+        nodes = np.array(use.nodes, dtype=np.int64) + (starts[use.place] - 1)
+        if use.is_point:
+            left.append(nodes[1:])
+            right.append(np.full(len(nodes) - 1, nodes[0]))
+        else:
+            other = first_use.setdefault(use.edge, nodes)
+            if len(other) == len(nodes) and other is not nodes:
+                left.append(other)
+                right.append(nodes)
+        for vertex, node in zip(use.ends, (int(nodes[0]), int(nodes[-1])), strict=True):
+            if vertex:
+                vertex_pairs.append((at_vertex.setdefault(vertex, node), node))
+    if vertex_pairs:
+        pairs = np.array(vertex_pairs, dtype=np.int64)
+        left.append(pairs[:, 0])
+        right.append(pairs[:, 1])
+    return np.concatenate(left), np.concatenate(right)
+
+
+def _assembled(nodes: Array, triangles: Indices, places: NDArray[np.int32], open_edges: int) -> Stitched:
+    """Drop triangles that fell together, number the nodes that are left in their old order."""
+    a, b, c = triangles.T
+    kept = (a != b) & (b != c) & (c != a)
+    used, renumbered = np.unique(triangles[kept], return_inverse=True)
+    faces = renumbered.reshape(-1, 3).astype(np.int32)
+    return Stitched(nodes[used], faces, places[kept], open_edges)
+
+
+def _open_edges(uses: Sequence[EdgeUse]) -> int:
+    """How many edges have one side only; a seam has its face on both sides, a point none at all."""
+    sides = Counter(use.edge for use in uses if not use.is_point)
+    return sum(count == 1 for count in sides.values())
+
+
+def _triangles(faces: Sequence[FacetedFace], starts: dict[int, int]) -> Indices:
+    """Triangles (m, 3) of all faces, by nodes counted over all of them."""
+    parts = [face.triangles.astype(np.int64) + starts[face.place] for face in faces]
+    return np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
+
+
+def _starts(faces: Sequence[FacetedFace]) -> dict[int, int]:
+    """For each face the number of nodes before its own."""
+    starts, total = {}, 0
+    for face in faces:
+        starts[face.place] = total
+        total += len(face.nodes)
+    return starts
+
+
+def _none() -> Indices:
+    return np.empty(0, dtype=np.int64)

@@ -1,0 +1,144 @@
+"""Meshes bodies with the kernel's mesher, to a tolerance relative to each.
+
+Where the mesher leaves holes it is asked again: where it left out a face, after its stumbling blocks are cleared
+(:mod:`.straightening`), then by its other algorithm and finer. Elsewhere they are cleared last, since that sends it
+into an endless loop on some faces that it meshes well as they are.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from OCP.Bnd import Bnd_Box
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.BRepTools import BRepTools
+from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
+
+from ..assembly import MeshTolerance
+from ..kernel import MILLIMETRES_PER_METRE
+from ..topology import faces_of
+from .splitting import parted
+from .stitching import Stitched, is_watertight, stitched
+from .straightening import straighten
+from .triangles import edge_uses, faceted_faces
+
+MAX_FACES = 200_000
+"""Most faces of a body's written mesh."""
+
+_DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
+"""Divide and conquer: as good as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
+_WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
+_COARSEST_ANGLE = math.pi / 2
+_COARSEST_DEFLECTION = 0.1
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """How finely one body is meshed."""
+
+    deflection: float
+    """Chordal deviation [mm]."""
+    angle: float
+    """[rad]."""
+
+    def scaled(self, factor: float) -> "Fineness":
+        """Both tolerances times a factor."""
+        return Fineness(self.deflection * factor, self.angle * factor)
+
+    def scaled_by_square(self, factor: float) -> "Fineness":
+        """The angle times a factor, the deflection times its square; the error of a mesh then scales by the square."""
+        return Fineness(self.deflection * factor**2, self.angle * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class Tessellation:
+    """The mesh of a body."""
+
+    mesh: Stitched
+    """[mm]."""
+    fineness: Fineness
+    """What it was made with in the end."""
+    missing: list[int] = field(default_factory=list)
+    """Places of faces that have no triangles."""
+
+    @property
+    def volume_tolerance(self) -> float:
+        """Share of the volume by which a mesh of this fineness may be off.
+
+        A facet of a cylinder that spans the angle a misses a^2/6 of it, of a sphere up to a^2/4; and nowhere is a mesh
+        further from its surface than the chordal deviation.
+        """
+        by_angle = self.fineness.angle**2 / 2 + 0.02
+        volume = abs(self.mesh.signed_volume)
+        by_deflection = 1.5 * self.mesh.area * self.fineness.deflection / volume if volume > 0.0 else by_angle
+        return max(0.01, min(by_angle, by_deflection))
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the mesh has every face, and closes unless the shape itself is open."""
+        return not self.missing and (self.mesh.open_edges > 0 or is_watertight(self.mesh.faces))
+
+
+def diagonal(shape: Any) -> float:
+    """Diagonal [mm] of a box around a shape."""
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box, False)
+    return 0.0 if box.IsVoid() else math.sqrt(box.SquareExtent())
+
+
+def fineness(tolerances: tuple[MeshTolerance, ...], size: float) -> Fineness:
+    """The finest of several tolerances for a body of diagonal ``size`` [mm]."""
+    deflections = (t.absolute * MILLIMETRES_PER_METRE or t.relative * size for t in tolerances)
+    return Fineness(min(deflections), min(t.angle for t in tolerances))
+
+
+def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
+    """Mesh a shape, in several ways if need be until no face is missing and the mesh is as closed as the shape."""
+    faces = faces_of(shape)
+    best = _meshed(shape, faces, wanted, _DELABELLA)
+    for algorithm, factor in () if best.is_complete else _ways(faces, bool(best.missing)):
+        other = _meshed(shape, faces, wanted.scaled(factor), algorithm)
+        if other.is_complete:
+            return other
+        if len(other.missing) < len(best.missing):
+            best = other
+    return best
+
+
+def tessellated_once(shape: Any, wanted: Fineness) -> Tessellation:
+    """Mesh a shape in the usual way only, complete or not."""
+    return _meshed(shape, faces_of(shape), wanted, _DELABELLA)
+
+
+def _ways(faces: list[Any], is_lacking: bool) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:
+    """Algorithms and factors on the tolerance to try on a body that came out incomplete; straightens it on the way."""
+    if is_lacking and straighten(faces):
+        yield _DELABELLA, 1.0
+    yield from ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+    if straighten(faces):
+        yield from ((_DELABELLA, 1.0), (_WATSON, 1.0))
+
+
+def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:
+    """Mesh a shape of diagonal ``size`` [mm], more coarsely than asked where it takes more than :data:`MAX_FACES`."""
+    result = tessellated(shape, wanted)
+    while len(result.mesh.faces) > MAX_FACES:
+        current = result.fineness
+        if current.angle >= _COARSEST_ANGLE and current.deflection >= _COARSEST_DEFLECTION * size:
+            break
+        # Faces of a doubly curved surface grow with the square of the fineness, of a cylinder with its first power.
+        factor = max(1.25, math.sqrt(len(result.mesh.faces) / MAX_FACES))
+        result = tessellated(shape, current.scaled(factor))
+    return result
+
+
+def _meshed(shape: Any, faces: list[Any], wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> Tessellation:
+    parameters = IMeshTools_Parameters()
+    parameters.MeshAlgo = algorithm
+    parameters.Deflection, parameters.Angle = wanted.deflection, min(wanted.angle, _COARSEST_ANGLE)
+    BRepTools.Clean_s(shape)
+    BRepMesh_IncrementalMesh(shape, parameters)
+    found, missing = faceted_faces(faces)
+    return Tessellation(parted(stitched(found, edge_uses(faces))), wanted, missing)

@@ -1,0 +1,156 @@
+"""Materials and densities in a STEP file, in kg/m^3 whatever unit the file gives them in.
+
+A density is a measure with a derived unit, attached to a product definition; a name is a descriptive item beside it,
+the product of a raw material that the part is made from, or a material designation. The kernel's own reader drops the
+mass unit and every unit that is not SI, so the model is asked directly.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from OCP.StepBasic import StepBasic_ProductDefinition
+from OCP.StepRepr import (
+    StepRepr_DescriptiveRepresentationItem,
+    StepRepr_MakeFromUsageOption,
+    StepRepr_MaterialDesignation,
+    StepRepr_PropertyDefinition,
+    StepRepr_PropertyDefinitionRepresentation,
+)
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from ..exchange.declared_units import derived_unit, measure_of
+from ..exchange.selection import described_by, entities, items, shaped, text
+from .source import StepMaterial
+
+
+@dataclass
+class _Claims:
+    """What the file says about one product definition."""
+
+    names: list[str] = field(default_factory=list)
+    densities: list[float] = field(default_factory=list)
+
+
+class Materials:
+    """Materials of the product definitions of one file."""
+
+    def __init__(self, session: Any, place: str, found: Diagnostics) -> None:
+        """Read them all.
+
+        Args:
+            session: The reader's work session.
+            place: What diagnostics call the file.
+            found: Receives what is wrong with densities.
+        """
+        self._claims: dict[
+            int, tuple[Any, _Claims]
+        ] = {}  # by identity; the entity is kept, so that its id stays its own
+        strange: list[str] = []
+        for relation in entities(session, StepRepr_PropertyDefinitionRepresentation):
+            self._read_property(relation, strange)
+        for designation in entities(session, StepRepr_MaterialDesignation):
+            definition = shaped(designation.OfDefinition().Value())
+            if isinstance(definition, StepBasic_ProductDefinition):
+                self._of(definition).names.append(text(designation.Name()))
+        for usage in entities(session, StepRepr_MakeFromUsageOption):
+            self._read_raw_material(usage)
+        if strange:
+            _report_strange(strange, place, found)
+        self._place, self._found = place, found
+
+    def of(self, definition: Any, product: str) -> StepMaterial:
+        """The material of a product definition; densities that contradict each other count as none.
+
+        Args:
+            definition: The entity.
+            product: Name of the product, for diagnostics.
+        """
+        if id(definition) not in self._claims:
+            return StepMaterial()
+        claims = self._claims[id(definition)][1]
+        densities = list(dict.fromkeys(claims.densities))
+        name = next((name for name in claims.names if name.strip()), "")
+        if len(densities) > 1 and not math.isclose(min(densities), max(densities), rel_tol=1e-6):
+            values = ", ".join(f"{value:g}" for value in densities)
+            self._found.add(
+                "SB212",
+                f"'{product}': the file gives several densities: {values} kg/m^3",
+                Span(self._place),
+                help=["give the one that holds in the sidecar, under `parts`"],
+            )
+            return StepMaterial(name)
+        return StepMaterial(name, densities[0] if densities else 0.0)
+
+    def _of(self, definition: Any) -> _Claims:
+        return self._claims.setdefault(id(definition), (definition, _Claims()))[1]
+
+    def _read_property(self, relation: Any, strange: list[str]) -> None:
+        """Take over a density or a material's name from one property of a product definition."""
+        property_definition = relation.Definition().Value()
+        if not isinstance(property_definition, StepRepr_PropertyDefinition) or relation.UsedRepresentation() is None:
+            return
+        definition = described_by(property_definition)
+        if not isinstance(definition, StepBasic_ProductDefinition):
+            return
+        title = " ".join((_described(property_definition), text(relation.UsedRepresentation().Name()))).lower()
+        for item in items(relation.UsedRepresentation()):
+            if isinstance(item, StepRepr_DescriptiveRepresentationItem):
+                if "material" in title and (name := _material_name(item)):
+                    self._of(definition).names.append(name)
+            elif (measure := measure_of(item)) is not None:
+                self._read_measure(definition, measure, "density" in title, strange)
+
+    def _read_measure(self, definition: Any, measure: Any, is_density: bool, strange: list[str]) -> None:
+        value = measure.ValueComponent()
+        unit = derived_unit(measure)
+        if unit is None or unit.dimensions != (1.0, -3.0):
+            if is_density:
+                strange.append(f"{value:g} {unit.name if unit else 'without unit'}")
+            return
+        density = value * unit.size
+        if density > 0.0 and math.isfinite(density):
+            self._of(definition).densities.append(_tidy(density))
+        elif density != 0.0:  # zero says that there is none
+            strange.append(f"{value:g} {unit.name}")
+
+    def _read_raw_material(self, usage: Any) -> None:
+        """A part that is made from another product takes that one's density, and its name as the material's."""
+        part, raw = usage.RelatingProductDefinition(), usage.RelatedProductDefinition()
+        if part is None or raw is None or id(raw) not in self._claims:
+            return
+        formation = raw.Formation()
+        product = formation.OfProduct() if formation is not None else None
+        name = (text(product.Name()) or text(product.Id())) if product is not None else ""
+        claims = self._of(part)
+        claims.names += [*self._claims[id(raw)][1].names, name]
+        claims.densities += self._claims[id(raw)][1].densities
+
+
+def _material_name(item: Any) -> str:
+    """The name that a descriptive item gives; its description where the name only says what it is."""
+    name = text(item.Name()).strip()
+    return text(item.Description()).strip() if name.lower() in ("", "material", "material name") else name
+
+
+def _described(property_definition: Any) -> str:
+    description = property_definition.Description() if property_definition.HasDescription() else None
+    return f"{text(property_definition.Name())} {text(description)}"
+
+
+def _tidy(density: float) -> float:
+    """Without the noise of the conversion: 7.85 g/cm^3 is 7850, not 7849.999999999999."""
+    return float(f"{density:.12g}")
+
+
+def _report_strange(strange: list[str], place: str, found: Diagnostics) -> None:
+    values: Iterator[str] = iter(dict.fromkeys(strange))
+    found.add(
+        "SB211",
+        f"{len(strange)} densities in the file have no unit of density and are left out",
+        Span(place),
+        help=["give densities in the sidecar, under `parts` or `defaults`"],
+        notes=[f"a density of {value}" for value, _ in zip(values, range(3), strict=False)],
+    )

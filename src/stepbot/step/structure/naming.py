@@ -1,0 +1,120 @@
+"""Canonical names of components: what `inspect` prints and what a sidecar's paths are matched against.
+
+The segment of a component is the name of its product. Among siblings with an equal one it is the name of the
+occurrence, if that is unique and not machine-made, else the product's name with ``#n`` in file order. Where neither
+product nor occurrence carries a name of its own the segment is ``body``. Save counters (`` v12``) are no part of a
+name.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..assembly import ROOT_PATH
+from .paths import escape, plain_name
+
+BODY = "body"
+"""Segment of what has no name."""
+
+_GENERIC = frozenset({"SOLID", "SHELL", "COMPOUND", "COMPSOLID", "ASSEMBLY", "FACE", "WIRE", "EDGE", "VERTEX"})
+_MACHINE_MADE = re.compile(
+    r"NAUO\d*|\d+|ID ?#\d+|\*DIT\d+|=>\[[\d:]*\]|#\d+|[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}", re.IGNORECASE
+)
+
+__all__ = [
+    "BODY",
+    "ComponentName",
+    "NamedComponent",
+    "assign_paths",
+    "base_name",
+    "escape",
+    "is_generic",
+    "is_machine_made",
+]
+
+
+@dataclass(frozen=True)
+class NamedComponent:
+    """What the path of a component is made from."""
+
+    parent: int
+    """Index of the component above; -1 for the root, which comes first."""
+    product: str
+    occurrence: str
+
+
+@dataclass(frozen=True)
+class ComponentName:
+    """The canonical name of a component."""
+
+    segment: str
+    path: str
+    ordinal: int
+    """n among the siblings with an equal name, from 1 in file order."""
+    by_ordinal_only: bool
+    """Whether only ``#n`` tells it from a sibling."""
+
+
+def is_machine_made(occurrence: str) -> bool:
+    """Whether a name was numbered by a program rather than given by a person; no name at all counts too."""
+    name = occurrence.strip()
+    return not name or name in _GENERIC or _MACHINE_MADE.fullmatch(name) is not None
+
+
+def is_generic(product: str) -> bool:
+    """Whether a product's name says no more than what kind of shape it is."""
+    name = product.strip()
+    return not name or name in _GENERIC
+
+
+def base_name(product: str, occurrence: str) -> str:
+    """The name that a component has before siblings are told apart."""
+    if not is_generic(product):
+        return plain_name(product)
+    if not is_machine_made(occurrence):
+        return plain_name(occurrence)
+    return BODY
+
+
+def assign_paths(components: Sequence[NamedComponent]) -> list[ComponentName]:
+    """Canonical segments and paths; unique by construction.
+
+    Args:
+        components: The root first, every component after its parent, siblings in file order.
+    """
+    below: dict[int, list[int]] = {}
+    for index, component in enumerate(components):
+        below.setdefault(component.parent, []).append(index)
+    names: list[ComponentName] = [ComponentName(ROOT_PATH, ROOT_PATH, 1, False)] * len(components)
+    for (
+        parent,
+        siblings,
+    ) in below.items():  # in the order of their parents, so a parent's path is there before it is used
+        if parent < 0:
+            continue
+        prefix = "" if components[parent].parent < 0 else names[parent].path + "/"
+        for index, name in zip(siblings, _name_siblings([components[i] for i in siblings]), strict=True):
+            names[index] = ComponentName(name.segment, prefix + name.segment, name.ordinal, name.by_ordinal_only)
+    return names
+
+
+def _name_siblings(siblings: Sequence[NamedComponent]) -> list[ComponentName]:
+    """Names of components with the same parent, their paths still empty."""
+    bases = [base_name(sibling.product, sibling.occurrence) for sibling in siblings]
+    occurrences = [plain_name(sibling.occurrence) for sibling in siblings]
+    # An occurrence's name serves only if nothing else beside it answers to that name.
+    answers = Counter([*bases, *(o for o, b in zip(occurrences, bases, strict=True) if o != b)])
+    sharing = Counter(bases)
+    seen: Counter[str] = Counter()
+    names = []
+    for base, occurrence in zip(bases, occurrences, strict=True):
+        seen[base] += 1
+        if sharing[base] == 1:
+            segment, by_ordinal = escape(base), False
+        elif occurrence != base and not is_machine_made(occurrence) and answers[occurrence] == 1:
+            segment, by_ordinal = escape(occurrence), False
+        else:
+            segment, by_ordinal = f"{escape(base)}#{seen[base]}", True
+        names.append(ComponentName(segment, "", seen[base], by_ordinal))
+    return names

@@ -1,0 +1,337 @@
+"""Component paths: how the sidecar and the command line name what is in an assembly.
+
+    gripper/XL,XC-330/horn      the names on the way down from below the root; ``.`` is the root itself
+    bolt#2                      the second of the siblings called bolt; without ``#n``, all of them
+    horn                        a path from the root, else the one place where a path ends like this
+    **/M3x8*                    ``*`` within a name, ``**`` across names; globs match from the root
+
+A name is that of the product or of the occurrence. Fusion's save counter, `` v12`` in ``arm v12`` and ``arm v12:1``,
+counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash, as does a name that is a single dot;
+every other character stands for itself.
+A path that does not bind is a value too, :class:`Binding`, because many are looked up and all faults are told at once.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeVar
+
+from stepbot.diagnostics import did_you_mean, one_line
+
+from ..assembly import ROOT_PATH, Assembly, Component
+
+_ACROSS = "**"
+_ANY = "\0"
+_SAVE_COUNTER = re.compile(r"(?<=\S) v\d+(?=(?::\d+)?$)")
+_ORDINAL = re.compile(r"(?<!\\)#(\d{1,18})$")
+_ESCAPED = re.compile(r"\\([/*#])")
+_DOT = re.compile(r"\\*\.")
+"""A name that would be taken for the root without a backslash before it."""
+_SLASH = re.compile(r"(?<!\\)/")
+_STAR = re.compile(r"(?<!\\)\*+")
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True)
+class Binding:
+    """What a path names."""
+
+    pattern: str
+    indices: tuple[int, ...] = ()
+    """The components that match, in file order; one may lie below another. Empty where there is a ``problem``."""
+    topmost: tuple[int, ...] = ()
+    """Those of ``indices`` that lie below no other of them."""
+    problem: Literal["", "unknown", "ambiguous"] = ""
+    candidates: tuple[str, ...] = ()
+    """Canonical paths between which an ambiguous path does not decide."""
+    help: tuple[str, ...] = ()
+    """Remedies, near matches first."""
+    fragile: bool = False
+    """Whether it holds only as long as the CAD inserts no equal part: ``#n`` alone tells siblings apart."""
+
+
+def find(assembly: Assembly, pattern: str) -> Binding:
+    """Components that a path or glob names; to look up many, keep a :class:`ComponentPaths`."""
+    return ComponentPaths(assembly.components).find(pattern)
+
+
+def find_one(assembly: Assembly, pattern: str) -> Binding:
+    """The one component that a path or glob names; several are ambiguous."""
+    return ComponentPaths(assembly.components).find_one(pattern)
+
+
+def plain_name(name: str) -> str:
+    """A name without its save counter: ``arm v12`` and ``arm v12:1`` give ``arm`` and ``arm:1``."""
+    return _SAVE_COUNTER.sub("", name.strip())
+
+
+def escape(name: str) -> str:
+    """A name as a segment of a path that means just this name."""
+    return f"\\{name}" if _DOT.fullmatch(name) else re.sub(r"([/*#])", r"\\\1", name)
+
+
+def quoted(path: str) -> str:
+    """A path as a YAML string on one line, in quotes, ready to paste."""
+    if not path.isprintable():
+        text = path.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{one_line(text)}"'  # Python's escapes of control characters are YAML's too
+    return f"'{path.replace(chr(39), 2 * chr(39))}'" if "\\" in path or '"' in path else f'"{path}"'
+
+
+def subtree_ends(components: Sequence[Component]) -> list[int]:
+    """For each component the index after the last one below it; those between are its subtree, in depth-first order."""
+    ends = list(range(1, len(components) + 1))
+    for component in reversed(components[1:]):
+        ends[component.parent] = max(ends[component.parent], ends[component.index])
+    return ends
+
+
+def inherited(components: Sequence[Component], given: Mapping[int, _T], default: _T) -> list[_T]:
+    """For each component the value given to it, else to the nearest component above that has one, else the default."""
+    values: list[_T] = []
+    for component in components:
+        above = values[component.parent] if component.parent >= 0 else default
+        values.append(given.get(component.index, above))
+    return values
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """One segment of a pattern."""
+
+    text: str
+    """As it was written."""
+    name: str
+    """Without escapes, ordinal and save counter; runs of stars are ``_ANY``."""
+    ordinal: int
+    """n of ``#n``; 0 where there is none."""
+    _verdicts: dict[str, bool] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def is_glob(self) -> bool:
+        return self.text == _ACROSS or _ANY in self.name
+
+    def accepts(self, name: str) -> bool:
+        """Whether a plain name matches, the ordinal apart; names repeat, so verdicts are kept."""
+        if _ANY not in self.name:
+            return name == self.name
+        verdict = self._verdicts.get(name)
+        if verdict is None:
+            verdict = self._verdicts[name] = _matches_parts(name, self.name.split(_ANY))
+        return verdict
+
+
+def _matches_parts(name: str, parts: Sequence[str]) -> bool:
+    """Whether a name consists of the parts in their order, with anything between; each is taken where it first fits."""
+    first, *middle, last = parts
+    end = len(name) - len(last)
+    if not (name.startswith(first) and name.endswith(last)):
+        return False
+    at = len(first)
+    for part in middle:
+        found = name.find(part, at, end)
+        if found < 0:
+            return False
+        at = found + len(part)
+    return at <= end
+
+
+def _parse(pattern: str) -> list[_Segment]:
+    return [_parse_segment(text) for text in _SLASH.split(pattern)]
+
+
+def _parse_segment(text: str) -> _Segment:
+    base = _ORDINAL.sub("", text)
+    ordinal = _ORDINAL.search(text)
+    plain = base[1:] if _DOT.fullmatch(base) else _ESCAPED.sub(r"\1", _STAR.sub(_ANY, base))
+    name = plain_name(plain)
+    return _Segment(text, name, int(ordinal[1]) if ordinal and base else 0)
+
+
+class ComponentPaths:
+    """Looks up paths in one assembly; built once, so that each look-up costs little on thousands of components."""
+
+    def __init__(self, components: Sequence[Component]) -> None:
+        self._components = components
+        self._ends = subtree_ends(components)
+        self._product_names: list[tuple[str, ...]] = []
+        self._occurrence_names: list[str] = []
+        self._ordinals: list[int] = []
+        self._by_name: dict[str, list[int]] = defaultdict(list)
+        for component in components:
+            canonical = _parse_segment(component.segment)
+            product, occurrence = plain_name(component.product), plain_name(component.occurrence)
+            # The canonical name is numbered too: it is the occurrence's, or `body`, where the product's says nothing.
+            numbered = canonical.ordinal > 0 or canonical.name != occurrence
+            named = (product, canonical.name) if numbered else (product,)
+            names = tuple(dict.fromkeys(name for name in named if name))
+            self._product_names.append(names)
+            self._occurrence_names.append(occurrence)
+            self._ordinals.append(canonical.ordinal or component.ordinal)
+            if component.parent >= 0:
+                for name in dict.fromkeys((*names, occurrence)):
+                    self._by_name[name].append(component.index)
+        self._occurrence_ordinals = self._count_occurrences()
+
+    def find(self, pattern: str) -> Binding:
+        """The components that a path or glob names, or why it names none."""
+        if pattern == ROOT_PATH:
+            return Binding(pattern, (0,), (0,))
+        segments = _parse(pattern)
+        if any(segment.is_glob for segment in segments):
+            matches = self._glob(segments)
+            return self._bound(pattern, segments, matches) if matches else self._unknown(pattern, segments)
+        anchors = self._match_ends(segments)
+        exact = [index for index, anchor in anchors.items() if anchor == 0]
+        if exact:
+            return self._bound(pattern, segments, exact)
+        top = self._topmost(sorted(anchors))
+        if not top:
+            literal = [c.index for c in self._components if c.path == pattern]
+            return self._bound(pattern, segments, literal) if literal else self._unknown(pattern, segments)
+        if len({anchors[index] for index in top}) > 1:
+            return self._ambiguous(pattern, top)
+        return self._bound(pattern, segments, top)
+
+    def find_one(self, pattern: str) -> Binding:
+        """The one component that a path or glob names; of several, the one whose canonical path it is."""
+        binding = self.find(pattern)
+        if len(binding.topmost) <= 1:
+            return binding
+        canonical = [index for index in binding.topmost if self._components[index].path == pattern]
+        if canonical:
+            return Binding(pattern, (canonical[0],), (canonical[0],), fragile=binding.fragile)
+        return self._ambiguous(pattern, binding.topmost)
+
+    def below(self, indices: Iterable[int]) -> list[int]:
+        """The given components and all below them, each once, in file order."""
+        covered: list[int] = []
+        end = 0
+        for index in sorted(indices):
+            covered += range(max(index, end), self._ends[index])
+            end = max(end, self._ends[index])
+        return covered
+
+    def _count_occurrences(self) -> list[int]:
+        """For each component n among siblings of equal occurrence name; 0 where that is a sibling's product name."""
+        products = {(c.parent, name) for c in self._components for name in self._product_names[c.index]}
+        counts: dict[tuple[int, str], int] = defaultdict(int)
+        ordinals = []
+        for component in self._components:
+            key = (component.parent, self._occurrence_names[component.index])
+            counts[key] += 1
+            ordinals.append(0 if key in products else counts[key])
+        return ordinals
+
+    def _matches(self, segment: _Segment, index: int) -> bool:
+        if segment.ordinal in (0, self._ordinals[index]) and any(map(segment.accepts, self._product_names[index])):
+            return True
+        occurrence = self._occurrence_names[index]
+        return (
+            bool(occurrence)
+            and segment.accepts(occurrence)
+            and (segment.ordinal in (0, self._occurrence_ordinals[index]))
+        )
+
+    def _match_ends(self, segments: Sequence[_Segment]) -> dict[int, int]:
+        """Components whose path ends with the segments, each with the component above the first segment."""
+        found = {}
+        for index in self._by_name.get(segments[-1].name, ()):
+            at = index
+            for segment in reversed(segments):
+                if at <= 0 or not self._matches(segment, at):
+                    break
+                at = self._components[at].parent
+            else:
+                found[index] = at
+        return found
+
+    def _glob(self, segments: Sequence[_Segment]) -> list[int]:
+        """Components whose whole path matches: an automaton whose states are bits, run down the tree."""
+        if segments[-1].text == _ACROSS:  # "everything below", so at least one more name
+            segments = [*segments, _Segment("*", _ANY, 0)]
+        across = sum(1 << i for i, segment in enumerate(segments) if segment.text == _ACROSS)
+        accepted = 1 << len(segments)
+        states = [0] * len(self._components)
+        states[0] = _skip_across(1, segments)
+        matches = []
+        for component in self._components[1:]:
+            before = states[component.parent]
+            after = before & across
+            for i in _bits(before & ~across & (accepted - 1)):
+                if self._matches(segments[i], component.index):
+                    after |= 1 << (i + 1)
+            states[component.index] = after = _skip_across(after, segments)
+            if after & accepted:
+                matches.append(component.index)
+        if [segment.text for segment in segments] == [_ACROSS, "*"] and self._components[0].body >= 0:
+            matches.insert(0, 0)  # an assembly that is one part
+        return matches
+
+    def _topmost(self, indices: Sequence[int]) -> tuple[int, ...]:
+        top: list[int] = []
+        for index in indices:
+            if not top or index >= self._ends[top[-1]]:
+                top.append(index)
+        return tuple(top)
+
+    def _bound(self, pattern: str, segments: Sequence[_Segment], indices: Sequence[int]) -> Binding:
+        top = self._topmost(indices)
+        fragile = any(segment.ordinal for segment in segments) and any(map(self._is_by_ordinal_only, top))
+        return Binding(pattern, tuple(indices), top, fragile=fragile)
+
+    def _is_by_ordinal_only(self, index: int) -> bool:
+        while index >= 0:
+            if self._components[index].by_ordinal_only:
+                return True
+            index = self._components[index].parent
+        return False
+
+    def _ambiguous(self, pattern: str, indices: Sequence[int]) -> Binding:
+        return Binding(
+            pattern,
+            problem="ambiguous",
+            candidates=tuple(self._components[index].path for index in indices),
+            help=("write as much of the path as tells them apart",),
+        )
+
+    def _unknown(self, pattern: str, segments: Sequence[_Segment]) -> Binding:
+        remedies = self._near_paths(segments)
+        root = self._components[0]
+        if len(segments) > 1 and segments[0].name in (plain_name(root.product), plain_name(root.occurrence)):
+            rest = "/".join(segment.text for segment in segments[1:])
+            remedies = (f"paths begin below the root: {quoted(rest)}", *remedies)
+        elif segments[0].name in (plain_name(root.product), plain_name(root.occurrence)):
+            remedies = (f'the root itself is "{ROOT_PATH}"', *remedies)
+        if any(segment.is_glob for segment in segments) and segments[0].text != _ACROSS:
+            remedies = (*remedies, "globs match from the root: begin with `**/` to match at any depth")
+        return Binding(pattern, problem="unknown", help=remedies)
+
+    def _near_paths(self, segments: Sequence[_Segment]) -> tuple[str, ...]:
+        """Help for a misspelt path: the first segment that names nothing is the one to correct."""
+        for segment in segments:
+            word = segment.name.replace(_ANY, "")
+            if not word or any(segment.accepts(name) for name in self._by_name):
+                continue
+            same = [name for name in self._by_name if name.casefold() == word.casefold()]
+            return tuple(f"did you mean '{name}'?" for name in same[:1]) or did_you_mean(word, self._by_name)
+        last = segments[-1]
+        places = [c.path for c in self._components[1:] if self._matches(last, c.index)] if last.name.strip(_ANY) else []
+        return tuple(f"did you mean {quoted(path)}?" for path in places[:3])
+
+
+def _skip_across(states: int, segments: Sequence[_Segment]) -> int:
+    """``**`` may stand for no name at all: let every state before one go past it."""
+    for i, segment in enumerate(segments):
+        if segment.text == _ACROSS and states >> i & 1:
+            states |= 1 << (i + 1)
+    return states
+
+
+def _bits(states: int) -> Iterable[int]:
+    while states:
+        lowest = states & -states
+        yield lowest.bit_length() - 1
+        states ^= lowest

@@ -1,0 +1,204 @@
+"""Names of products and occurrences, each found again in the document by a mark that it carries through the transfer.
+
+The kernel's reader attaches names to shapes by where they lie, so that two occurrences in one place swap or lose
+theirs. Here every product definition and every occurrence is renamed to a number before the transfer; the numbers
+come back as names of labels, and lead to the entities and to their true names.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from OCP.StepBasic import StepBasic_Product, StepBasic_ProductDefinition, StepBasic_ProductDefinitionFormation
+from OCP.StepRepr import StepRepr_NextAssemblyUsageOccurrence, StepRepr_ProductDefinitionShape
+from OCP.StepShape import StepShape_ShapeDefinitionRepresentation
+from OCP.TCollection import TCollection_HAsciiString
+
+from stepbot.geometry.spatial import Array
+
+from ..exchange.length_unit import DEFAULT_PRECISION, precision
+from ..exchange.selection import entities, text
+from .repetition import take_out_repetitions
+from .source import NONE
+
+_PRODUCT = "product-"
+_OCCURRENCE = "occurrence-"
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """A product definition."""
+
+    entity: Any
+    name: str
+    precision: float
+    """Uncertainty [mm] of its shape."""
+
+
+@dataclass(frozen=True, eq=False)
+class Occurrence:
+    """A product in an assembly."""
+
+    entity: Any
+    name: str
+    assembly: int
+    """Index of the product that it is a part of."""
+    product: int
+    """Index of the product that occurs."""
+
+
+class Products:
+    """The product definitions of a file and their occurrences in each other, in file order."""
+
+    def __init__(self, session: Any, *, take_out: bool = True) -> None:
+        """Collect them, and mark each in the model.
+
+        Args:
+            session: The reader's work session.
+            take_out: Whether occurrences that repeat many times are kept from the kernel.
+        """
+        definitions = entities(session, StepBasic_ProductDefinition)
+        precisions = _precisions(session)
+        self.products = [
+            Product(entity, _product_name(entity), precisions.get(id(entity), DEFAULT_PRECISION))
+            for entity in definitions
+        ]
+        index_of = {id(entity): index for index, entity in enumerate(definitions)}
+        usages = entities(session, StepRepr_NextAssemblyUsageOccurrence)
+        self.occurrences = [
+            Occurrence(
+                usage,
+                _occurrence_name(usage),
+                index_of.get(id(usage.RelatingProductDefinition()), NONE),
+                index_of.get(id(usage.RelatedProductDefinition()), NONE),
+            )
+            for usage in usages
+        ]
+        keys = [(occurrence.assembly, occurrence.product) for occurrence in self.occurrences]
+        repetitions = take_out_repetitions(session, usages, keys) if take_out else []
+        self._repetitions = {repetition.first: repetition for repetition in repetitions}
+        taken_out = {index for r in repetitions for index in r.matrices if index != r.first}
+        self._below: dict[int, list[int]] = defaultdict(list)
+        for index, occurrence in enumerate(self.occurrences):
+            if index not in taken_out:
+                self._below[occurrence.assembly].append(index)
+        self._mark(definitions, usages)
+
+    def tree_size(self) -> int:
+        """How many components the tree of all occurrences has; files of a few kilobytes can stand for billions.
+
+        A product that contains itself counts as empty: it is reported elsewhere.
+        """
+        below: dict[int, list[int]] = defaultdict(list)
+        for occurrence in self.occurrences:
+            if min(occurrence.assembly, occurrence.product) >= 0:
+                below[occurrence.assembly].append(occurrence.product)
+        sizes: dict[int, int] = {}
+        roots = set(range(len(self.products))) - {product for products in below.values() for product in products}
+        pending = list(roots)
+        while pending:
+            product = pending[-1]
+            known = product in sizes
+            left = [] if known else [one for one in set(below[product]) if one not in sizes]
+            if not known:
+                sizes[product] = 0  # until all below it are known
+            elif sizes[product] == 0:
+                sizes[product] = 1 + sum(sizes[one] for one in below[product])
+            if known:
+                pending.pop()
+            pending += left
+        return sum(sizes[root] for root in roots)
+
+    def product_of(self, mark: str) -> int:
+        """Index of the product whose mark a label carries; -1 for a label that the kernel made up."""
+        return _number(mark, _PRODUCT)
+
+    def occurrences_of(self, assembly: int, products: Sequence[int], marks: Sequence[str]) -> list[int]:
+        """Indices of the occurrences that the components of an assembly are; -1 for components that are none.
+
+        Args:
+            assembly: Index of its product.
+            products: For each component the index of its product, -1 where it has none.
+            marks: For each component the name of its label.
+        """
+        expected: dict[int, list[int]] = defaultdict(list)
+        for index in reversed(self._below.get(assembly, [])):
+            expected[self.occurrences[index].product].append(index)
+        counts = Counter(products)
+        found = []
+        for product, mark in zip(products, marks, strict=True):
+            candidates = expected.get(product, [])
+            # In file order, as the kernel builds them; where it built fewer, the mark tells which.
+            if product != NONE and len(candidates) == counts[product]:
+                found.append(candidates.pop())
+                counts[product] -= 1
+            else:
+                found.append(_number(mark, _OCCURRENCE))
+        return found
+
+    def name_of(self, occurrence: int) -> str:
+        """Name of an occurrence; empty for none."""
+        return self.occurrences[occurrence].name if occurrence != NONE else ""
+
+    def repeated(self, occurrence: int, matrix: Array) -> Iterator[tuple[int, Array]]:
+        """Occurrences that were kept from the kernel in favour of this one, and their matrices (4, 4) [m].
+
+        Raises:
+            MisplacedOccurrence: The kernel puts this one elsewhere than it was expected.
+        """
+        repetition = self._repetitions.get(occurrence)
+        if repetition is not None:
+            repetition.check(matrix)
+            yield from ((index, place) for index, place in repetition.matrices.items() if index != occurrence)
+
+    @staticmethod
+    def _mark(definitions: list[Any], usages: list[Any]) -> None:
+        marked: set[int] = set()
+        for index, definition in enumerate(definitions):
+            formation = definition.Formation()
+            product = formation.OfProduct() if formation is not None else None
+            if product is None or id(product) in marked:  # one product, two definitions: each needs a mark of its own
+                product = StepBasic_Product()
+                formation = StepBasic_ProductDefinitionFormation()
+                formation.SetOfProduct(product)
+                definition.SetFormation(formation)
+            marked.add(id(product))
+            product.SetName(TCollection_HAsciiString(f"{_PRODUCT}{index}"))
+        for index, usage in enumerate(usages):
+            mark = TCollection_HAsciiString(f"{_OCCURRENCE}{index}")
+            usage.SetName(mark)
+            usage.SetDescription(mark)
+
+
+def _number(mark: str, prefix: str) -> int:
+    return int(mark.removeprefix(prefix)) if mark.startswith(prefix) else NONE
+
+
+def _product_name(definition: Any) -> str:
+    """The name of the product, else its id: what CAD programs show."""
+    formation = definition.Formation()
+    product = formation.OfProduct() if formation is not None else None
+    return _first(product.Name(), product.Id()) if product is not None else ""
+
+
+def _occurrence_name(usage: Any) -> str:
+    """The description, else the name, else the id: the order in which other programs on this kernel look."""
+    return _first(usage.Description() if usage.HasDescription() else None, usage.Name(), usage.Id())
+
+
+def _first(*strings: Any) -> str:
+    return next((text(string) for string in strings if text(string).strip()), "")
+
+
+def _precisions(session: Any) -> dict[int, float]:
+    """For each product definition, by identity, the uncertainty [mm] of its shape."""
+    found: dict[int, float] = {}
+    for relation in entities(session, StepShape_ShapeDefinitionRepresentation):
+        shape = relation.Definition().Value()
+        if not isinstance(shape, StepRepr_ProductDefinitionShape) or relation.UsedRepresentation() is None:
+            continue
+        definition = shape.Definition().Value()
+        if isinstance(definition, StepBasic_ProductDefinition):
+            found.setdefault(id(definition), precision(relation.UsedRepresentation().ContextOfItems()))
+    return found

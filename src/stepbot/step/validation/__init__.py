@@ -1,0 +1,1 @@
+"""Validation properties: the volumes, areas and centroids that a STEP file states, compared with what was read."""

@@ -1,0 +1,68 @@
+"""Three angles about axes through one point, as coordinates of a ball joint.
+
+Everything is expressed in the frame of the parent. The axes are given where all angles are 0; the second is carried
+along by the first, and the third by both. They reach every rotation if the second is normal to the other two
+(Davenport), whichever these are: Cardan angles about three axes, Euler angles about two.
+"""
+
+from collections.abc import Sequence
+from math import atan2, pi
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, rotation_about
+
+
+class BallAngles:
+    """Rotations, their rates, and the way back from a rotation to the angles."""
+
+    def __init__(self, axes: Array) -> None:
+        """Take the axes, unit vectors, shape (3, 3), one in each row."""
+        self.axes = axes
+
+    @property
+    def slant(self) -> tuple[float, float]:
+        """How far [rad] the second axis is from being normal to the first, and the third from the second."""
+        first, second, third = self.axes
+        return abs(float(np.arcsin(first @ second))), abs(float(np.arcsin(second @ third)))
+
+    def rotation(self, angles: Sequence[float]) -> Array:
+        """The rotation (3, 3) at three angles [rad]."""
+        R = np.eye(3)
+        for axis, angle in zip(self.axes, angles, strict=True):
+            R = R @ rotation_about(axis, angle)
+        return R
+
+    def rates(self, angles: Sequence[float]) -> Array:
+        """Angular velocity [rad/s] per unit speed of each angle, shape (3, 3), one column for each."""
+        R, columns = np.eye(3), []
+        for axis, angle in zip(self.axes, angles, strict=True):
+            columns.append(R @ axis)
+            R = R @ rotation_about(axis, angle)
+        return np.column_stack(columns)
+
+    def bias(self, angles: Sequence[float], speeds: Sequence[float]) -> Array:
+        """Angular acceleration (3,) [rad/s^2] while the speeds [rad/s] of the angles stay as they are."""
+        w, bias = np.zeros(3), np.zeros(3)
+        for axis, speed in zip(self.rates(angles).T, speeds, strict=True):
+            bias = bias + np.cross(w, axis) * speed  # an axis is carried along by the angles before it
+            w = w + axis * speed
+        return bias
+
+    def clearance(self, angles: Sequence[float]) -> float:
+        """How far the axes are from lying in a plane (gimbal lock), where this is 0; at most 1."""
+        return abs(float(np.linalg.det(self.rates(angles))))
+
+    def angles(self, R: Array) -> tuple[float, float, float]:
+        """One of the two sets of angles [rad] that make a rotation (3, 3)."""
+        first, second, third = self.axes
+        normal = np.cross(first, second)
+        # The second angle carries the first axis into the third at `offset`, where the two sets of axes meet.
+        offset = atan2(-float(third @ normal), float(third @ first))
+        turned = R @ third
+        across = float(np.hypot(turned @ second, turned @ normal))
+        a = atan2(float(turned @ second), -float(turned @ normal)) if across > 0.0 else 0.0
+        b = atan2(across, float(turned @ first)) - offset
+        rest = (rotation_about(first, a) @ rotation_about(second, b)).T @ R
+        c = atan2(float(np.cross(second, rest @ second) @ third), float(second @ rest @ second))
+        return a, (b + pi) % (2.0 * pi) - pi, c

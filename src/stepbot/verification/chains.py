@@ -1,0 +1,212 @@
+"""What moves one link against another, in the words of one file: a joint, or several with bare links between.
+
+URDF says a ball joint by three joints that turn, with two links between that weigh nothing; MJCF says it by one joint,
+and a universal joint by two in one body. What is between two links that both files have is an *edge* of either file,
+and as a *chain* of freedoms it can be compared.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
+from stepbot.geometry.spatial import Array, Pose
+
+from .naming import Naming, steps_of
+from .twists import direction, twist_of
+
+_SEVERAL = frozenset({"ball", "universal", "screw", "cylindrical", "planar", "floating"})
+"""Kinds of joints that formats say in different ways."""
+_TURNING = ("revolute", "continuous")
+PARALLEL = 1e-9
+"""Largest sine of the angle between directions that count as the same."""
+
+
+@dataclass(frozen=True)
+class Edge:
+    """What is between two links."""
+
+    parent: str
+    child: str
+    joints: tuple[ObservedJoint, ...]
+    """From the parent on."""
+    between: tuple[str, ...]
+    """Links that are there for the joints' sake."""
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether all formats would say it as it is said."""
+        return len(self.joints) == 1 and self.joints[0].kind not in _SEVERAL
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One joint of a chain."""
+
+    kind: str
+    """``turn``, ``slide``, ``screw`` or ``ball``."""
+    names: tuple[str, ...]
+    """Its coordinates: one, or three of a ball."""
+    twists: Array
+    """What one unit of each coordinate does, in the frame of the chain's parent, at zero; shape (n, 6)."""
+    told: ObservedJoint
+    """What the file says of it."""
+    named: bool = True
+    """Whether the file gives it its name."""
+    followers: Mapping[str, float] = field(default_factory=dict)
+    """Coordinates that follow, and how many times as far."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """What is between two links, freedom by freedom."""
+
+    edge: Edge
+    X_PC: Pose
+    """Pose of the child in the parent with all joints at 0."""
+    steps: tuple[Step, ...]
+
+
+def is_bare(link: ObservedLink) -> bool:
+    """Whether a link is nothing but a frame."""
+    return not (link.mass or link.has_visuals or link.has_collisions)
+
+
+def edges_said_differently(a: Observation, b: Observation) -> list[tuple[Edge, Edge]]:
+    """The edges between the same two links that at least one side says in a way that others have other words for."""
+    ours, theirs = _edges(a, {link.name for link in b.links}), _edges(b, {link.name for link in a.links})
+    pairs = [(edge, theirs[child]) for child, edge in ours.items() if child in theirs]
+    return [(x, y) for x, y in pairs if x.parent == y.parent and not (x.is_plain and y.is_plain)]
+
+
+def _edges(observation: Observation, others: set[str]) -> dict[str, Edge]:
+    """For each link that has one above, and is not there for the joints' sake alone, what is above it."""
+    above: dict[str, list[ObservedJoint]] = {}
+    for joint in observation.joints:
+        above.setdefault(joint.child, []).append(joint)
+    bare = {link.name for link in observation.links if is_bare(link) and not np.any(link.inertia or 0.0)} - others
+    between = {link for link in bare if link in above and len(_below(observation, link)) == 1}
+    edges = {}
+    for child in (child for child in above if child not in between):
+        joints, links, parent = list(above[child]), list[str](), above[child][0].parent
+        while parent in between and parent not in links:
+            links.insert(0, parent)
+            joints = above[parent] + joints
+            parent = above[parent][0].parent
+        edges[child] = Edge(parent, child, tuple(joints), tuple(links))
+    return edges
+
+
+def _below(observation: Observation, link: str) -> set[str]:
+    return {joint.child for joint in observation.joints if joint.parent == link}
+
+
+def coordinates(edge: Edge, naming: Naming) -> list[str]:
+    """Names of the coordinates of an edge, from the parent on."""
+    return [name for _, names, _, _ in _freedoms(edge, naming) for name in names]
+
+
+def _freedoms(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], ObservedJoint, bool]]:
+    """Kind, coordinates, and what the file says of each joint of an edge, and whether it names it.
+
+    Joints that no engine moves by coordinates are left out; see :func:`is_known`.
+    """
+    for joint in (step for whole in edge.joints for step in steps_of(whole)):
+        if joint.kind in _TURNING:
+            yield "turn", (joint.name,), joint, True
+        elif joint.kind in ("prismatic", "screw"):
+            yield {"prismatic": "slide"}.get(joint.kind, joint.kind), (joint.name,), joint, True
+        elif joint.kind == "ball" and joint.name in naming.balls:
+            yield "ball", naming.balls[joint.name], joint, True
+        elif joint.kind == "universal" and joint.name in naming.universals:
+            for name in naming.universals[joint.name]:
+                yield "turn", (name,), replace(joint, name=name, kind="revolute", axis2=None), False
+
+
+def is_known(edge: Edge, naming: Naming) -> bool:
+    """Whether every joint of an edge has coordinates that engines move it by."""
+    moving = [step for joint in edge.joints for step in steps_of(joint) if step.kind != "fixed"]
+    single = {*_TURNING, "prismatic", "screw"}
+    several = {*naming.balls, *naming.universals}
+    return all(step.name and (step.kind in single or step.name in several) for step in moving)
+
+
+def chain(edge: Edge, naming: Naming, poses: Mapping[str, Pose], X_PC: Pose) -> Chain:
+    """The chain that an edge is.
+
+    Args:
+        edge: The edge.
+        naming: The coordinates of its file.
+        poses: X_PC with each coordinate at 1 and all others at 0.
+        X_PC: With all coordinates at 0.
+    """
+    back = X_PC.inverse()
+    steps = []
+    for kind, names, told, named in _freedoms(edge, naming):
+        twists = np.array([twist_of(poses[name] @ back) for name in names])
+        steps.append(Step(kind, names, twists, told, named))
+    return Chain(edge, X_PC, tuple(_with_screws(_slides_first(steps))))
+
+
+def _slides_first(steps: Sequence[Step]) -> list[Step]:
+    """Joints that turn about the direction in which their neighbour slides may change places with it."""
+    ordered = list(steps)
+    for _ in ordered:
+        for i in range(len(ordered) - 1):
+            if (ordered[i].kind, ordered[i + 1].kind) == ("turn", "slide") and _coaxial(*ordered[i : i + 2]):
+                ordered[i : i + 2] = ordered[i + 1], ordered[i]
+    return ordered
+
+
+def _coaxial(a: Step, b: Step) -> bool:
+    across = np.cross(direction(a.twists[0]), direction(b.twists[0]))
+    return float(np.linalg.norm(across)) < PARALLEL
+
+
+def _with_screws(steps: Sequence[Step]) -> Iterator[Step]:
+    """A slide that follows the turn beside it, about the same axis, makes a screw with it."""
+    waiting: Step | None = None
+    for step in steps:
+        mimic = waiting.told.mimic if waiting is not None and waiting.kind == "slide" else None
+        if waiting is None or step.kind != "turn" or mimic is None or mimic.offset or mimic.joint != step.names[0]:
+            follows = False
+        else:
+            follows = _coaxial(waiting, step)
+        if waiting is not None and not follows:
+            yield waiting
+        waiting = _screw(waiting, step) if waiting is not None and follows else step
+    if waiting is not None:
+        yield waiting
+
+
+def _screw(slide: Step, turn: Step) -> Step:
+    """One joint for a slide that follows a turn, with the passive forces of both and within the limits of both."""
+    mimic = slide.told.mimic
+    assert mimic is not None
+    m = mimic.multiplier
+    twists = turn.twists + m * slide.twists
+    return Step("screw", turn.names, twists, _both(turn.told, slide.told, m), True, {slide.names[0]: m})
+
+
+def _both(turn: ObservedJoint, slide: ObservedJoint, m: float) -> ObservedJoint:
+    told = turn
+    if turn.limit is not None and slide.limit is not None and m:
+        ends = sorted((slide.limit.lower / m, slide.limit.upper / m))
+        lower, upper = max(turn.limit.lower, ends[0]), min(turn.limit.upper, ends[1])
+        velocity = min(turn.limit.velocity, slide.limit.velocity / abs(m))
+        told = replace(told, limit=replace(turn.limit, lower=lower, upper=upper, velocity=velocity))
+    if turn.dynamics is not None and slide.dynamics is not None:
+        a, b = turn.dynamics, slide.dynamics
+        stiffness = a.stiffness + m * m * b.stiffness
+        reference = a.stiffness * a.spring_reference + m * b.stiffness * b.spring_reference
+        dynamics = replace(
+            a,
+            damping=a.damping + m * m * b.damping,
+            friction=a.friction + abs(m) * b.friction,
+            stiffness=stiffness,
+            spring_reference=reference / stiffness if b.stiffness else a.spring_reference,
+            armature=a.armature + m * m * b.armature,
+        )
+        told = replace(told, dynamics=dynamics)
+    return told

@@ -1,0 +1,126 @@
+"""From comparisons to checks of the report and diagnostics."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.observation import Quantity
+from stepbot.engines.workers import Fate, Outcome
+from stepbot.report.record import Check, Status
+
+from .compare import Compared
+
+CODES: Mapping[Quantity, str] = {
+    Quantity.LINKS: "SB803",
+    Quantity.JOINTS: "SB803",
+    Quantity.AXES: "SB804",
+    Quantity.LIMITS: "SB804",
+    Quantity.DYNAMICS: "SB804",
+    Quantity.MIMIC: "SB804",
+    Quantity.MASS: "SB805",
+    Quantity.COM: "SB805",
+    Quantity.INERTIA: "SB805",
+    Quantity.POSES: "SB806",
+    Quantity.FRAMES: "SB806",
+    Quantity.MASS_MATRIX: "SB807",
+    Quantity.GRAVITY: "SB807",
+    Quantity.INVERSE_DYNAMICS: "SB807",
+    Quantity.CLOSURES: "SB808",
+    Quantity.MESHES: "SB809",
+    Quantity.SHAPES: "SB809",
+    Quantity.CONTACTS: "SB809",
+    Quantity.ACTUATORS: "SB816",
+    Quantity.SENSORS: "SB816",
+    Quantity.INITIAL: "SB816",
+    Quantity.SIMULATION: "SB811",
+}
+"""The code of a failed check; warnings have one for files of ours and one for others."""
+
+MOST_NOTES = 8
+"""Deviations beyond the worst that a diagnostic lists."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Which file, seen by whom, compared with what."""
+
+    file: str
+    format: str
+    engine: str
+    against: str = "model"
+
+    @property
+    def words(self) -> str:
+        """For the start of a message."""
+        return self.engine if self.against == "model" else f"{self.engine} against {self.against}"
+
+
+def check_of(subject: Subject, compared: Compared) -> Check:
+    """The check that a comparison makes."""
+    worst, quantity = compared.gauge.worst, compared.quantity.value
+    if compared.not_run or worst is None:
+        return Check(
+            subject.file,
+            subject.format,
+            subject.engine,
+            quantity,
+            Status.NOT_RUN,
+            why=compared.not_run,
+            against=subject.against,
+        )
+    failures = compared.gauge.failures
+    shown = failures[0] if failures else worst
+    untold = ", ".join(dict.fromkeys(compared.gauge.untold))
+    why = "; ".join(str(deviation) for deviation in failures[:2]) if failures else (untold and f"not told: {untold}")
+    return Check(
+        subject.file,
+        subject.format,
+        subject.engine,
+        quantity,
+        Status.FAILED if failures else Status.PASSED,
+        deviation=shown.amount if shown.unit else None,
+        tolerance=shown.allowed if shown.unit else None,
+        unit=shown.unit,
+        where=shown.where if shown.unit or failures else "",
+        why=why,
+        against=subject.against,
+    )
+
+
+def report_failure(subject: Subject, compared: Compared, warning_code: str, found: Diagnostics) -> None:
+    """A diagnostic for a comparison that failed; its first line is complete, the rest are notes."""
+    failures = compared.gauge.failures
+    if not failures or compared.not_run:
+        return
+    code = warning_code if compared.quantity is Quantity.WARNINGS else CODES[compared.quantity]
+    notes = [str(deviation) for deviation in failures[1 : 1 + MOST_NOTES]]
+    if len(failures) > 1 + MOST_NOTES:
+        notes.append(f"and {len(failures) - 1 - MOST_NOTES} more")
+    message = f"{subject.words}: {compared.quantity.value}: {failures[0]}"
+    found.add(code, message, Span(subject.file), notes=notes)
+
+
+def checks_without_observation(
+    subject: Subject, outcome: Outcome, quantities: Sequence[Quantity], found: Diagnostics
+) -> list[Check]:
+    """Checks for an engine that has nothing to say; a refusal or a death fails ``load``, and is reported."""
+    failed = outcome.fate in (Fate.REFUSED, Fate.DIED, Fate.BROKEN)
+    words = {Fate.REFUSED: "refused", Fate.DIED: "died", Fate.BROKEN: "failed"}.get(outcome.fate, "")
+    reason = f"{words}: {outcome.reason}" if words else outcome.reason
+    checks = [
+        Check(
+            subject.file,
+            subject.format,
+            subject.engine,
+            quantity.value,
+            Status.FAILED if failed and quantity is Quantity.LOAD else Status.NOT_RUN,
+            why=reason if quantity is Quantity.LOAD or not failed else f"{subject.engine} did not load the file",
+            against=subject.against,
+        )
+        for quantity in quantities
+    ]
+    if failed:
+        code = {Fate.REFUSED: "SB801", Fate.DIED: "SB802"}.get(outcome.fate, "SB901")
+        first, *more = outcome.reason.splitlines() or [""]
+        found.add(code, f"{subject.engine}: {first}", Span(subject.file), notes=[*more, *outcome.last_lines])
+    return checks

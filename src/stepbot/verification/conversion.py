@@ -1,0 +1,193 @@
+"""The files that were written, against the robot that they were written from."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.observation import Observation, Quantity
+from stepbot.engines.observation_cache import Memory
+from stepbot.engines.reference import observe_robot
+from stepbot.engines.workers import Engines, Outcome, check_required, check_started
+from stepbot.report.record import Check, Report, Status
+from stepbot.robot.closures import DoesNotClose, degrees_of_freedom, driven_joints
+from stepbot.robot.model import Robot
+from stepbot.runtime.fork_server import ForkServer
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, WorkerDied
+
+from .checks import Subject, check_of, checks_without_observation, report_failure
+from .compare import compare
+from .expectation import mechanism, requests
+from .overlap_worker import Collider
+from .self_collision import Overlap, available
+
+ENGINE_WARNING = "SB812"
+WIDE_OPEN = 1e-6
+"""How far [m] a loop may open over its range, for what the CAD drew, before that is told."""
+
+
+@dataclass(frozen=True)
+class Written:
+    """A file that was written."""
+
+    path: Path
+    robot: Robot
+    """What the format makes of the robot, as :func:`stepbot.formats.lowering.lower` gives it."""
+
+
+class Provers:
+    """The processes that will check the files: started early, so that they import while there is still work to do."""
+
+    def __init__(
+        self, formats: Iterable[str], *, memory_limit: int | None = None, server: ForkServer | None = None
+    ) -> None:
+        """Start them.
+
+        Args:
+            formats: What will be checked.
+            memory_limit: Address space [bytes] of each; None for no limit.
+            server: What starts them, and ends with them; None to start each on its own.
+        """
+        files = {name: name for name in formats}
+        self._server = server
+        start = server.fork if server is not None else None
+        self.engines = Engines(files, memory_limit, start)
+        self.collider = Collider(memory_limit, start) if files and available() is None else None
+
+    def close(self) -> None:
+        """End all processes that still run."""
+        if self._server is not None:
+            self._server.close()
+        self.engines.close()
+        if self.collider is not None:
+            self.collider.close()
+
+    def __enter__(self) -> "Provers":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
+def verify(
+    robot: Robot,
+    written: Mapping[str, Written],
+    provers: Provers,
+    found: Diagnostics,
+    *,
+    require: Iterable[str] = (),
+    timeout: float = DEFAULT_TIMEOUT,
+    memory: Memory | None = None,
+) -> Report:
+    """Prove that the written files are the robot; what fails is a diagnostic, and a failed check of the report.
+
+    Args:
+        robot: The robot.
+        written: The main file of each format.
+        provers: Processes, started for these formats.
+        found: Takes the diagnostics.
+        require: Engines whose absence is an error.
+        timeout: Seconds that each engine may take.
+        memory: What engines saw before.
+    """
+    required = tuple(require)
+    check_required(required, found)
+    try:
+        asked = requests(
+            robot, {name: one.robot for name, one in written.items()}, {name: one.path for name, one in written.items()}
+        )
+    except DoesNotClose as error:
+        return _open_loop(robot, error, found)
+    provers.engines.start({name: name for name in written})
+    provers.engines.submit(asked, memory)
+    if provers.collider is not None:
+        provers.collider.submit(robot, memory.cache if memory is not None else None)
+    # The reference is computed while the engines are at work.
+    expected = {name: observe_robot(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
+    freedom = degrees_of_freedom(robot)
+    _check_loops(robot, freedom, expected.values(), found)
+    outcomes = provers.engines.results(timeout)
+    check_started(required, outcomes, found)
+    checks: list[Check] = []
+    for outcome in outcomes:
+        file = written[outcome.key].path.name
+        checks += _checks(Subject(file, outcome.format, outcome.engine), expected[outcome.key], outcome, found)
+    overlaps, collision_check = _self_collision(robot, provers, timeout, found)
+    return Report(
+        checks=(*checks, collision_check),
+        versions=_versions(outcomes),
+        robot=robot,
+        degrees_of_freedom=freedom,
+        driven=driven_joints(robot) if robot.closures else (),
+        collisions=overlaps,
+        notes=_notes(written, outcomes),
+    )
+
+
+def _open_loop(robot: Robot, error: DoesNotClose, found: Diagnostics) -> Report:
+    """The report of a robot whose loops do not close as drawn: there is no mechanism to ask engines about."""
+    message = f"{error} in the drawn pose"
+    found.add("SB808", message, Span(robot.source or robot.name))
+    return Report((Check("", "", "stepbot", Quantity.CLOSURES.value, Status.FAILED, why=message),), robot=robot)
+
+
+def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], found: Diagnostics) -> None:
+    """Warn of loops that cannot move, and of loops that cannot stay closed when they do."""
+    span = Span(robot.source or robot.name)
+    if robot.closures and freedom == 0:
+        found.add("SB819", f"{len(robot.closures)} closures leave no degree of freedom in the drawn pose", span)
+    widest: dict[str, float] = {}
+    for closure in (closure for one in expected for closure in one.closures or ()):
+        widest[closure.name] = max(widest.get(closure.name, 0.0), closure.residual or 0.0)
+    for name, gap in widest.items():
+        if gap > WIDE_OPEN:
+            message = f"closure '{name}' opens by up to {gap:.2g} m over its range"
+            found.add("SB818", message, span)
+
+
+def _expected(robot: Robot, lowered: Robot) -> Robot:
+    """What the file should say: the lowered robot, and the loops that engines are asked about."""
+    return replace(mechanism(robot, lowered), actuators=lowered.actuators)
+
+
+def _checks(subject: Subject, expected: Observation, outcome: Outcome, found: Diagnostics) -> list[Check]:
+    if outcome.observation is None:
+        quantities = [compared.quantity for compared in compare(expected, expected)]
+        return checks_without_observation(subject, outcome, quantities, found)
+    results = compare(expected, outcome.observation)
+    for compared in results:
+        report_failure(subject, compared, ENGINE_WARNING, found)
+    return [check_of(subject, compared) for compared in results]
+
+
+def _self_collision(
+    robot: Robot, provers: Provers, timeout: float, found: Diagnostics
+) -> tuple[tuple[Overlap, ...], Check]:
+    """Overlapping links of the robot itself; they are listed and warned of, and do not fail the files."""
+    span, engine, quantity = Span(robot.source or robot.name), "python-fcl", Quantity.SELF_COLLISION.value
+    if provers.collider is None:
+        return (), Check("", "", engine, quantity, Status.NOT_RUN, why=available() or "")
+    try:
+        overlaps = provers.collider.result(timeout)
+    except (WorkerDied, RemoteError) as error:
+        lines = getattr(error, "last_lines", ())
+        found.add("SB817", f"self-collision: {str(error).splitlines()[0]}", span, notes=lines)
+        return (), Check("", "", engine, quantity, Status.NOT_RUN, why=str(error).splitlines()[0])
+    for a, b, depth in overlaps:
+        deep = "" if depth is None else f" by {depth * 1e3:.3g} mm"
+        found.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
+    pairs = "; ".join(f"'{a}' and '{b}' overlap" for a, b, _ in overlaps)
+    return overlaps, Check("", "", engine, quantity, Status.PASSED, why=pairs)
+
+
+def _versions(outcomes: Iterable[Outcome]) -> dict[str, str]:
+    seen = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
+    return dict(sorted(seen.items()))
+
+
+def _notes(written: Mapping[str, Written], outcomes: Iterable[Outcome]) -> dict[str, tuple[str, ...]]:
+    return {
+        f"{written[outcome.key].path.name} in {outcome.engine}": outcome.observation.notes
+        for outcome in outcomes
+        if outcome.observation and outcome.observation.notes
+    }

@@ -1,0 +1,106 @@
+"""Compares what drives and measures: actuators and sensors, paired by name, or by joint where they have none."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf, isfinite
+from typing import TypeVar
+
+from stepbot.engines.observation import Observation, ObservedActuator, ObservedSensor
+from stepbot.formats.lowering import UNLIMITED
+
+from .deviation import Gauge
+
+Device = TypeVar("Device", ObservedActuator, ObservedSensor)
+
+_UNITS = {"rate": "Hz", "fov": "rad", "columns": "pixels", "rows": "pixels", "nearest": "m", "farthest": "m"}
+
+
+def compare_actuators(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Joint, kind, gear, gains, and the bounds of input and force."""
+    if reference.actuators is not None and observed.actuators is not None:
+        _compare_devices(gauge, "actuator", reference.actuators, observed.actuators, _compare_actuator)
+
+
+def compare_sensors(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Kind, link, joint, pose, rate, and what is seen."""
+    if reference.sensors is not None and observed.sensors is not None:
+        _compare_devices(gauge, "sensor", reference.sensors, observed.sensors, _compare_sensor)
+
+
+def _compare_devices(
+    gauge: Gauge,
+    what: str,
+    reference: Sequence[Device],
+    observed: Sequence[Device],
+    compare: Callable[[Gauge, Device, Device], None],
+) -> None:
+    """Compare pairs; whatever is on one side only is wrong."""
+    ours: list[Device] = _named(reference, observed)
+    theirs: list[Device] = _named(observed, reference)
+    pairs = {device.name: device for device in ours}
+    for name in dict.fromkeys(device.name for device in (*ours, *theirs)):
+        expected, found = _count(ours, name), _count(theirs, name)
+        wrong = "is missing" if found < expected else "is not in the robot"
+        gauge.equal(expected == found, f"{what} '{name}' {wrong}")
+    for device in theirs:
+        if device.name in pairs:
+            compare(gauge, pairs[device.name], device)
+
+
+def _count(devices: Sequence[Device], name: str) -> int:
+    return sum(device.name == name for device in devices)
+
+
+def _named(devices: Sequence[Device], others: Sequence[Device]) -> list[Device]:
+    """The devices, each without a name called like the other side's on the same joint, or else by its joint."""
+    free = [other for other in others if other.name and all(other.name != device.name for device in devices)]
+    named = []
+    for device in devices:
+        if not device.name:
+            like = [other for other in free if (other.kind, other.joint) == (device.kind, device.joint)]
+            free = [other for other in free if other not in like[:1]]
+            device = replace(device, name=like[0].name if like else f"{device.kind} of {device.joint}")
+        named.append(device)
+    return named
+
+
+def _compare_actuator(gauge: Gauge, a: ObservedActuator, b: ObservedActuator) -> None:
+    who = f"actuator '{a.name}'"
+    gauge.equal(a.joint == b.joint, f"{who}: on joint '{b.joint}', '{a.joint}' expected")
+    gauge.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
+    for name in ("gear", "kp", "kv"):
+        expected, seen = getattr(a, name), getattr(b, name)
+        if expected is not None and seen is not None:
+            gauge.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
+    for name in ("control", "force"):
+        bounds, found = getattr(a, name), getattr(b, name)
+        if bounds is None or found is None:
+            if bounds is not None and any(map(isfinite, bounds)):
+                gauge.untold.append(f"{name} range")
+            continue
+        for side, wanted, given in zip(("lowest", "highest"), _both_or_none(bounds), _both_or_none(found), strict=True):
+            gauge.near(given, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
+
+
+def _both_or_none(bounds: tuple[float, float]) -> tuple[float, float]:
+    """A range; one that is open on one side counts as none, and so does the number that stands for none."""
+    return bounds if all(abs(bound) < UNLIMITED for bound in bounds) else (-inf, inf)
+
+
+def _compare_sensor(gauge: Gauge, a: ObservedSensor, b: ObservedSensor) -> None:
+    who = f"sensor '{a.name}'"
+    gauge.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
+    for name in ("link", "joint"):
+        expected, found = getattr(a, name), getattr(b, name)
+        if expected is not None and found is not None:
+            gauge.equal(expected == found, f"{who}: on {name} '{found}', '{expected}' expected")
+    if a.X_LS is not None and b.X_LS is not None:
+        distance, angle = a.X_LS.distance_to(b.X_LS)
+        gauge.off(distance, f"place of {who}", "m")
+        gauge.off(angle, f"place of {who}", "rad")
+    for name, unit in _UNITS.items():
+        expected, found = getattr(a, name), getattr(b, name)
+        if expected is not None and found is not None:
+            gauge.near(found, expected, f"{name} of {who}", unit, abs(expected) if isfinite(expected) else 0.0)
+        elif expected:
+            gauge.untold.append(name)

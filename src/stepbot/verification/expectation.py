@@ -1,0 +1,85 @@
+"""What every engine should see in a file, and what it is asked to observe there.
+
+A format holds the robot as :func:`.lowering.lower` leaves it, so that is what its file is compared with. Loops
+are asked about in every format, also where the file holds only the tree: an engine may stand in for what is missing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stepbot.engines.observation import Request
+from stepbot.robot.closures import driven_joints, held_by_a_point, loop_ways
+from stepbot.robot.kinematics import configurations, initial_configuration, rates
+from stepbot.robot.model import Base, Robot
+from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
+
+CONFIGURATIONS = 32
+"""Random configurations at which poses and dynamics are compared."""
+CLOSED_CONFIGURATIONS = 24
+"""Closed configurations over the range of a mechanism with loops."""
+SEED = 20240229
+"""Seed of all random configurations; any number would do, as long as it stays."""
+SECONDS = 1.0
+"""Length [s] of the passive simulation."""
+
+
+def mechanism(robot: Robot, lowered: Robot) -> Robot:
+    """The lowered robot with the loops and the drives that its format may have left out, under its own joint names."""
+    closures = lowered.closures or robot.closures
+    renamed = {joint.child: joint.name for joint in lowered.joints}
+    name_of = {joint.name: renamed[joint.child] for joint in robot.joints if joint.child in renamed}
+    actuators = lowered.actuators or tuple(
+        replace(actuator, joint=name_of[actuator.joint]) for actuator in robot.actuators if actuator.joint in name_of
+    )
+    return replace(lowered, closures=closures, actuators=actuators)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """The loops of a robot, solved."""
+
+    robot: Robot
+    driven: tuple[str, ...]
+    held_by_a_point: tuple[str, ...]
+    ways: tuple[tuple[Mapping[str, float], ...], ...]
+
+
+def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Path]) -> dict[str, Request]:
+    """What to ask of the engines, for each format.
+
+    Args:
+        robot: The robot.
+        lowered: What each format makes of it.
+        files: Where the file of each format is.
+
+    Raises:
+        DoesNotClose: The loops do not close in the drawn pose.
+    """
+    solved: list[_Solved] = []
+    asked = {}
+    for name, file in files.items():
+        moved = mechanism(robot, lowered[name])
+        # Formats mostly agree on joints and loops; the range of a mechanism is walked once for all that do.
+        known = [one for one in solved if one.robot.joints == moved.joints and one.robot.closures == moved.closures]
+        if not known:
+            ways = loop_ways(moved, CLOSED_CONFIGURATIONS, SEED)
+            solved.append(_Solved(moved, driven_joints(moved), held_by_a_point(moved), ways))
+        loops = (known or solved[-1:])[0]
+        asked[name] = Request(
+            file=str(file.resolve()),
+            format=name,
+            configurations=configurations(moved, CONFIGURATIONS, SEED),
+            rates=rates(moved, CONFIGURATIONS, SEED),
+            initial=initial_configuration(moved),
+            simulate=SECONDS,
+            floating=moved.base is Base.FLOATING,
+            closures=moved.closures,
+            ways=loops.ways,
+            held_by_a_point=loops.held_by_a_point,
+            driven=loops.driven,
+            balls=ball_coordinates(moved),
+            universals=universal_coordinates(moved),
+            mimics={joint.name: joint.mimic for joint in moved.joints if joint.mimic is not None},
+        )
+    return asked

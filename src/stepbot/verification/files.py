@@ -1,0 +1,272 @@
+"""Any URDF, SDFormat or MJCF files, ours or not: each as all engines see it, and all of them with each other.
+
+Nobody says what such a file should hold, so engines are compared with engines: within a file with the one that tells
+most, across files with the first file.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.file_references import first_element
+from stepbot.engines.observation import Quantity, Request
+from stepbot.engines.openable import openable
+from stepbot.engines.prestart import started_engine_server
+from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
+from stepbot.report.record import Check, Report
+from stepbot.robot.joint_table import JointRow
+from stepbot.robot.kinematics import configurations, rates
+from stepbot.robot.model import Link, Robot
+from stepbot.runtime.worker import DEFAULT_TIMEOUT
+
+from .admission import admitted
+from .checks import Subject, check_of, checks_without_observation, report_failure
+from .compare import Compared, compare
+from .correspondence import Correspondence
+from .expectation import CONFIGURATIONS, SECONDS, SEED
+from .joint_rows import joint_rows
+from .merged_observation import Gathered, gather
+from .naming import Naming, moved
+from .normalized import alike
+from .probe import Scout, in_a_process
+from .restated import told_alike
+
+ENGINE_WARNING = "SB813"
+
+_FORMATS = {"robot": "urdf", "sdf": "sdf", "mujoco": "mjcf"}
+_PREFERRED = ("mujoco", "reader", "drake", "pybullet", "pinocchio", "yourdfpy")
+"""Engines by how much they tell; one that is not named comes after these."""
+_OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
+"""What an engine says without a second one to compare with."""
+_STILL = frozenset(
+    {
+        Quantity.CLOSURES,
+        Quantity.MESHES,
+        Quantity.SHAPES,
+        Quantity.CONTACTS,
+        Quantity.FRAMES,
+        Quantity.ACTUATORS,
+        Quantity.SENSORS,
+        Quantity.INITIAL,
+    }
+)
+"""What two files can be compared in wherever the joints of the first file were when the engines were asked."""
+
+
+def verify_files(
+    paths: Sequence[Path],
+    found: Diagnostics,
+    *,
+    require: Iterable[str] = (),
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+) -> Report:
+    """Load every file in every engine that reads it, and compare what they see.
+
+    Args:
+        paths: The files; the first is the one that the others are compared with.
+        found: Takes the diagnostics: files that cannot be read, engines that refuse or die, differences.
+        require: Engines whose absence is an error.
+        timeout: Seconds that each engine may take.
+        memory_limit: Address space [bytes] of each engine; None for no limit.
+    """
+    required = tuple(require)
+    check_required(required, found)
+    formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
+    with ExitStack() as running:
+        server = started_engine_server()
+        start = running.enter_context(server).fork if server is not None else None
+        formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
+        keys = {_key(path): name for path, name in formats.items()}
+        engines = running.enter_context(Engines(keys, memory_limit, start))
+        asked = ask(formats, Scout(in_a_process(timeout, memory_limit, start)))  # while the engines start
+        engines.submit(asked.requests)
+        outcomes = engines.results(timeout)
+    check_started(required, outcomes, found)
+    checks = judge(outcomes, asked, found)
+    versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
+    notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
+    return Report(checks, dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table)
+
+
+def format_of(path: Path, found: Diagnostics) -> str | None:
+    """Format of a file by its first element; None, and a diagnostic, where it has none."""
+    from lxml import etree
+
+    span = Span(_key(path))
+    if not path.is_file():
+        found.add("SB001", f"no file '{_key(path)}'", span)
+        return None
+    if not path.stat().st_size:
+        found.add("SB814", "the file is empty", span)
+        return None
+    try:
+        element = first_element(path)
+    except etree.XMLSyntaxError as error:
+        found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0))
+        return None
+    name = _FORMATS.get(str(element.tag))
+    if name is None:
+        found.add("SB814", f"first element <{element.tag}>, expected one of: {', '.join(_FORMATS)}", span)
+    return name
+
+
+def _key(path: Path) -> str:
+    """What the user called the file, with forward slashes."""
+    return path.as_posix()
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What engines are asked about all files."""
+
+    requests: Mapping[str, Request]
+    """For each file, by what the user called it."""
+    correspondences: Mapping[str, Correspondence]
+    """How each further file corresponds to the first."""
+    configurations: Sequence[Mapping[str, float]]
+    """Where the joints of the first file are."""
+    joint_table: tuple[JointRow, ...]
+    """The joints of the first file that an engine can load."""
+
+
+def ask(formats: Mapping[Path, str], scout: Scout, *, count: int = CONFIGURATIONS, seconds: float = SECONDS) -> Asked:
+    """The same poses and motions for all files, in the coordinates of each.
+
+    What to ask depends on the joints: one engine per file is asked for them before.
+
+    Args:
+        formats: The files, and what each is written in.
+        scout: Asks that engine.
+        count: Number of random configurations.
+        seconds: Length [s] of the passive simulation.
+    """
+    scouted = {path: seen for path, name in formats.items() if (seen := scout.look(path, name))}
+    by = {path: scout.correspondence(next(iter(scouted.values())), other) for path, other in list(scouted.items())[1:]}
+    joints = moved(one.naming for one in scouted.values())
+    drawn = _clear_of_locks(configurations(joints, count, SEED), by.values())
+    moving = [(_followed(v, by.values()), _followed(a, by.values())) for v, a in rates(joints, count, SEED)]
+    requests = {}
+    for path, name in formats.items():
+        corresponds = by.get(path, Correspondence(()))
+        names = scouted[path].naming if path in scouted else Naming(Robot("", (Link(""),), ()))
+        requests[_key(path)] = Request(
+            str(openable(path)),
+            name,
+            configurations=tuple(corresponds.moved(q) for q in drawn),
+            rates=tuple(corresponds.moving(q, one) for q, one in zip(drawn, moving, strict=True)),
+            simulate=seconds,
+            balls=names.balls,
+            universals=names.universals,
+        )
+    table = next((joint_rows(one.seen) for one in scouted.values()), ())
+    return Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
+
+
+def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:
+    """Compare what engines saw: within each file, and file with file.
+
+    Args:
+        outcomes: What came of asking, for all files.
+        asked: What was asked.
+        found: Takes the diagnostics.
+    """
+    by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
+    checks: list[Check] = []
+    for key, of_file in by_file.items():
+        checks += _checks_within(key, of_file, _reference(of_file), found)
+    seen = [ranked for of_file in by_file.values() if (ranked := _ranked(of_file))]
+    checks += _checks_across([gather(ranked) for ranked in seen], asked, found)
+    return tuple(checks)
+
+
+def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:
+    for one in by:
+        rate = one.following(rate)
+    return rate
+
+
+def _clear_of_locks(
+    drawn: Iterable[Mapping[str, float]], by: Collection[Correspondence]
+) -> tuple[Mapping[str, float], ...]:
+    """Configurations in which no angles of a ball joint, in any file, lose a freedom: their speeds would be endless."""
+    random = np.random.Generator(np.random.PCG64(SEED + 2))
+    clear = []
+    for q in drawn:
+        for one in by:
+            while not all(other.is_clear(q) for other in by):
+                q = one.turned_elsewhere(q, random)
+        clear.append(q)
+    return tuple(clear)
+
+
+def _rank(engine: str) -> int:
+    return _PREFERRED.index(engine) if engine in _PREFERRED else len(_PREFERRED)
+
+
+def _ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Those who saw the file, and who tells most first."""
+    seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
+    return sorted(seen, key=lambda outcome: _rank(outcome.engine))
+
+
+def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:
+    """What the engine says that tells most."""
+    return next(iter(_ranked(outcomes)), None)
+
+
+def _checks_within(
+    key: str, outcomes: Sequence[Outcome], reference: Outcome | None, found: Diagnostics
+) -> Iterator[Check]:
+    """Every engine of a file against the one that tells most; that one only for what it says by itself."""
+    if reference is None and all(outcome.fate in (Fate.ABSENT, Fate.UNREADABLE) for outcome in outcomes):
+        reasons = "; ".join(f"{outcome.engine}: {outcome.reason}" for outcome in outcomes)
+        found.add("SB815", f"no engine read the file: {reasons}", Span(key))
+    for outcome in outcomes:
+        alone = reference is None or outcome is reference
+        against = "itself" if alone or reference is None else reference.engine
+        subject = Subject(key, outcome.format, outcome.engine, against)
+        if outcome.observation is None:
+            yield from checks_without_observation(subject, outcome, _OWN, found)
+            continue
+        assert reference is not None
+        assert reference.observation is not None
+        pair = alike(reference.observation, outcome.observation)
+        results = [one for one in compare(*pair) if not alone or one.quantity in _OWN]
+        yield from _reported(subject, results, found)
+
+
+def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
+    """Every further file against the first, and in what the first does not tell against the others before it."""
+    for number, theirs in enumerate(gathered):
+        compared = set(_OWN)
+        for ours in gathered[:number]:
+            first = ours is gathered[0]
+            results = [
+                one
+                for one in _compared_across(ours, theirs, asked, first=first)
+                if one.quantity not in compared and (first or (one.quantity in _STILL and not one.not_run))
+            ]
+            compared |= {one.quantity for one in results if not one.not_run}
+            for one in results:
+                against = f"{ours.key} ({ours.engine(one.quantity)})"
+                subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)
+                yield from _reported(subject, [one], found)
+
+
+def _compared_across(ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool) -> tuple[Compared, ...]:
+    pair = ours.observation, theirs.observation
+    if first:
+        by = asked.correspondences.get(theirs.key, Correspondence(()))
+        pair = told_alike(*pair, by, asked.configurations)
+    return compare(*alike(*pair))
+
+
+def _reported(subject: Subject, results: Iterable[Compared], found: Diagnostics) -> Iterator[Check]:
+    for compared in results:
+        report_failure(subject, compared, ENGINE_WARNING, found)
+        yield check_of(subject, compared)

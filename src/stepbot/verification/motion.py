@@ -1,0 +1,165 @@
+"""Comparison of what moves: poses, equations of motion, closures."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stepbot.engines.observation import Observation, ObservedClosure
+from stepbot.geometry.spatial import Array, angle_between, vector3
+from stepbot.geometry.sums import exact_sum
+from stepbot.robot.dynamics import GRAVITY
+
+from .deviation import Gauge
+from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
+
+NO_GRAVITY = 1e-6
+"""Share of weight times reach below which gravity forces count as zero: planar mechanisms feel none."""
+
+
+def compare_poses(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Every link at every configuration, with respect to the root link."""
+    for number, (ours, theirs) in enumerate(zip(reference.poses, observed.poses, strict=False), start=1):
+        for link in (link for link in ours if link in theirs):
+            distance, angle = ours[link].distance_to(theirs[link])
+            where = f"link '{link}' at configuration {number}"
+            gauge.off(distance, where, "m")
+            gauge.off(angle, where, "rad")
+    missing = len(reference.poses) - len(observed.poses)
+    if observed.poses and missing:
+        gauge.equal(False, f"{missing} of {len(reference.poses)} configurations were not observed")
+
+
+def compare_mass_matrix(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """M(q) at every configuration, relative to its largest entry."""
+    order = _order(gauge, reference, observed)
+    if order is None:
+        return
+    for number, (ours, theirs) in enumerate(zip(reference.dynamics, observed.dynamics, strict=False), start=1):
+        if ours.mass_matrix is None or theirs.mass_matrix is None:
+            continue
+        off = np.abs(theirs.mass_matrix[np.ix_(order, order)] - ours.mass_matrix)
+        row, column = np.unravel_index(int(off.argmax()), off.shape)
+        names = f"'{reference.coordinates[row]}', '{reference.coordinates[column]}'"
+        scale = float(np.abs(ours.mass_matrix).max())
+        gauge.off(float(off.max()), f"mass matrix of {names} at configuration {number}", "SI", scale)
+
+
+def compare_gravity(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Gravity forces at every configuration, relative to their largest entry at any of them."""
+    _compare_efforts(gauge, reference, observed, "gravity", "gravity force on")
+
+
+def compare_inverse_dynamics(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Efforts of a motion at every configuration, relative to their largest entry at any of them."""
+    _compare_efforts(gauge, reference, observed, "inverse", "effort of")
+
+
+def _compare_efforts(gauge: Gauge, reference: Observation, observed: Observation, which: str, words: str) -> None:
+    order = _order(gauge, reference, observed)
+    known = [efforts for dynamics in reference.dynamics if (efforts := getattr(dynamics, which)) is not None]
+    if order is None or not known:
+        return
+    scale = max(float(np.abs(known).max()), NO_GRAVITY * _weight_times_reach(reference))
+    for number, pair in enumerate(zip(reference.dynamics, observed.dynamics, strict=False), start=1):
+        ours, theirs = (getattr(side, which) for side in pair)
+        if ours is None or theirs is None:
+            continue
+        off = np.abs(theirs[order] - ours)
+        name = reference.coordinates[int(off.argmax())]
+        gauge.off(float(off.max()), f"{words} joint '{name}' at configuration {number}", "SI", scale)
+
+
+def _order(gauge: Gauge, reference: Observation, observed: Observation) -> list[int] | None:
+    """Where the coordinates of the reference are among the observed ones; None where there is nothing to compare."""
+    if not reference.dynamics or not observed.dynamics:
+        return None
+    missing = [name for name in reference.coordinates if name not in observed.coordinates]
+    extra = [name for name in observed.coordinates if name not in reference.coordinates]
+    for name in (*missing, *extra):
+        gauge.equal(False, f"joint '{name}' is a coordinate of one side only")
+    if missing or extra or not reference.coordinates:
+        return None
+    return [observed.coordinates.index(name) for name in reference.coordinates]
+
+
+def _weight_times_reach(observation: Observation) -> float:
+    """Weight [N] times the largest distance [m] of any link from the root: what gravity could do at most, about."""
+    weight = exact_sum(link.mass or 0.0 for link in observation.links) * float(np.linalg.norm(GRAVITY))
+    positions: Array = np.array([X.p for poses in observation.poses for X in poses.values()]).reshape(-1, 3)
+    return weight * float(np.linalg.norm(positions, axis=1).max(initial=0.0))
+
+
+def compare_closures(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+    """Closures by name: what they hold together, where, and how far they open over the mechanism's range."""
+    if reference.closures is None or observed.closures is None:
+        return
+    theirs = {closure.name: closure for closure in observed.closures}
+    known = {closure.name for closure in reference.closures}
+    for name in theirs:  # MuJoCo holds the axis of a closure by a second constraint, <closure>/axis
+        if name.split("/")[0] not in known:
+            gauge.equal(False, f"closure '{name}' is not in the robot")
+    for ours in reference.closures:
+        if ours.name not in theirs:
+            gauge.equal(False, f"closure '{ours.name}' is missing")
+            continue
+        found = theirs[ours.name]
+        if (found.link_a, found.link_b) == (ours.link_b, ours.link_a):
+            found = _turned(found)
+        links = (found.link_a, found.link_b) == (ours.link_a, ours.link_b)
+        gauge.equal(links, f"closure '{ours.name}' holds '{found.link_a}' to '{found.link_b}'")
+        several = SEVERAL_LOOPS.get(observed.engine) if len(reference.closures) > 1 else None
+        _compare_closure(gauge, ours, found, observed.engine, several or gauge.tolerance)
+
+
+def _turned(closure: ObservedClosure) -> ObservedClosure:
+    """The same closure, told from its other end."""
+    return replace(
+        closure,
+        link_a=closure.link_b,
+        link_b=closure.link_a,
+        X_AF=closure.X_BF,
+        X_BF=closure.X_AF,
+        points=closure.points and closure.points[::-1],
+        axes=closure.axes and closure.axes[::-1],
+    )
+
+
+def _compare_closure(
+    gauge: Gauge, ours: ObservedClosure, found: ObservedClosure, engine: str, open_by: Tolerance
+) -> None:
+    name = f"closure '{ours.name}'"
+    for side, X, Y in (("a", ours.X_AF, found.X_AF), ("b", ours.X_BF, found.X_BF)):
+        if X is None or Y is None:
+            continue
+        gauge.equal(ours.kind == found.kind, f"{name}: {found.kind}, {ours.kind} expected")
+        gauge.off(float(np.linalg.norm(X.p - Y.p)), f"{name}, frame on link {side}", "m")
+        gauge.off(X.distance_to(Y)[1], f"{name}, frame on link {side}", "rad")
+    if ours.axis is not None and found.axis is not None:
+        gauge.off(float(np.linalg.norm(np.subtract(ours.axis, found.axis))), f"axis of {name}", "rad")
+    _compare_held(gauge, name, ours, found)
+    # A loop that the CAD cannot close has no exact answer, and each solver spreads the gap in its own way.
+    own = ours.residual or 0.0
+    reach = max((float(np.linalg.norm(X.p)) for X in (ours.X_AF, ours.X_BF) if X is not None), default=0.0)
+    if found.residual is not None:
+        gauge.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
+    if found.angle_error is not None:
+        allowed = Tolerance(DRIVEN_ANGLE.get(engine, gauge.tolerance.absolute), relative=10.0)
+        where = f"following joints of {name}"
+        gauge.off(found.angle_error, where, "rad or m", own / (reach or 1.0), tolerance=allowed)
+
+
+def _compare_held(gauge: Gauge, name: str, ours: ObservedClosure, found: ObservedClosure) -> None:
+    """The points and the axes that a closure holds together; which way along it an axis points makes no other one."""
+    if ours.points is None or found.points is None:
+        return
+    for side, expected, seen in zip("ab", ours.points, found.points, strict=True):
+        gauge.off(float(np.linalg.norm(np.subtract(seen, expected))), f"{name}, point on link {side}", "m")
+    wrong = f"{name} holds " + ("no axis" if ours.axes else "an axis that is not in the robot")
+    gauge.equal((ours.axes is None) == (found.axes is None), wrong)
+    if ours.axes is None or found.axes is None:
+        return
+    lengths = [np.linalg.norm(axes[0]) / np.linalg.norm(axes[1]) for axes in (ours.axes, found.axes)]
+    gauge.off(abs(float(lengths[1] - lengths[0])), f"{name}, points on its axis", "of their distance")
+    way = 1.0 if np.dot(ours.axes[0], found.axes[0]) > 0.0 else -1.0
+    for side, axis, other in zip("ab", ours.axes, found.axes, strict=True):
+        gauge.off(angle_between(axis, vector3(way * np.array(other))), f"{name}, axis on link {side}", "rad")

@@ -1,0 +1,215 @@
+"""Brings what engines see in different formats to the same form, where formats say the same thing in different ways."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import inf, isfinite
+
+from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import ActuatorKind, Mimic
+
+from .bounds import without_stand_ins
+from .chains import is_bare
+from .shapes import plain_name
+
+WORLD = "world"
+"""Name of the link that stands for the world in many a URDF."""
+
+
+def alike(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+    """Both observations, told in the same way as far as they can be.
+
+    A massless link called ``world`` is the world. A link that is nothing but a frame is a frame where the other side
+    has no link of that name. Mimics are resolved to the joint that leads. Only frames and shapes that both name are
+    kept: formats mark different places and cut shapes up in different ways, and that makes no other robot. Nor does
+    what the robot is called, or a colour that one file does not give. Drives are told at their joints where a format
+    has no gears. A file without any velocity limit is taken to say nothing of them: MJCF has no word for them.
+    Numbers that stand for no limit are none.
+    """
+    a, b = (without_stand_ins(_without_world(side)) for side in (a, b))
+    links_a, links_b = ({link.name for link in side.links} for side in (a, b))
+    a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
+    a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
+    return _with_common_frames(*_with_common_views(*_with_common_gears(a, b)))
+
+
+def _without_world(observation: Observation) -> Observation:
+    """A massless root link called ``world`` on a fixed joint says that the base is fixed."""
+    joints = [joint for joint in observation.joints if joint.parent == WORLD]
+    world = [link for link in observation.links if link.name == WORLD and is_bare(link)]
+    if not world or len(joints) != 1 or joints[0].kind != "fixed":
+        return observation
+    root = joints[0].child
+    poses = []
+    for X_W in observation.poses:
+        X_RW = X_W[root].inverse()
+        poses.append({link: X_RW @ X for link, X in X_W.items() if link != WORLD})
+    return replace(
+        observation,
+        base="fixed",
+        links=tuple(link for link in observation.links if link.name != WORLD),
+        joints=tuple(joint for joint in observation.joints if joint.parent != WORLD),
+        poses=tuple(poses),
+    )
+
+
+def _with_frames(observation: Observation, links: set[str]) -> Observation:
+    """Links without mass and shape at the end of a fixed joint are URDF's frames, unless they are among ``links``."""
+    parents = {joint.parent for joint in observation.joints}
+    bare = {link.name for link in observation.links if is_bare(link)} - parents - links
+    mounts = {
+        joint.child: joint.parent for joint in observation.joints if joint.kind == "fixed" and joint.child in bare
+    }
+    if not mounts or not observation.poses:
+        return observation
+    X_W = observation.poses[0]
+    frames = {name: (parent, X_W[parent].inverse() @ X_W[name]) for name, parent in mounts.items()}
+    return replace(
+        observation,
+        links=tuple(link for link in observation.links if link.name not in mounts),
+        joints=tuple(joint for joint in observation.joints if joint.child not in mounts),
+        poses=tuple({link: X for link, X in poses.items() if link not in mounts} for poses in observation.poses),
+        frames={**(observation.frames or {}), **frames},
+        sensors=None if observation.sensors is None else tuple(_on_link(one, frames) for one in observation.sensors),
+    )
+
+
+def _on_link(sensor: ObservedSensor, frames: Mapping[str, tuple[str, Pose]]) -> ObservedSensor:
+    """A sensor with its place on the link that carries the frame which it is on."""
+    if sensor.link is None or sensor.link not in frames:
+        return sensor
+    link, X_LF = frames[sensor.link]
+    return replace(sensor, link=link, X_LS=None if sensor.X_LS is None else X_LF @ sensor.X_LS)
+
+
+def _with_leaders(observation: Observation) -> Observation:
+    """Every mimic in terms of a joint that does not mimic itself: not every format and reader follows a chain."""
+    mimics = {joint.name: joint.mimic for joint in observation.joints if joint.mimic is not None}
+
+    def led(mimic: Mimic) -> Mimic:
+        for _ in mimics:
+            above = mimics.get(mimic.joint)
+            if above is None:
+                return mimic
+            offset = mimic.multiplier * above.offset + mimic.offset
+            mimic = Mimic(above.joint, mimic.multiplier * above.multiplier, offset)
+        return mimic  # a circle: nothing to resolve it to
+
+    joints = tuple(
+        joint if joint.mimic is None else replace(joint, mimic=led(joint.mimic)) for joint in observation.joints
+    )
+    return replace(observation, joints=joints)
+
+
+def _with_common_looks(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+    """Both without the name of the robot, and with the shapes only that both name, as far as both give colours.
+
+    The colour in the shade is that in the light where a format has but one.
+    """
+    theirs = {link.name: link for link in b.links}
+    ours, others = dict[str, ObservedLink](), dict[str, ObservedLink]()
+    for link in a.links:
+        other = theirs.get(link.name)
+        if other is not None:
+            visuals = _common_shapes(link.visuals, other.visuals)
+            collisions = _common_shapes(link.collisions, other.collisions)
+            ours[link.name], others[link.name] = (
+                replace(one, visuals=visuals[i], collisions=collisions[i]) for i, one in enumerate((link, other))
+            )
+    return (
+        replace(a, name=None, links=tuple(ours.get(link.name, link) for link in a.links)),
+        replace(b, name=None, links=tuple(others.get(link.name, link) for link in b.links)),
+    )
+
+
+Shapes = tuple[ObservedShape, ...] | None
+
+
+def _common_shapes(a: Shapes, b: Shapes) -> tuple[Shapes, Shapes]:
+    ours, theirs = ({plain_name(shape.name): shape for shape in side or () if shape.name} for side in (a, b))
+    pairs = [_looking_alike(ours[name], theirs[name]) for name in ours if name in theirs]
+    if not pairs:
+        return None, None
+    return tuple(one for one, _ in pairs), tuple(other for _, other in pairs)
+
+
+def _looking_alike(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, ObservedShape]:
+    shapes = [
+        replace(shape, name=plain_name(shape.name or ""), rgba=shape.rgba or None, ambient=shape.ambient or shape.rgba)
+        for shape in (a, b)
+    ]
+    if shapes[0].rgba is None or shapes[1].rgba is None:
+        shapes = [replace(shape, rgba=None, ambient=None) for shape in shapes]
+    return shapes[0], shapes[1]
+
+
+def _with_common_gears(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+    """Both with drives at their joints, where one of the formats has no gears."""
+    sides = a, b
+    if all(drive.gear is not None for side in sides for drive in side.actuators or ()):
+        return sides
+    a, b = (
+        side if side.actuators is None else replace(side, actuators=tuple(map(_at_joint, side.actuators)))
+        for side in sides
+    )
+    return a, b
+
+
+def _with_common_views(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+    """Both without the range of sensors that see without end in one file: some formats want a number there."""
+    endless = {sensor.name for side in (a, b) for sensor in side.sensors or () if sensor.farthest == inf}
+    a, b = (
+        side
+        if side.sensors is None
+        else replace(
+            side,
+            sensors=tuple(replace(one, farthest=None) if one.name in endless else one for one in side.sensors),
+        )
+        for side in (a, b)
+    )
+    return a, b
+
+
+def _at_joint(drive: ObservedActuator) -> ObservedActuator:
+    """A drive with its gains and bounds as the joint feels them."""
+    gear = drive.gear
+    if gear is None or not gear:
+        return drive
+    scale = gear if drive.kind == ActuatorKind.MOTOR else 1.0 / gear
+    return replace(
+        drive,
+        gear=None,
+        kp=drive.kp * gear**2,
+        kv=drive.kv * gear**2,
+        control=_scaled(drive.control, scale),
+        force=_scaled(drive.force, gear),
+    )
+
+
+def _scaled(bounds: tuple[float, float] | None, factor: float) -> tuple[float, float] | None:
+    if bounds is None:
+        return None
+    low, high = sorted(bound * factor for bound in bounds)
+    return low, high
+
+
+def _with_velocities(observation: Observation) -> Observation:
+    if observation.format != "mjcf" or any(j.limit and isfinite(j.limit.velocity) for j in observation.joints):
+        return observation
+    joints = tuple(
+        replace(joint, limit_fields=tuple(field for field in joint.limit_fields if field != "velocity"))
+        for joint in observation.joints
+    )
+    return replace(observation, joints=joints)
+
+
+def _with_common_frames(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+    if a.frames is None or b.frames is None:
+        return replace(a, frames=None), replace(b, frames=None)
+    names = [name for name in a.frames if name in b.frames]
+    return _with_only(a, names), _with_only(b, names)
+
+
+def _with_only(observation: Observation, names: list[str]) -> Observation:
+    known = observation.frames or {}
+    return replace(observation, frames={name: known[name] for name in names})

@@ -1,0 +1,131 @@
+"""Whether two chains are the same joint said in other ways, freedom by freedom; and if not, why not.
+
+Single joints must come in the same order and be of the same kinds; their axes are compared later, one by one, as those
+of all joints are. A ball joint is whatever reaches every rotation about its centre: three joints without limits that
+turn about axes through it, of which the second is normal to the first and to the third.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+
+import numpy as np
+
+from stepbot.engines.observation import Quantity
+from stepbot.geometry.spatial import Array
+
+from .ball_angles import BallAngles
+from .chains import Chain, Step
+from .tolerances import TOLERANCES
+from .twists import common_point, direction, foot
+
+_ANGLE = TOLERANCES[Quantity.AXES].absolute
+"""How far [rad] axes that should be normal to each other may be off."""
+_DISTANCE = TOLERANCES[Quantity.POSES].absolute
+"""How far [m] axes may pass from the centre of a ball joint, and one centre from the other."""
+
+
+class NotTheSame(Exception):
+    """Two chains are different joints; the message says in what."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Steps of one chain and of another that are the same."""
+
+    ours: tuple[Step, ...]
+    theirs: tuple[Step, ...]
+    balls: tuple[BallAngles, BallAngles] | None = None
+    """The angles of either side of a ball joint; None for a single joint."""
+    R_zero: Array = field(default_factory=lambda: np.eye(3))
+    """Where their zero is, seen from ours: zero is anywhere in a ball joint."""
+
+    @property
+    def same_words(self) -> bool:
+        """Whether both sides say it by as many joints."""
+        return len(self.ours) == len(self.theirs)
+
+
+def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
+    """What of a chain is what of another, from the parent on.
+
+    Raises:
+        NotTheSame: They are different joints.
+    """
+    found: list[Segment] = []
+    a, b = list(ours.steps), list(theirs.steps)
+    while a and b:
+        if "ball" in (a[0].kind, b[0].kind):
+            segment = _ball(a, b)
+        elif a[0].kind == b[0].kind:
+            _check_place(a[0], b[0])
+            segment = Segment((a[0],), (b[0],))
+        else:
+            raise NotTheSame(f"'{a[0].names[0]}' and '{b[0].names[0]}' are of different kinds")
+        found.append(segment)
+        a, b = a[len(segment.ours) :], b[len(segment.theirs) :]
+    for step in (*a, *b):
+        raise NotTheSame(f"'{step.told.name}' has no counterpart")
+    if len(found) == 1 and found[0].balls is not None:
+        (ball,) = found
+        return (Segment(ball.ours, ball.theirs, ball.balls, ours.X_PC.R @ theirs.X_PC.R.T),)
+    return tuple(found)
+
+
+def _check_place(a: Step, b: Step) -> None:
+    """See that axes that are parallel are one; the angle between others is measured later."""
+    (one,), (other,) = a.twists, b.twists
+    if a.kind == "slide" or float(np.linalg.norm(np.cross(direction(one), direction(other)))) > _ANGLE:
+        return
+    apart = float(np.linalg.norm(foot(other) - foot(one)))
+    if apart > _DISTANCE:
+        raise NotTheSame(f"the axes of {_listed(list(dict.fromkeys(a.names + b.names)))} are {apart:.3g} m apart")
+
+
+def _ball(a: Sequence[Step], b: Sequence[Step]) -> Segment:
+    """The ball joint that both chains begin with."""
+    ours, theirs = _turning_freely(a), _turning_freely(b)
+    centres = [_centre(side) for side in (ours, theirs)]
+    apart = float(np.linalg.norm(centres[1] - centres[0]))
+    if apart > _DISTANCE:
+        raise NotTheSame(f"the centres are {apart:.3g} m apart")
+    return Segment(ours, theirs, (_angles(ours), _angles(theirs)))
+
+
+def _turning_freely(steps: Sequence[Step]) -> tuple[Step, ...]:
+    """The steps that make a ball joint at the beginning of a chain."""
+    taken = tuple(steps[: 1 if steps[0].kind == "ball" else 3])
+    names = [step.told.name for step in taken]
+    if steps[0].kind != "ball" and [step.kind for step in taken] != ["turn"] * 3:
+        raise NotTheSame(f"{_listed(names)} do not turn as a ball joint does")
+    for step in taken:
+        limit = step.told.limit
+        if limit is not None and (isfinite(limit.lower) or isfinite(limit.upper)):
+            raise NotTheSame(f"the limits of '{step.told.name}' are none of a ball joint")
+    if len(taken) == 1:
+        return taken
+    for one, other, slant in zip(names, names[1:], _angles(taken).slant, strict=False):
+        if slant > _ANGLE:
+            raise NotTheSame(f"the axes of '{one}' and '{other}' are {slant:.3g} rad from normal to each other")
+    _, astray = common_point(_twists(taken))
+    if astray > _DISTANCE:
+        raise NotTheSame(f"the axes of {_listed(names)} pass each other by {astray:.3g} m")
+    return taken
+
+
+def _twists(steps: Sequence[Step]) -> Array:
+    return np.vstack([step.twists for step in steps])
+
+
+def _centre(steps: Sequence[Step]) -> Array:
+    return common_point(_twists(steps))[0]
+
+
+def _angles(steps: Sequence[Step]) -> BallAngles:
+    axes = _twists(steps)[:, :3]
+    return BallAngles(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+
+def _listed(names: Sequence[str]) -> str:
+    quoted = [f"'{name}'" for name in names]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"

@@ -1,0 +1,113 @@
+"""Looks at files before they are compared: which joints they have, and how these correspond from file to file."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stepbot.engines import Engine, engines_for
+from stepbot.engines.observation import Observation, Request
+from stepbot.engines.openable import openable
+from stepbot.geometry.spatial import Pose
+from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
+
+from .bounds import without_stand_ins
+from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
+from .correspondence import Correspondence, match
+from .naming import Naming, naming
+
+_SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
+"""Engines in the order in which they are asked for the joints: those that read mimics first."""
+
+
+Observe = Callable[[Engine, Request], Observation | None]
+"""Asks an engine; None where it fails: it is asked again later, and its failure reported then."""
+
+
+def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) -> Observe:
+    """Asks engines, each in a process of its own.
+
+    Args:
+        timeout: Seconds that an engine may take.
+        memory_limit: Address space [bytes]; None for no limit.
+        start: What starts the process; None to start a new interpreter.
+    """
+
+    def observe(engine: Engine, request: Request) -> Observation | None:
+        with Worker(f"{engine.__name__}:observe", memory_limit=memory_limit, start=start) as worker:
+            try:
+                seen: Observation = worker.submit(request).result(timeout)
+            except (RemoteError, WorkerDied):
+                return None
+            return seen
+
+    return observe
+
+
+@dataclass(frozen=True, eq=False)
+class Scouted:
+    """What the first engine sees of a file that can load it; what the others say of it is asked later."""
+
+    seen: Observation
+    """With the poses of the links where all joints are at 0."""
+    asked: Request
+    naming: Naming
+    engine: Engine
+
+
+@dataclass(frozen=True)
+class Scout:
+    """Asks one engine about a file."""
+
+    observe: Observe
+
+    def look(self, path: Path, written_in: str) -> Scouted | None:
+        """What there is in a file; None where no engine can tell."""
+        asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
+        for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
+            if engine.available() is None:
+                seen = self.observe(engine, asked)
+                if seen is not None:
+                    seen = without_stand_ins(seen)
+                    return Scouted(seen, asked, naming(seen), engine)
+        return None
+
+    def correspondence(self, first: Scouted, other: Scouted) -> Correspondence:
+        """How the joints of a file correspond to those of another, where the two say them differently."""
+        pairs = [
+            (a, b)
+            for a, b in edges_said_differently(first.seen, other.seen)
+            if is_known(a, first.naming) and is_known(b, other.naming)
+        ]
+        if not pairs:
+            return Correspondence(())
+        ours = self._chains(first, [a for a, _ in pairs])
+        theirs = self._chains(other, [b for _, b in pairs])
+        if ours is None or theirs is None:
+            return Correspondence(())
+        return Correspondence(tuple(match(a, b) for a, b in zip(ours, theirs, strict=True)))
+
+    def _chains(self, scouted: Scouted, edges: Sequence[Edge]) -> list[Chain] | None:
+        """What the joints of edges do when they are moved one by one, by one unit; None where the engine fails now."""
+        names = [name for edge in edges for name in coordinates(edge, scouted.naming)]
+        request = replace(
+            scouted.asked,
+            configurations=({}, *({name: 1.0} for name in names)),
+            balls=scouted.naming.balls,
+            universals=scouted.naming.universals,
+        )
+        seen = self.observe(scouted.engine, request)
+        if seen is None or len(seen.poses) != 1 + len(names):
+            return None
+        moved = dict(zip(names, seen.poses[1:], strict=True))
+        return [_chain(edge, scouted.naming, seen.poses[0], moved) for edge in edges]
+
+
+def _chain(edge: Edge, naming: Naming, at_zero: Mapping[str, Pose], moved: Mapping[str, Mapping[str, Pose]]) -> Chain:
+    def X_PC(poses: Mapping[str, Pose]) -> Pose:
+        return poses[edge.parent].inverse() @ poses[edge.child]
+
+    return chain(edge, naming, {name: X_PC(moved[name]) for name in coordinates(edge, naming)}, X_PC(at_zero))
+
+
+def _rank(engine: str) -> int:
+    return _SCOUTS.index(engine) if engine in _SCOUTS else len(_SCOUTS)

@@ -1,0 +1,217 @@
+"""Links that overlap in the drawn pose though no joint holds them together, found by python-fcl.
+
+Convex meshes, as the default hulls are, and primitives count as solids; any other mesh as a surface that may enclose
+the other shape. Touching is no fault: CAD puts faces flush, and vertices lie on a grid of nanometres, so a pair counts
+from a penetration of :data:`TOUCHING` on. https://github.com/BerkeleyAutomation/python-fcl
+"""
+
+import importlib.util
+from collections.abc import Set
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.mesh import GRID_PER_METRE, TriMesh
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.kinematics import initial_configuration, link_poses, neighbours
+from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere
+
+TOUCHING = 1e-6
+"""Penetration [m] up to which two shapes touch and do not overlap."""
+
+Overlap = tuple[str, str, float | None]
+"""Two links, and how deep [m] they penetrate each other; None between two surfaces, for which there is no depth."""
+
+
+def available() -> str | None:
+    """Why self-collision cannot be checked here; None where it can."""
+    return None if importlib.util.find_spec("fcl") else "python-fcl is not installed"
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import fcl  # noqa: F401
+
+
+def without_visuals(robot: Robot) -> Robot:
+    """The robot with nothing but what can collide, to be sent to a worker."""
+    touched = {c.geometry.name for link in robot.links for c in link.collisions if isinstance(c.geometry, MeshRef)}
+    links = tuple(replace(link, visuals=()) for link in robot.links)
+    return replace(robot, links=links, meshes=tuple(mesh for mesh in robot.meshes if mesh.name in touched))
+
+
+def overlaps(robot: Robot) -> tuple[Overlap, ...]:
+    """The pairs of links that overlap in the drawn pose, neighbours left out, in the order of the links."""
+    poses = link_poses(robot, initial_configuration(robot))
+    convex = {mesh.name for mesh in robot.meshes if _is_convex(mesh.mesh)}
+    shapes = {link.name: [_solid(robot, c, poses[link.name], convex) for c in link.collisions] for link in robot.links}
+    close = neighbours(robot)
+    names = list(shapes)
+    found = []
+    for i, a in enumerate(names):
+        for b in names[i + 1 :]:
+            if frozenset((a, b)) in close:
+                continue
+            depths = [_penetration(x, y) for x, y in product(shapes[a], shapes[b]) if x.may_meet(y)]
+            deep = [depth for depth in depths if depth is not None]
+            if deep:
+                deepest = max(deep)
+                found.append((a, b, None if np.isinf(deepest) else deepest))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solid:
+    """A collision shape in the world."""
+
+    shape: Any
+    """The object of python-fcl."""
+    low: Array
+    high: Array
+    """Corners [m] of its box."""
+    mesh: TriMesh | None
+    """In the world, of a shape that is a surface for python-fcl; None of a solid one."""
+    inside: Array
+    """A point (3,) of the shape, in the world."""
+
+    def may_meet(self, other: "_Solid") -> bool:
+        """Whether the boxes overlap."""
+        return bool((self.low < other.high - TOUCHING).all() and (other.low < self.high - TOUCHING).all())
+
+
+def _solid(robot: Robot, collision: Collision, X_WL: Pose, convex: Set[str]) -> _Solid:
+    import fcl
+
+    X_WG = X_WL @ collision.X_LG
+    if isinstance(collision.geometry, MeshRef):
+        mesh = robot.mesh_by_name[collision.geometry.name].mesh
+        moved, is_convex = mesh.moved(X_WG), collision.geometry.name in convex
+        shape = fcl.CollisionObject(_convex(moved) if is_convex else _surface(_shrunk(moved)), fcl.Transform())
+        low, high = moved.bounds
+        return _Solid(shape, np.array(low), np.array(high), None if is_convex else moved, moved.vertices[0])
+    shape = fcl.CollisionObject(_primitive(collision.geometry), fcl.Transform(X_WG.R, X_WG.p))
+    reach = _reach(collision.geometry)
+    return _Solid(shape, X_WG.p - reach, X_WG.p + reach, None, X_WG.p)
+
+
+def _reach(geometry: Geometry) -> float:
+    """Largest distance [m] of a primitive from its middle."""
+    match geometry:
+        case Box(size):
+            return float(np.linalg.norm(size)) / 2
+        case Sphere(radius):
+            return radius
+        case Cylinder(radius, length):
+            return float(np.hypot(radius, length / 2))
+        case Capsule(radius, length):
+            return radius + length / 2
+        case MeshRef():
+            raise ValueError("a mesh has no reach")
+
+
+def _primitive(geometry: Geometry) -> Any:
+    import fcl
+
+    match geometry:
+        case Box(size):
+            return fcl.Box(*size)
+        case Sphere(radius):
+            return fcl.Sphere(radius)
+        case Cylinder(radius, length):
+            return fcl.Cylinder(radius, length)
+        case Capsule(radius, length):
+            return fcl.Capsule(radius, length)
+        case MeshRef():
+            raise ValueError("a mesh is no primitive")
+
+
+def _convex(mesh: TriMesh) -> Any:
+    import fcl
+
+    counted = np.hstack([np.full((len(mesh.faces), 1), 3), mesh.faces])
+    return fcl.Convex(mesh.vertices, len(mesh.faces), counted.astype(int).ravel())
+
+
+def _surface(mesh: TriMesh) -> Any:
+    import fcl
+
+    model = fcl.BVHModel()
+    model.beginModel(len(mesh.vertices), len(mesh.faces))
+    model.addSubModel(mesh.vertices, mesh.faces)
+    model.endModel()
+    return model
+
+
+def _penetration(a: _Solid, b: _Solid) -> float | None:
+    """How deep [m] two shapes penetrate; infinite where they do without a depth, None where they do not."""
+    import fcl
+
+    result = fcl.CollisionResult()
+    fcl.collide(a.shape, b.shape, fcl.CollisionRequest(num_max_contacts=1000, enable_contact=True), result)
+    depths = [contact.penetration_depth for contact in result.contacts]
+    if a.mesh is not None and b.mesh is not None:
+        return np.inf if depths or _encloses(a.mesh, b.inside) or _encloses(b.mesh, a.inside) else None
+    deepest = max(depths, default=0.0)
+    if deepest > TOUCHING:
+        return float(deepest)
+    enclosed = any(one.mesh is not None and _encloses(one.mesh, other.inside) for one, other in ((a, b), (b, a)))
+    return np.inf if enclosed else None
+
+
+def _corners(mesh: TriMesh) -> tuple[Array, Array, Array]:
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    return a, b, c
+
+
+def _is_convex(mesh: TriMesh) -> bool:
+    """Whether no vertex lies outside a face, but for what the grid of the vertices does to the plane of a thin face."""
+    a, b, c = _corners(mesh)
+    normals = np.cross(b - a, c - a)
+    longest = np.max([np.linalg.norm(edge, axis=1) for edge in (b - a, c - b, a - c)], axis=0)
+    double_area = np.linalg.norm(normals, axis=1)
+    thin = double_area <= 0.0
+    height = double_area / np.where(longest > 0.0, longest, 1.0)
+    size = float(np.linalg.norm(np.subtract(*mesh.bounds)))
+    allowed = 0.1 * TOUCHING + 4.0 / GRID_PER_METRE * size / np.where(thin, 1.0, height)
+    normals = normals / np.where(thin, 1.0, double_area)[:, None]
+    for start in range(0, len(a), 256):
+        part = slice(start, start + 256)
+        out = mesh.vertices @ normals[part].T - np.einsum("ij,ij->i", normals[part], a[part])
+        if bool((out.max(axis=0) > allowed[part])[~thin[part]].any()):
+            return False
+    return _is_closed(mesh)
+
+
+def _is_closed(mesh: TriMesh) -> bool:
+    """Whether every edge, by the places of its ends, joins two faces."""
+    _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    faces = places.reshape(-1)[mesh.faces]
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    _, counts = np.unique(edges, axis=0, return_counts=True)
+    return bool(len(counts)) and bool((counts == 2).all())
+
+
+def _shrunk(mesh: TriMesh) -> TriMesh:
+    """The surface moved inwards by what counts as touching, so that flush faces of two surfaces part."""
+    a, b, c = _corners(mesh)
+    weighted = np.cross(b - a, c - a)
+    _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    normals: NDArray[np.float64] = np.zeros((int(places.max()) + 1, 3))
+    for corner in range(3):
+        np.add.at(normals, places.reshape(-1)[mesh.faces[:, corner]], weighted)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    units = normals / np.where(lengths > 0.0, lengths, 1.0)
+    return TriMesh.of(mesh.vertices - TOUCHING * units[places.reshape(-1)], mesh.faces)
+
+
+def _encloses(mesh: TriMesh, point: Array) -> bool:
+    """Whether a point lies inside a closed surface: the solid angle that it fills (van Oosterom, Strackee 1983)."""
+    a, b, c = (corner - point for corner in _corners(mesh))
+    la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
+    angle = 2.0 * np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+    return bool(abs(angle.sum()) > 2.0 * np.pi)

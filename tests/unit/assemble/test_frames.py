@@ -1,0 +1,356 @@
+"""Every form of ``origin`` gives the frame that the sidecar's rules say, or an error with what to paste."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.assemble import build_robot
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Robot
+from stepbot.step.assembly import AxisFace
+from tests.conftest import ReadDiagnostics
+from tests.unit.assemble.workshop import Workshop, at, axis, build, built, sidecar
+
+HEAD = "    defaults: {density: 1000}\n    links: {base: {rest: true}, arm: {parts: [arm]}}\n"
+
+
+def _joint(origin: str, kind: str = "continuous", extra: str = "") -> str:
+    return HEAD + f"    joints: {{j: {{type: {kind}, parent: base, child: arm, origin: {origin}{extra}}}}}\n"
+
+
+def _two(base: list[AxisFace], arm: list[AxisFace], X_WA: Pose = at(0, 0, 0)) -> Workshop:  # noqa: B008 - a value
+    shop = Workshop()
+    shop.box("base", (100, 100, 10), axes=base)
+    shop.box("arm", (20, 20, 60), X_WA, axes=arm)
+    return shop
+
+
+def _expect(robot: Robot, position_mm: tuple[float, float, float], R: object = np.eye(3)) -> None:
+    X = robot.joints[0].X_PC
+    np.testing.assert_allclose(X.p * 1e3, position_mm, atol=1e-9)
+    np.testing.assert_allclose(X.R, R, atol=1e-12)
+
+
+def test_explicit(tmp_path: Path) -> None:
+    """Numbers are relative to the assembly; ``offset`` is applied in the frame they give."""
+    shop = _two([], [], at(5, 6, 7, (0, 0, np.pi / 2)))
+    turned = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    _expect(built(shop, tmp_path, _joint("{xyz: [1 mm, 2 mm, 3 mm], rpy: [0, 0, 90 deg]}")), (1, 2, 3), turned)
+    offset = "offset: {xyz: [10 mm, 0, 0], rpy: [0, 0, -90 deg]}"
+    _expect(built(shop, tmp_path, _joint(f"{{xyz: [1 mm, 0, 0], rpy: [0, 0, 90 deg], {offset}}}")), (1, 10, 0))
+
+
+def test_relative_to_a_component_or_link(tmp_path: Path) -> None:
+    """A name of a link counts before one of a component; a link's frame is where it was drawn."""
+    shop = Workshop()
+    shop.box("base")
+    shop.box("arm", (10, 10, 10), at(5, 6, 7, (0, 0, np.pi / 2)))
+    shop.box("tip", (10, 10, 10), at(0, 0, 99))
+    text = """
+    defaults: {density: 1000}
+    links: {base: {rest: true}, upper: {parts: [arm]}, tip: {parts: [tip]}}
+    joints:
+      a:
+        {type: revolute, parent: base, child: upper, zero: 30 deg, limits: {lower: -1, upper: 1},
+         origin: {xyz: [1 mm, 0, 0], relative_to: arm}}
+      b: {type: fixed, parent: upper, child: tip, origin: {xyz: [0, 0, 2 mm], relative_to: upper}}
+"""
+    robot = built(shop, tmp_path, text)
+    np.testing.assert_allclose(robot.joint_by_name["a"].X_PC.p * 1e3, (5, 7, 7), atol=1e-9)
+    np.testing.assert_allclose(robot.joint_by_name["b"].X_PC.p * 1e3, (0, 0, 2), atol=1e-9)
+    np.testing.assert_allclose(robot.joint_by_name["b"].X_PC.R, np.eye(3), atol=1e-12)
+
+
+def test_component_and_center(tmp_path: Path) -> None:
+    """A component's own frame, and the middle of its bounding box along the assembly's axes."""
+    shop = Workshop()
+    shop.box("base")
+    arm = shop.group("arm", X_PC=at(100, 0, 0, (0, 0, np.pi / 2)))
+    shop.box("lower", (10, 20, 30), at(0, 0, 0), arm)
+    shop.box("upper", (10, 10, 10), at(0, 0, 40), arm)
+    turned = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    _expect(built(shop, tmp_path, _joint("{component: arm}")), (100, 0, 0), turned)
+    _expect(built(shop, tmp_path, _joint("{component: upper}")), (100, 0, 40), turned)
+    _expect(built(shop, tmp_path, _joint("{center: arm}")), (100, 0, 15))  # from -15 to 45
+    _expect(built(shop, tmp_path, _joint("{center: upper, offset: {xyz: [0, 0, 5 mm]}}")), (100, 0, 45))
+
+
+def test_ignored_components_can_be_named(tmp_path: Path) -> None:
+    """What is in no link can still say where a joint is."""
+    shop = _two([], [])
+    shop.box("marker", (1, 1, 1), at(3, 4, 5))
+    text = _joint("{center: marker}") + "    parts: {marker: {ignore: true}}\n"
+    _expect(built(shop, tmp_path, text), (3, 4, 5))
+
+
+def test_axis_of(tmp_path: Path) -> None:
+    """The line of a component's faces: z along it by the sign rule, origin in the middle of the selected faces."""
+    holes = [axis((10, 0, 0), (0, -1, 0), 8, 20), axis((10, 30, 0), (0, 1, 0), 3, 10), axis((40, 0, 0), (0, 1, 0), 3)]
+    shop = _two(holes, [])
+    along_y = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+    # The frame's columns are x, y, z: z along +y, x stays, y is z cross x = -z.
+    _expect(built(shop, tmp_path, _joint("{axis_of: base}")), (10, 12.5, 0), along_y)  # from -10 to 35
+    _expect(built(shop, tmp_path, _joint("{axis_of: base, radius: 8 mm}")), (10, 0, 0), along_y)
+    _expect(built(shop, tmp_path, _joint("{axis_of: base, near: [39 mm, 0, 0]}")), (40, 0, 0), along_y)
+
+
+def test_axis_of_a_subassembly(tmp_path: Path) -> None:
+    """Faces of everything below a component count, wherever it is turned to."""
+    shop = Workshop()
+    shop.box("base")
+    arm = shop.group("arm", X_PC=at(0, 0, 50, (np.pi / 2, 0, 0)))
+    shop.rod("pin", 4, 30, at(0, 0, 10), arm)
+    _expect(built(shop, tmp_path, _joint("{axis_of: arm}")), (0, -10, 50), [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+
+
+def test_mate_and_auto(tmp_path: Path) -> None:
+    """``auto``, said or left out, is the mate between the parts of both links, with its origin in what both share."""
+    shop = _two(
+        [axis((20, 0, 0), radius=8, length=10), axis((0, 20, 0), radius=2)],
+        [axis((0, 0, 0), radius=7.9, length=40, bore=False), axis((-20, 20, 0), radius=2)],
+        at(20, 0, 15),
+    )
+    # Bore from -5 to 5, shaft from -5 to 35: what they share is the bore.
+    for origin in ("auto", "{auto: true}", '{mate: ["base", "arm"]}', '{mate: ["arm", "base"]}'):
+        _expect(built(shop, tmp_path, _joint(origin)), (20, 0, 0))
+    left_out = HEAD + "    joints: {j: {type: continuous, parent: base, child: arm}}\n"
+    _expect(built(shop, tmp_path, left_out), (20, 0, 0))
+    # The pins beside it are apart: from -5 to 5, and from 10 to 20.
+    _expect(built(shop, tmp_path, _joint("{radius: 2 mm}")), (0, 20, 7.5))
+    _expect(built(shop, tmp_path, _joint("{near: [0, 20 mm, 0], offset: {xyz: [0, 0, 1 mm]}}")), (0, 20, 8.5))
+
+
+def test_auto_looks_at_all_parts_of_both_links(tmp_path: Path) -> None:
+    """A horn that is the child's although it is inside the parent's motor makes the axis; an ignored screw does not."""
+    shop = Workshop()
+    motor = shop.group("motor")
+    shop.box("case", parent=motor, axes=[axis((0, 0, 0), radius=6)])
+    shop.box("horn", parent=motor, axes=[axis((0, 0, 0), radius=5), axis((9, 0, 0), radius=4)])
+    shop.box("screw", (2, 2, 20), at(9, 0, 0), motor, axes=[axis((0, 0, 0), radius=4)])
+    shop.box("arm", (10, 10, 50), at(0, 0, 30), axes=[axis((9, 0, 0), radius=4)])
+    text = """
+    defaults: {density: 1000}
+    links: {base: {rest: true}, arm: {parts: [arm, horn]}}
+    joints: {j: {type: continuous, parent: base, child: arm}}
+"""
+    # With the screw, its hole would be a rival: 4 mm against 5 mm.
+    _expect(built(shop, tmp_path, text + "    parts: {screw: {ignore: true}}\n"), (0, 0, 0))
+
+
+def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Rivals are an error at the origin, each with the snippet that takes it."""
+    bolts = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3), axis((0, 10, 0), radius=2)]
+    shop = _two(bolts, bolts)
+    assert build(shop, tmp_path, _joint("auto"), found) is None
+    (fault,) = found
+    assert fault.code == "SB402"
+    assert fault.message == "joint 'j': link 'base' and link 'arm' share 3 axes, and none is twice as wide as the next"
+    assert fault.help[0] == "origin: {auto: true, near: [10 mm, 0 mm, 0 mm]}"
+    assert fault.help[2] == "origin: {auto: true, radius: 2 mm}"
+    for text, x, y in ((fault.help[0], 10, 0), (fault.help[1], -10, 0), (fault.help[2], 0, 10)):
+        _expect(built(shop, tmp_path, _joint(text.removeprefix("origin: "))), (x, y, 0))
+
+
+def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """``axis_of`` that fits several lines offers the same."""
+    shop = _two([axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=2.9)], [])
+    assert build(shop, tmp_path, _joint("{axis_of: base}"), found) is None
+    (fault,) = found
+    assert fault.help == (
+        'origin: {axis_of: "base", radius: 3 mm}',
+        'origin: {axis_of: "base", radius: 2.9 mm}',
+    )
+    _expect(built(shop, tmp_path, _joint(fault.help[1].removeprefix("origin: "))), (-10, 0, 0))
+
+
+def test_no_axis_tells_near_misses(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Where two links share nothing, what is less than 2 mm apart is told, with the lines to paste."""
+    shop = _two([axis((10, 0, 0), radius=5), axis((30, 0, 0), radius=1)], [axis((11.57, 0, 0), radius=4)])
+    assert build(shop, tmp_path, _joint("auto"), found) is None
+    (fault,) = found
+    assert fault.code == "SB401"
+    assert fault.message == "joint 'j': link 'base' and link 'arm' share no axis"
+    assert fault.notes == ('1.57 mm apart: "base" (radius 5 mm) and "arm" (radius 4 mm)',)
+    assert fault.help == ('origin: {axis_of: "base"}', 'origin: {axis_of: "arm"}')
+    _expect(built(shop, tmp_path, _joint('{axis_of: "arm"}')), (11.57, 0, 0))
+
+
+def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Faces on one line with a gap of 228 mm make no joint by themselves; the error lists what would select them."""
+    horn = [axis((0, 0, 0), radius=10, length=4, bore=False)]
+    bracket = [axis((0, 0, 234), radius=10.2, length=8)]
+    shop = _two(horn, bracket)
+    for origin in ("auto", '{mate: ["base", "arm"]}'):
+        assert build(shop, tmp_path, _joint(origin), found) is None
+    first, second = found
+    assert (first.code, second.code) == ("SB406", "SB406")
+    words = "have faces on one line, but no shaft in a bore and no faces that touch"
+    assert first.message == f"joint 'j': link 'base' and link 'arm' {words}"
+    assert first.notes == (
+        'shaft of radius 10 mm of "base" and bore of radius 10.2 mm of "arm" are 228 mm apart; '
+        "direction [0, 0, 1], at [0 mm, 0 mm, 116 mm]",
+    )
+    assert first.help == ("origin: {auto: true, radius: 10.2 mm}",)
+    assert second.help == ('origin: {mate: ["base", "arm"], radius: 10.2 mm}',)
+    for chosen in (first.help[0], second.help[0], "origin: {near: [0, 0, 0]}"):  # a choice is no guess
+        _expect(built(shop, tmp_path, _joint(chosen.removeprefix("origin: "))), (0, 0, 116))
+
+
+def test_a_fit_beats_a_wider_line_without_contact(tmp_path: Path) -> None:
+    """The pin in its bore is the axis, although a line with wider faces apart from each other is there, too."""
+    base = [axis((0, 0, 0), radius=10, length=4, bore=False), axis((40, 0, 0), radius=2, length=10, bore=False)]
+    arm = [axis((0, 0, 234), radius=10.2, length=8), axis((40, 0, 0), radius=2.1, length=10)]
+    _expect(built(_two(base, arm), tmp_path, _joint("auto")), (40, 0, 0))
+
+
+def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Such a line is taken with a warning, and without one where the sidecar selects it."""
+    shop = _two(
+        [axis((0, 0, 0), radius=5, length=4)], [axis((0, 0, 1), radius=10, length=4, bore=False), axis((20, 0, 0))]
+    )
+    robot = build(shop, tmp_path, _joint("auto"), found)
+    assert robot is not None
+    _expect(robot, (0, 0, 0.5))
+    (doubt,) = found
+    assert (doubt.code, doubt.severity) == ("SB407", "warning")
+    words = "bore of radius 5 mm and shaft of radius 10 mm overlap by 3 mm, but do not fit"
+    assert doubt.message == f"joint 'j': weak evidence for its axis: {words}"
+    assert doubt.help == ("origin: {auto: true, radius: 10 mm}",)
+    _expect(built(shop, tmp_path, _joint(doubt.help[0].removeprefix("origin: "))), (0, 0, 0.5))
+    made = build_robot(shop.assembly, sidecar(tmp_path, _joint("auto")), lambda: shop.measures, Diagnostics())
+    assert made is not None
+    assert made.joint_table[0].evidence.doubt == words
+
+
+def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A screw in its hole is taken before a wide line that touches, but not without a word."""
+    base = [axis((0, 0, 0), radius=20), axis((40, 0, 0), radius=2, bore=False)]
+    arm = [axis((0, 0, 0), radius=10, bore=False), axis((40, 0, 0), radius=2.1)]
+    robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
+    assert robot is not None
+    _expect(robot, (40, 0, 0))
+    (doubt,) = found
+    assert doubt.code == "SB407"
+    assert doubt.help == ("origin: {auto: true, radius: 2.1 mm}", "origin: {auto: true, radius: 20 mm}")
+
+
+def test_a_wide_line_that_touches_beats_a_bolt_circle(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Where bolt holes meet on several lines and nothing decides between them, a line twice as wide is the axis."""
+    bolts = [axis((x, y, 0), radius=1.2) for x, y in ((12, 0), (-12, 0), (0, 12), (0, -12))]
+    base = [axis((0, 0, 0), radius=5, bore=False), *bolts]
+    arm = [axis((0, 0, 0), radius=7), *bolts]
+    robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
+    assert robot is not None
+    _expect(robot, (0, 0, 0))
+    assert found.codes() == ["SB407"]
+
+
+def test_a_slide_takes_any_of_parallel_lines(tmp_path: Path) -> None:
+    """Two equal guides are no rivals for a prismatic joint."""
+    guides = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3)]
+    text = _joint("auto", "prismatic", ", limits: {lower: 0, upper: 10 mm}")
+    _expect(built(_two(guides, guides), tmp_path, text), (10, 0, 0))
+
+
+def test_auto_without_parts(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A link without parts shares no line, and the message says why; one with a misspelt path is not told twice."""
+    shop = _two([axis((0, 0, 0))], [])
+    inertial = "{mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}"
+    empty = _joint("auto").replace("arm: {parts: [arm]}", f"arm: {{inertial: {inertial}}}")
+    assert build(shop, tmp_path, empty, found) is None
+    assert found.codes() == ["SB405"]
+    assert build(shop, tmp_path, _joint("auto").replace("parts: [arm]", "parts: [amr]"), found) is None
+    assert found.codes() == ["SB405", "SB301"]
+
+
+def test_paths_in_origins_are_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """An unknown component and one without extent are errors at their own place in the origin."""
+    shop = _two([], [])
+    shop.group("nothing")
+    assert build(shop, tmp_path, _joint("{component: amr}"), found) is None
+    assert build(shop, tmp_path, _joint("{center: nothing}"), found) is None
+    assert build(shop, tmp_path, _joint("{xyz: [0, 0, 0], relative_to: foot}"), found) is None
+    assert build(shop, tmp_path, _joint("{axis_of: arm, radius: 4 mm}"), found) is None
+    assert found.codes() == ["SB301", "SB404", "SB301", "SB401"]
+    first = next(iter(found))
+    assert first.message == "joint 'j': no component 'amr' in robot.step"
+    lines = HEAD.splitlines()
+    column = _joint("{component: amr}").splitlines()[-1].index("amr") + 1 - 4  # the workshop takes away the indent
+    assert (first.span.line, first.span.column) == (3 + len(lines) + 1, column)
+
+
+def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A joint relative to its own child, or two that are relative to each other's, is told once."""
+    shop = _two([], [])
+    shop.box("tip")
+    text = """
+    defaults: {density: 1000}
+    links: {base: {rest: true}, arm: {parts: [arm]}, tip: {parts: [tip]}}
+    joints:
+      a: {type: fixed, parent: base, child: arm, origin: {xyz: [0, 0, 0], relative_to: tip}}
+      b: {type: fixed, parent: arm, child: tip, origin: {xyz: [0, 0, 0], relative_to: arm}}
+"""
+    assert build(shop, tmp_path, text, found) is None
+    (fault,) = found
+    assert fault.code == "SB403"
+    assert "link 'arm' waits for link 'tip' waits for link 'arm'" in fault.message
+
+
+def test_root_frame(tmp_path: Path) -> None:
+    """The root's frame is the assembly's unless ``root`` says otherwise; everything follows from it."""
+    shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)])
+    plain = built(shop, tmp_path, _joint("auto"))
+    root = "    root: {link: base, frame: {axis_of: base, offset: {xyz: [0, 0, -40 mm]}}}\n"
+    moved = built(shop, tmp_path, _joint("auto") + root)
+    np.testing.assert_allclose(plain.root.mass_properties.com, (0, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(moved.root.mass_properties.com, (-0.02, 0, 0.04), atol=1e-12)
+    np.testing.assert_allclose(moved.joints[0].X_PC.p, (0, 0, 0.04), atol=1e-12)
+    np.testing.assert_allclose(moved.root.visuals[0].X_LG.p, (-0.02, 0, 0.04), atol=1e-12)
+    assert plain.links[1].mass_properties == moved.links[1].mass_properties
+
+
+def test_named_frames(tmp_path: Path) -> None:
+    """A frame is where its origin is, in its link's frame."""
+    shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
+    text = _joint("auto") + "    frames: {tool: {link: arm, origin: {xyz: [20 mm, 0, 60 mm], rpy: [0, 90 deg, 0]}}}\n"
+    (frame,) = built(shop, tmp_path, text).frames
+    assert (frame.name, frame.link) == ("tool", "arm")
+    np.testing.assert_allclose(frame.X_LF.p, (0, 0, 0.06), atol=1e-12)
+    np.testing.assert_allclose(frame.X_LF.rpy, (0, np.pi / 2, 0), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("origin", "source"),
+    [
+        (
+            "auto",
+            "axis that link 'base' and link 'arm' share, of faces of \"base\", \"arm\": "
+            "radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]",
+        ),
+        (
+            "{axis_of: arm}",
+            'axis, of faces of "arm": radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]',
+        ),
+        ("{component: arm}", 'the frame of component "arm"'),
+        ("{center: arm, offset: {xyz: [1 mm, 0, 0]}}", 'the centre of the box around "arm"; moved by its offset'),
+        ("{xyz: [1 mm, 0, 0]}", 'numbers, relative to "assembly"'),
+    ],
+)
+def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -> None:
+    """The joint table tells where frames come from."""
+    shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
+    made = build_robot(shop.assembly, sidecar(tmp_path, _joint(origin)), lambda: shop.measures, Diagnostics())
+    assert made is not None
+    (row,) = made.joint_table
+    assert row.evidence.text == source
+
+
+@pytest.mark.parametrize("kind", ["fixed", "revolute"])
+def test_one_rule_for_all_kinds(kind: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Only slides may take any of several lines."""
+    guides = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3)]
+    extra = ", limits: {lower: -1, upper: 1}" if kind == "revolute" else ""
+    assert build(_two(guides, guides), tmp_path, _joint("auto", kind, extra), found) is None
+    assert found.codes() == ["SB402"]

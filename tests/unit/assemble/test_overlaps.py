@@ -1,0 +1,305 @@
+"""Mass that overlapping solids count twice, against closed forms, and what is not taken for an overlap."""
+
+import os
+import signal
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.assemble.binder import Binder
+from stepbot.assemble.claims import claim
+from stepbot.assemble.double_counting import DoubleCounting
+from stepbot.assemble.masses import masses
+from stepbot.assemble.material_assignment import matters
+from stepbot.assemble.overlaps import OverlapSearch
+from stepbot.assemble.weigh import weigh
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh_worker import MESHWORK
+from stepbot.geometry.solids.manifolds import Solid
+from stepbot.geometry.solids.overlapping import Overlaps
+from stepbot.runtime.cache import Cache
+from stepbot.runtime.worker import Worker
+from tests.conftest import ReadDiagnostics
+from tests.unit.assemble.workshop import Workshop, at, build, sidecar
+
+ONE = "    links: {base: {rest: true}}\n"
+WATER = "    defaults: {density: 1000}\n"
+CUBE = 1e-6
+"""Volume [m^3] of the cube of 10 mm."""
+
+
+def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -> Overlaps:
+    """What overlaps in the only link."""
+    found = Diagnostics()
+    binder = Binder(shop.assembly, sidecar(folder, text), found)
+    matter = matters(binder)
+    claims = claim(binder, matter.of)
+    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+    (overlaps,) = OverlapSearch(shop.assembly, {"base": claims.parts_of("base")}, weighed, max_faces).result().values()
+    return overlaps
+
+
+def test_boxes_that_overlap(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Two boxes that share a quarter of each: a warning at the link, with both names, the volume and the mass."""
+    shop = Workshop()
+    shop.box("left", (40, 10, 10))
+    shop.box("right", (40, 10, 10), at(30, 0, 0))
+    assert build(shop, tmp_path, WATER + ONE, found) is not None
+    (fault,) = found
+    assert (fault.code, fault.severity, fault.span.line) == ("SB512", "warning", 5)
+    assert "link 'base'" in fault.message
+    assert "1 g of its 8 g" in fault.message
+    assert fault.notes == ('"left" and "right": 1000 mm^3, 1 g',)
+
+
+def test_the_mass_in_the_file_is_not_changed(tmp_path: Path) -> None:
+    """What is counted twice is told, not taken away."""
+    shop = Workshop()
+    shop.box("a", density=1000)
+    shop.box("b", X_PC=at(5, 0, 0), density=1000)
+    robot = build(shop, tmp_path, ONE + "    step_density: use\n", Diagnostics())
+    assert robot is not None
+    assert robot.root.mass_properties.mass == pytest.approx(2000 * CUBE)
+
+
+@pytest.mark.parametrize(
+    ("gap", "pairs"),
+    [(10.0, 0), (10.5, 0), (9.9995, 0), (9.995, 0), (9.98, 1)],
+    ids=["touch", "apart", "press fit of half a micron", "5e-4 of each", "2e-3 of each"],
+)
+def test_touching_and_press_fits_are_none(gap: float, pairs: int, tmp_path: Path) -> None:
+    """Cubes of 10 mm side by side: an overlap counts from a thousandth of the smaller one on."""
+    shop = Workshop()
+    shop.box("a")
+    shop.box("b", X_PC=at(gap, 0, 0))
+    overlaps = _overlaps(shop, tmp_path, WATER + ONE)
+    assert len(overlaps.pairs) == pairs
+    if pairs:
+        assert overlaps.mass == pytest.approx((10 - gap) * 1e-3 * 1e-4 * 1000, rel=1e-6)
+
+
+def test_a_shaft_in_its_bore_is_none(tmp_path: Path) -> None:
+    """A rod beside a rod: the prisms of two cylinders that touch along a line share nothing that counts."""
+    shop = Workshop()
+    shop.rod("a", radius=5, sides=24)
+    shop.rod("b", radius=5, X_PC=at(9.95, 0, 0, (0, 0, 0.13)), sides=24)
+    assert not _overlaps(shop, tmp_path, WATER + ONE).pairs
+
+
+def test_the_lighter_material_gives_way(tmp_path: Path) -> None:
+    """A steel rod in plastic that has no hole: the plastic in its place is counted, at the density of plastic."""
+    shop = Workshop()
+    shop.box("block", (40, 40, 40), density=1200)
+    shop.rod("screw", 4, 20, density=7850, sides=256)
+    overlaps = _overlaps(shop, tmp_path, ONE)
+    screw = shop.measures[1]
+    assert screw is not None
+    assert overlaps.mass == pytest.approx(1200 * screw.volume, rel=1e-6)
+
+
+def test_what_was_measured_is_not_counted_twice(tmp_path: Path) -> None:
+    """A motor that was weighed sticks in a bracket: the bracket's share counts; two weighed parts share nothing."""
+    shop = Workshop()
+    shop.box("bracket", (40, 40, 40), density=2700)
+    shop.box("motor", (20, 20, 20), density=9000)
+    rule = "    parts: {motor: {mass: 57 g}%s}\n"
+    assert _overlaps(shop, tmp_path, rule % "" + ONE).mass == pytest.approx(2700 * 8e-6)
+    assert not _overlaps(shop, tmp_path, rule % ", bracket: {mass: 90 g}" + ONE).pairs
+
+
+def test_a_solid_without_triangles(tmp_path: Path) -> None:
+    """Where the mesher made nothing of a solid, its exact mass counts and the others are compared without it."""
+    shop = Workshop()
+    for name, x in (("a", 0), ("b", 5), ("c", 5)):
+        shop.box(name, X_PC=at(x, 0, 0), density=1000)
+    shop.bodies[2] = replace(shop.bodies[2], mesh=TriMesh.of(np.empty((0, 3)), np.empty((0, 3))))
+    (pair,) = _overlaps(shop, tmp_path, ONE).pairs
+    assert pair.mass == pytest.approx(0.5e-3)
+
+
+def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """With an ``inertial`` nothing is counted twice, and parts in two links are not compared."""
+    shop = Workshop()
+    shop.box("a")
+    shop.box("b", X_PC=at(5, 0, 0))
+    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 1}}}\n", found)
+    two = """
+    links: {base: {rest: true}, arm: {parts: [b]}}
+    joints: {j: {type: fixed, parent: base, child: arm, origin: {xyz: [0, 0, 0]}}}
+"""
+    assert build(shop, tmp_path, WATER + two, found) is not None
+    assert not len(found)
+
+
+def test_equal_pairs_are_intersected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twenty pairs of the same parts in the same relative pose, however turned as a whole, cost one intersection."""
+    from stepbot.geometry.solids.manifolds import Intersection, Solid
+    from stepbot.geometry.spatial import Pose
+
+    calls = []
+    original = Solid.intersection
+
+    def counted(self: Solid, other: Solid, X_AB: Pose) -> Intersection:
+        calls.append(X_AB)
+        return original(self, other, X_AB)
+
+    monkeypatch.setattr(Solid, "intersection", counted)
+    shop = Workshop()
+    case = screw = -1
+    for i in range(20):
+        motor = shop.group("motor", X_PC=at(100 * i, 3 * i, -i, (0.1 * i, 0.2, -0.3 * i)))
+        if i == 0:
+            case = shop.box("case", (30, 30, 30), parent=motor)
+            screw = shop.box("screw", (4, 4, 10), at(0, 0, 16), parent=motor)
+        else:
+            shop.again(case, at(0, 0, 0), motor)
+            shop.again(screw, at(0, 0, 16), motor)
+    overlaps = _overlaps(shop, tmp_path, WATER + ONE)
+    assert len(calls) == 1
+    assert len(overlaps.pairs) == 20
+    assert overlaps.mass == pytest.approx(20 * 4 * 4 * 4 * 1e-6)
+
+
+def test_what_three_share_counts_twice_and_not_thrice(tmp_path: Path) -> None:
+    """The same part three times at one place: three pairs, and two of three are too much."""
+    shop = Workshop()
+    first = shop.box("a")
+    shop.again(first, at(0, 0, 0))
+    shop.again(first, at(0, 0, 0))
+    overlaps = _overlaps(shop, tmp_path, WATER + ONE)
+    assert [pair.is_repeated for pair in overlaps.pairs] == [True] * 3
+    assert overlaps.mass == pytest.approx(2 * CUBE * 1000)
+
+
+def test_a_part_that_is_there_twice_is_named(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The help for a copy at the same place is a snippet that leaves it out, and the snippet works."""
+    shop = Workshop()
+    first = shop.box("bolt", occurrence="bolt:1")
+    shop.again(first, at(0, 0, 0), occurrence="bolt:2")
+    build(shop, tmp_path, WATER + ONE, found)
+    (fault,) = found
+    assert '`parts: {"bolt:2": {ignore: true}}`' in fault.help[0]
+    again = Diagnostics()
+    robot = build(shop, tmp_path, WATER + '    parts: {"bolt:2": {ignore: true}}\n' + ONE, again)
+    assert robot is not None
+    assert not list(again)
+
+
+def test_little_overlaps_are_a_note(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Less than a thousandth of the link's mass is no warning, but a note with the heaviest pair."""
+    shop = Workshop()
+    shop.box("block", (100, 100, 100))
+    shop.box("pin", (4, 4, 10), at(0, 0, 50))
+    shop.box("label", (2, 2, 2), at(30, 0, 50))
+    assert build(shop, tmp_path, WATER + ONE, found) is not None
+    (note,) = found
+    assert (note.code, note.severity) == ("SB513", "note")
+    assert "2 pairs of solids" in note.message
+    assert note.notes == ('link \'base\': 0.084 g are counted twice, most of it in "block" and "pin": 80 mm^3, 0.08 g',)
+
+
+def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Beyond the limit of faces, and on meshes that do not close, pairs are named with the most that they can weigh."""
+    shop = Workshop()
+    shop.box("a", (40, 10, 10))
+    shop.box("b", (40, 10, 10), at(20, 0, 0))
+    shop.box("c", (40, 10, 10), at(50, 0, 0))
+    overlaps = _overlaps(shop, tmp_path, WATER + ONE, max_faces=24)
+    assert [(pair.first, pair.second) for pair in overlaps.pairs] == [(1, 2)]
+    assert [(pair.first, pair.second) for pair in overlaps.unchecked] == [(2, 3)]
+    assert overlaps.unchecked[0].mass == pytest.approx(1e-3)
+
+    binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), found)
+    matter = matters(binder)
+    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+    DoubleCounting(binder, claim(binder, matter.of), weighed, max_faces=0).report()
+    (note,) = found
+    assert (note.code, note.severity) == ("SB514", "note")
+    assert "2 pairs of solids were not checked" in note.message
+    assert note.notes[0] == '"a" and "b": all pairs together have more than 0 faces; at most 2 g are counted twice'
+
+
+def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A solid whose mesh has a hole is weighed by its exact shape; its overlaps are not known, and that is told."""
+    from stepbot.geometry.mesh import TriMesh
+
+    shop = Workshop()
+    shop.box("a")
+    shop.box("b", X_PC=at(5, 0, 0))
+    mesh = shop.bodies[0].mesh
+    object.__setattr__(shop.bodies[0], "mesh", TriMesh.of(mesh.vertices, mesh.faces[1:]))
+    shop.measures[0] = None
+    assert build(shop, tmp_path, WATER + ONE, found) is not None
+    assert found.codes() == ["SB505", "SB514"]
+    assert list(found)[1].notes == ('"a" and "b": a mesh is not closed; at most 0.5 g are counted twice',)
+
+
+def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same solids are intersected once; another place, density or link is another question."""
+    asked: list[Solid] = []
+    intersection = Solid.intersection
+    monkeypatch.setattr(Solid, "intersection", lambda a, b, X_AB: (asked.append(a), intersection(a, b, X_AB))[1])
+    cache = Cache(tmp_path / "kept")
+
+    def found(x: float, text: str) -> Mapping[str, Overlaps]:
+        shop = Workshop()
+        shop.box("a")
+        shop.box("b", X_PC=at(x, 0, 0))
+        binder = Binder(shop.assembly, sidecar(tmp_path, text), Diagnostics())
+        matter = matters(binder)
+        claims = claim(binder, matter.of)
+        weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+        parts = {link: claims.parts_of(link) for link in binder.document.links}
+        return OverlapSearch(shop.assembly, parts, weighed, cache=cache).result()
+
+    first = found(5, WATER + ONE)
+    assert len(first["base"].pairs) == len(asked) == 1
+    assert found(5, WATER + ONE) == first
+    assert len(asked) == 1
+    assert found(6, WATER + ONE)["base"].mass == pytest.approx(0.4e-3)
+    assert found(5, WATER.replace("1000", "2000") + ONE)["base"].mass == pytest.approx(2 * first["base"].mass)
+    assert found(5, WATER + ONE.replace("base", "foot")) == {"foot": first["base"]}
+    assert len(asked) == 4
+
+
+def _search(shop: Workshop, folder: Path, found: Diagnostics, process: Worker) -> DoubleCounting:
+    binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), found)
+    matter = matters(binder)
+    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+    return DoubleCounting(binder, claim(binder, matter.of), weighed, process=process)
+
+
+def _row_of_blocks(count: int) -> Workshop:
+    shop = Workshop()
+    for number in range(count):
+        shop.box(f"block {number}", (12, 10, 10), at(10 * number, 0, 0))
+    return shop
+
+
+def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Once it has measured, the process that measures says of overlaps what this one would."""
+    shop = _row_of_blocks(4)
+    with Worker(MESHWORK) as process:
+        meshes = tuple(body.mesh for body in shop.assembly.bodies)
+        assert len(process.submit("measures", meshes, more=True).result()) == len(meshes)
+        _search(shop, tmp_path, found, process).report()
+    here = Diagnostics()
+    assert build(shop, tmp_path, WATER + ONE, here) is not None
+    assert list(found) == list(here)
+    assert found.codes() == ["SB512"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals")
+def test_the_death_of_that_process_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """As an error: nobody knows then what is weighed twice."""
+    with Worker(MESHWORK) as process:
+        os.kill(process.pid, signal.SIGKILL)
+        _search(_row_of_blocks(2), tmp_path, found, process).report()
+    (error,) = found
+    assert (error.code, error.severity) == ("SB902", "error")
+    assert "the process that intersects solids ended: killed by SIGKILL" in error.message

@@ -1,0 +1,88 @@
+"""Diagnostics: order, severities, exit codes, near matches."""
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span, StepbotError, did_you_mean
+from stepbot.diagnostics.codes import CODES
+
+WARNING = next(code.id for code in CODES.values() if code.severity == "warning")
+ERROR = next(code.id for code in CODES.values() if code.severity == "error" and not code.could_not_run)
+COULD_NOT_RUN = next(code.id for code in CODES.values() if code.could_not_run)
+
+
+def test_place_is_clickable() -> None:
+    """A place prints as editors and terminals understand it."""
+    assert str(Span("arm.robot.yaml", 14, 7)) == "arm.robot.yaml:14:7"
+    assert str(Span("arm.step")) == "arm.step"
+
+
+def test_headline_is_complete() -> None:
+    """The first line alone says where, how bad, which code and what."""
+    diagnostic = Diagnostic("SB001", "error", "no such file", Span("arm.step", 3, 4))
+    assert str(diagnostic) == "arm.step:3:4: error[SB001]: no such file"
+
+
+def test_severity_is_the_codes(found: Diagnostics) -> None:
+    """A finding is as severe as its code."""
+    assert found.add(WARNING, "w", Span("a")).severity == "warning"
+    assert found.add(ERROR, "e", Span("a")).severity == "error"
+    assert [d.message for d in found] == ["w", "e"]
+
+
+def test_unknown_code_is_refused(found: Diagnostics) -> None:
+    """A code that is not in the table is our bug."""
+    with pytest.raises(KeyError):
+        found.add("SB000", "?", Span("a"))
+
+
+def test_finding_is_kept_once(found: Diagnostics) -> None:
+    """The same finding from two places of the program is told once, where it was first found."""
+    first = found.add(WARNING, "w", Span("a"))
+    found.add(WARNING, "v", Span("a"))
+    assert found.extend([first]) == [first]
+    assert [d.message for d in found] == ["w", "v"]
+    assert len(found) == 2
+
+
+@pytest.mark.parametrize(
+    ("codes", "exit_code"),
+    [([], 0), ([WARNING], 0), ([ERROR, WARNING], 1), ([ERROR, COULD_NOT_RUN], 2), ([COULD_NOT_RUN], 2)],
+)
+def test_exit_code(codes: list[str], exit_code: int) -> None:
+    """0 clean, 1 findings, 2 could not run; the worst finding decides."""
+    found = Diagnostics()
+    for code in codes:
+        found.add(code, "m", Span("a"))
+    assert found.exit_code == exit_code
+    assert found.has_errors == (exit_code != 0)
+
+
+def test_strict_turns_warnings_into_errors(found: Diagnostics) -> None:
+    """After make_strict a warning is an error, and ends the stage."""
+    found.add(WARNING, "w", Span("a"))
+    found.raise_if_errors()
+    found.make_strict()
+    assert [d.severity for d in found] == ["error"]
+    assert found.exit_code == 1
+    with pytest.raises(StepbotError, match=r"a: error\[SB\d{3}\]: w"):
+        found.raise_if_errors()
+
+
+def test_error_carries_all_findings(found: Diagnostics) -> None:
+    """The exception at the end of a stage holds warnings too, and its text only the errors."""
+    found.add(WARNING, "harmless", Span("a"))
+    found.add(ERROR, "bad", Span("a"))
+    with pytest.raises(StepbotError) as raised:
+        found.raise_if_errors()
+    assert len(raised.value.diagnostics) == 2
+    assert "bad" in str(raised.value)
+    assert "harmless" not in str(raised.value)
+
+
+def test_near_matches() -> None:
+    """A misspelt name gets the nearest candidates, each once, a strange one nothing."""
+    assert did_you_mean("forarm", ["forearm", "wrist"]) == ("did you mean 'forearm'?",)
+    assert did_you_mean("xyz", ["forearm", "wrist"]) == ()
+    assert did_you_mean("BASE", ["base", "case"]) == ("did you mean 'base'?",)
+    (two,) = did_you_mean("arm1", ["arm2", "arm2", "arm3"])
+    assert two.count("arm2") == two.count("arm3") == 1

@@ -1,0 +1,136 @@
+"""What engines must not read is found before any of them reads it."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from stepbot.engines.file_references import refusals
+from stepbot.engines.observation import EngineCannotRead
+from stepbot.engines.sdformat_reader.tree import read_model
+
+pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+
+
+def codes(path: Path, text: str, written_in: str) -> list[str]:
+    """The codes by which a file with this text is refused."""
+    path.write_text(text, encoding="utf-8")
+    return [one.code for one in refusals(str(path), written_in)]
+
+
+def test_entities_are_refused_before_they_are_expanded(tmp_path: Path) -> None:
+    """A bomb of a gigabyte is refused for what it declares; a DOCTYPE without entities is none."""
+    entities = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 10))
+    bomb = f'<!DOCTYPE robot [<!ENTITY e0 "x">{entities}]><robot name="r"><link name="&e9;"/></robot>'
+    assert codes(tmp_path / "bomb.urdf", bomb, "urdf") == ["SB820"]
+    assert codes(tmp_path / "plain.urdf", '<!DOCTYPE robot><robot name="r"/>', "urdf") == []
+
+
+def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
+    """Includes beside the file and below are read, also in what is included; those that lead out are refused."""
+    inside = tmp_path / "scene"
+    (inside / "parts").mkdir(parents=True)
+    (tmp_path / "outside.xml").write_text("<mujoco/>", encoding="utf-8")
+    (inside / "near.xml").write_text("<mujoco/>", encoding="utf-8")
+    (inside / "parts" / "far.xml").write_text('<mujoco><include file="../outside.xml"/></mujoco>', encoding="utf-8")
+    (inside / "circle.xml").write_text('<mujoco><include file="circle.xml"/></mujoco>', encoding="utf-8")
+
+    def including(name: str) -> list[str]:
+        return codes(inside / "scene.xml", f'<mujoco><worldbody><include file="{name}"/></worldbody></mujoco>', "mjcf")
+
+    assert including("near.xml") == []
+    assert including("circle.xml") == []
+    assert including("missing.xml") == []
+    assert including("../outside.xml") == ["SB821"]
+    assert including(str(tmp_path / "outside.xml")) == ["SB821"]
+    assert including("parts/far.xml") == ["SB821"]
+
+
+def test_link_out_of_the_folder_is_no_way_around(tmp_path: Path) -> None:
+    """What counts is where a symbolic link leads."""
+    (tmp_path / "outside.xml").write_text("<mujoco/>", encoding="utf-8")
+    (tmp_path / "scene").mkdir()
+    try:
+        (tmp_path / "scene" / "near.xml").symlink_to(tmp_path / "outside.xml")
+    except OSError:
+        pytest.skip("no symbolic links here")
+    text = '<mujoco><include file="near.xml"/></mujoco>'
+    assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB821"]
+
+
+@pipes
+def test_pipes_are_refused_wherever_they_are_named(tmp_path: Path) -> None:
+    """As a mesh, a side of a texture, an include; in a folder for meshes; by a relative path and by a package's."""
+    os.mkfifo(tmp_path / "pipe.obj")
+    mesh = '<robot name="r"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
+    for name in ("pipe.obj", f"file://{tmp_path}/pipe.obj", "package://arm/pipe.obj"):
+        assert codes(tmp_path / "robot.urdf", mesh.format(name), "urdf") == ["SB822"], name
+    asset = f'<mujoco><compiler meshdir="{tmp_path}"/><asset><mesh file="pipe.obj"/></asset></mujoco>'
+    (tmp_path / "other").mkdir()
+    assert codes(tmp_path / "other" / "robot.xml", asset, "mjcf") == ["SB822"]
+    assert codes(tmp_path / "robot.xml", '<mujoco><asset><texture fileup="pipe.obj"/></asset></mujoco>', "mjcf") == [
+        "SB822"
+    ]
+    assert codes(tmp_path / "robot.xml", '<mujoco><include file="pipe.obj"/></mujoco>', "mjcf") == ["SB822"]
+    uri = '<sdf version="1.9"><model name="m"><link name="a"><uri>pipe.obj</uri></link></model></sdf>'
+    assert codes(tmp_path / "robot.sdf", uri, "sdf") == ["SB822"]
+
+
+def test_ordinary_files_are_admitted(tmp_path: Path) -> None:
+    """Meshes that are there, missing, or elsewhere on the disk are left to the engines."""
+    (tmp_path / "a.obj").write_text("v 0 0 0\n", encoding="utf-8")
+    (tmp_path / "in").mkdir()
+    mesh = '<robot name="r"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
+    for name in ("../a.obj", str(tmp_path / "a.obj"), "missing.obj", "a\N{NULL}b".replace("\0", "&#10;"), ""):
+        assert codes(tmp_path / "in" / "robot.urdf", mesh.format(name), "urdf") == [], name
+
+
+@pytest.mark.parametrize("text", ["<include/>", '<world name="w"><include/></world>'])
+def test_include_beside_the_model_is_not_left_out_in_silence(tmp_path: Path, text: str) -> None:
+    """A world that includes another model is not read as if it held the one alone."""
+    path = tmp_path / "world.sdf"
+    path.write_text(f'<sdf version="1.9"><model name="m"/>{text}</sdf>', encoding="utf-8")
+    with pytest.raises(EngineCannotRead, match="include"):
+        read_model(path)
+
+
+@pipes
+def test_linked_description_is_looked_at_where_engines_read_it(tmp_path: Path) -> None:
+    """What a file names is beside the file itself, not beside a link to it."""
+    (tmp_path / "there").mkdir()
+    (tmp_path / "here").mkdir()
+    os.mkfifo(tmp_path / "there" / "pipe.obj")
+    robot = tmp_path / "there" / "robot.urdf"
+    robot.write_text('<robot name="r"><mesh filename="pipe.obj"/></robot>', encoding="utf-8")
+    given = tmp_path / "here" / "robot.urdf"
+    given.symlink_to(robot)
+    (refused,) = refusals(str(given), "urdf")
+    assert (refused.code, refused.file) == ("SB822", str(given))
+
+
+@pipes
+def test_link_to_a_pipe_is_a_pipe(tmp_path: Path) -> None:
+    """Links to pipes and to devices are refused as they are; height fields and skins too."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "a.obj").symlink_to(tmp_path / "pipe")
+    (tmp_path / "b.obj").symlink_to("/dev/zero")
+    for name in ("a.obj", "b.obj", "/dev/zero", "file:///dev/zero"):
+        text = f'<robot name="r"><mesh filename="{name}"/></robot>'
+        assert codes(tmp_path / "robot.urdf", text, "urdf") == ["SB822"], name
+        for element in ("hfield", "skin", "mesh", "texture"):
+            text = f'<mujoco><asset><{element} file="{name}"/></asset></mujoco>'
+            if "://" not in name:
+                assert codes(tmp_path / "robot.xml", text, "mjcf") == ["SB822"], (element, name)
+
+
+@pipes
+def test_settings_of_included_files_hold_in_all(tmp_path: Path) -> None:
+    """A folder for meshes that an included file sets, and names without their folders (`strippath`)."""
+    (tmp_path / "other").mkdir()
+    (tmp_path / "scene").mkdir()
+    os.mkfifo(tmp_path / "other" / "pipe.obj")
+    compiler = f'<mujoco><compiler meshdir="{tmp_path}/other" strippath="true"/></mujoco>'
+    (tmp_path / "scene" / "settings.xml").write_text(compiler, encoding="utf-8")
+    for name in ("pipe.obj", "any/pipe.obj"):
+        text = f'<mujoco><include file="settings.xml"/><asset><mesh file="{name}"/></asset></mujoco>'
+        assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB822"]

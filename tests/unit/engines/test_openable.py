@@ -1,0 +1,35 @@
+"""Paths that engines can open."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from stepbot.engines.openable import openable
+
+BAR = os.fsdecode(b"b\xe4r")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="file names are Unicode there")
+@pytest.mark.parametrize("name", ["arm.urdf", f"{BAR}.urdf"])
+def test_what_is_beside_a_file_is_beside_its_other_path(tmp_path: Path, name: str) -> None:
+    """Whether the file's own name is not UTF-8 or that of a folder above; folders above are found from there."""
+    folder = tmp_path / BAR / "robots" / "arm"
+    (folder / "meshes").mkdir(parents=True)
+    (folder.parent / "shared.obj").write_bytes(b"s")
+    (folder / "meshes" / "a.obj").write_bytes(b"a")
+    (folder / name).write_bytes(b"text")
+    path = openable(folder / name)
+    assert str(path).encode("utf-8")
+    assert path.is_absolute()
+    assert path.suffix == ".urdf"
+    assert path.read_bytes() == b"text"
+    assert (path.parent / "meshes" / "a.obj").read_bytes() == b"a"
+    assert name != "arm.urdf" or (path.parent / ".." / "shared.obj").read_bytes() == b"s"
+
+
+def test_path_in_utf8_stays(tmp_path: Path) -> None:
+    """No link is made."""
+    (tmp_path / "arm.urdf").write_bytes(b"")
+    assert openable(tmp_path / "arm.urdf") == (tmp_path / "arm.urdf").resolve()

@@ -1,0 +1,370 @@
+"""What becomes of a robot in a format that cannot say all of it."""
+
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics.codes import CODES
+from stepbot.formats import FORMATS, lowering, render
+from stepbot.formats.lowering import UNLIMITED, Level, Notion, lower
+from stepbot.formats.lowering.rerooted_loops import recut_loops
+from stepbot.formats.lowering.shapes import is_convex
+from stepbot.formats.mapping import mapping_page
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
+from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses
+from stepbot.robot.model import (
+    Actuator,
+    ActuatorKind,
+    Base,
+    Collision,
+    Frame,
+    JointDynamics,
+    JointKind,
+    Limit,
+    Link,
+    MeshAsset,
+    MeshRef,
+    Robot,
+)
+from stepbot.robot.validity import check_robot
+from tests.closed_mechanisms import sliding_closure
+from tests.conftest import ReadDiagnostics
+from tests.devices import equipped
+from tests.robots import (
+    ROBOTS,
+    four_bar,
+    four_bar_with_zeros,
+    odd_names,
+    one_link,
+    pendulum,
+    primitives,
+    slider,
+    two_link_arm,
+)
+
+every_format = pytest.mark.parametrize("format_", FORMATS)
+ALWAYS_IN_URDF = "SB707"
+LEFT_OUT = {"urdf": ["SB703", "SB727"], "sdf": ["SB703", "SB727", "SB729"], "mjcf": ["SB727"]}
+"""What each format has no place for, of a robot that has every drive and every sensor."""
+
+
+def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
+    """The robot as a format says it, which must report these codes and no others."""
+    found = Diagnostics()
+    result = lower(robot, FORMATS[format_], found)
+    assert sorted({d.code for d in found} - {ALWAYS_IN_URDF}) == sorted(codes)
+    return result
+
+
+@every_format
+def test_every_notion_is_declared(format_: str) -> None:
+    """A writer says for every notion what it does; what is not exact has a code of the right severity."""
+    declared = FORMATS[format_].EXPRESSES
+    assert set(declared) == set(Notion)
+    for notion, support in declared.items():
+        assert support.how
+        assert not support.how.endswith(".")
+        assert (support.level is Level.EXACT) == (support.code == ""), notion
+        if support.level is Level.REFUSED:
+            assert CODES[support.code].severity == "error"
+        elif support.level is not Level.EXACT:
+            assert support.code.startswith("SB7")
+            assert CODES[support.code].severity in ("warning", "note")
+
+
+SAID_BY_WHO_LOADS = {Notion.FIXED_BASE, Notion.FLOATING_BASE, Notion.INITIAL_POSE}
+"""What a file may leave to the one who loads it: no part of the robot is lost."""
+
+
+@every_format
+def test_every_loss_is_an_error_when_strict(format_: str) -> None:
+    """What a format leaves out draws a warning, which ``--strict`` makes an error."""
+    for notion, support in FORMATS[format_].EXPRESSES.items():
+        if support.level is Level.REPORTED and notion not in SAID_BY_WHO_LOADS:
+            assert CODES[support.code].severity == "warning", notion
+    found = Diagnostics()
+    lower(equipped(), FORMATS[format_], found)
+    left_out = sorted({diagnostic.code for diagnostic in found if diagnostic.severity == "warning"})
+    found.make_strict()
+    assert left_out == LEFT_OUT[format_]
+    assert sorted({diagnostic.code for diagnostic in found if diagnostic.severity == "error"}) == left_out
+
+
+@every_format
+def test_what_is_not_exact_is_handled(format_: str) -> None:
+    """A notion that a format does not say as it is cannot slip through unnoticed."""
+    handled = {*lowering._HANDLINGS, Notion.RESERVED_NAME}
+    not_exact = {notion for notion, s in FORMATS[format_].EXPRESSES.items() if s.level is not Level.EXACT}
+    assert not_exact <= handled
+
+
+def test_mapping_page_is_fresh() -> None:
+    """``docs/mapping.md`` is what the writers declare."""
+    page = Path(__file__).resolve().parents[3] / "docs" / "mapping.md"
+    assert page.read_text(encoding="utf-8") == mapping_page(), "stale, run `make generate`"
+
+
+@every_format
+@pytest.mark.parametrize("name", ROBOTS)
+def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
+    """What a format can say stays as it is."""
+    once = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
+    assert lower(once, FORMATS[format_], Diagnostics()) == once
+
+
+@every_format
+@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "sliding_closure"])  # cut open elsewhere in MJCF
+def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
+    """Mass stays, and so does where the links of the robot are, in the drawn pose and around it."""
+    robot = ROBOTS[name]()
+    said = lower(robot, FORMATS[format_], Diagnostics())
+    assert sum(link.mass_properties.mass for link in said.links) == pytest.approx(
+        sum(link.mass_properties.mass for link in robot.links), rel=1e-15
+    )
+    # Names may differ and zeros move, but not the joint above a link.
+    above = {joint.child: joint for joint in said.joints}
+    renamed = {joint.name: above[joint.child] for joint in robot.joints}
+    for q in (initial_configuration(robot), *configurations(robot, 3)):
+        q_said = dict(q)
+        for name, joint in renamed.items():
+            if name in q:
+                shift = robot.joint_by_name[name].drawn_position - joint.drawn_position
+                q_said[joint.name] = q_said.pop(name) - shift
+        poses = link_poses(said, complete(said, q_said))
+        for link, X_WL in link_poses(robot, q).items():
+            assert poses[link].distance_to(X_WL) == pytest.approx((0, 0), abs=1e-12)
+
+
+def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
+    """The loss of a loop is a warning that names the closure and both links."""
+    said = lower(four_bar(), FORMATS["urdf"], found)
+    assert said.closures == ()
+    (message,) = [str(d) for d in found if d.code == "SB701"]
+    assert message.startswith("four_bar.urdf: warning[SB701]: URDF: ")
+    assert all(name in message for name in ("'rocker_pin'", "'coupler'", "'rocker'"))
+    assert found.exit_code == 0
+
+
+def test_urdf_bounds_what_is_unlimited() -> None:
+    """One-sided and missing limits get a number; a revolute joint without position limits becomes continuous."""
+    said = lowered(slider(), "urdf", "SB704", "SB725")
+    assert said.joint_by_name["slide"].limit == Limit(-UNLIMITED, 0.25, 0.5, 30.0)
+    assert said.joint_by_name["lift"].limit == Limit(-0.02, 0.1, UNLIMITED, UNLIMITED)
+    robot = pendulum()
+    free = replace(robot.joints[0], kind=JointKind.REVOLUTE, limit=Limit(effort=3.0))
+    said = lowered(replace(robot, joints=(free,)), "urdf", "SB704")
+    assert said.joints[0].kind is JointKind.CONTINUOUS
+    assert said.joints[0].limit == Limit(-inf, inf, UNLIMITED, 3.0)
+
+
+def test_springs_and_armatures_are_said_where_there_is_room() -> None:
+    """URDF has springs in an extension and no armature, SDFormat no armature, MJCF both."""
+    robot = pendulum()
+    dynamics = JointDynamics(damping=1.0, friction=2.0, stiffness=3.0, spring_reference=0.5, armature=4.0)
+    robot = replace(robot, joints=(replace(robot.joints[0], dynamics=dynamics),))
+    assert lowered(robot, "urdf", "SB703", "SB725").joints[0].dynamics == JointDynamics(1.0, 2.0, 3.0, 0.5)
+    assert lowered(robot, "sdf", "SB703").joints[0].dynamics == JointDynamics(1.0, 2.0, 3.0, 0.5)
+    assert lowered(robot, "mjcf").joints[0].dynamics == dynamics
+
+
+def test_frames_become_links_in_urdf() -> None:
+    """A frame is a link without mass at the end, on a fixed joint of a name that is free."""
+    said = lowered(two_link_arm(), "urdf", "SB703", "SB706", "SB708", "SB725")
+    assert said.links[-2:] == (Link("tool0"), Link("camera"))
+    assert [joint.name for joint in said.joints[-2:]] == ["tool0_mount", "camera_mount"]
+    assert said.links[-1].mass_properties == MassProperties()
+    assert said.frames == ()
+
+
+def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> None:
+    """Where links, joints and frames share their names, joints and frames give way, and what refers to them follows."""
+    robot = odd_names()
+    robot = replace(robot, frames=(*robot.frames, Frame("joint no. 1", "末端"), Frame("звено 1,5", "末端")))
+    said = lower(robot, FORMATS["sdf"], found)
+    assert [joint.name for joint in said.joints] == ["joint no. 1", "末端_joint"]
+    assert [frame.name for frame in said.frames] == ["Werkzeug (rechts)", "joint no. 1_frame", "звено 1,5_frame"]
+    messages = [d.message for d in found if d.code == "SB710"]
+    assert messages[0].endswith("'末端' is now '末端_joint'")
+    assert len(messages) == 2
+    assert lower(robot, FORMATS["mjcf"], Diagnostics()).frames == robot.frames
+
+
+def test_capsules_become_cylinder_and_spheres() -> None:
+    """The three shapes reach as far as the capsule did."""
+    robot = primitives()
+    said = lowered(robot, "urdf", "SB709")
+    (capsule,) = [c for c in robot.links[1].collisions if c.name.startswith("capsule")]
+    parts = [c for c in said.links[1].collisions if c.name.startswith("capsule")]
+    assert [part.name for part in parts] == [f"capsule touched_{end}" for end in ("middle", "top", "bottom")]
+    top, bottom = (part.X_LG.p for part in parts[1:])
+    np.testing.assert_allclose(top - bottom, capsule.X_LG.turn((0, 0, 0.05)), atol=1e-15)
+    np.testing.assert_allclose((top + bottom) / 2, capsule.X_LG.p, atol=1e-15)
+
+
+def test_loop_zeros_move_only_in_loops() -> None:
+    """Joints above the loop, or outside it, keep their zero."""
+    said = lowered(four_bar_with_zeros(), "sdf", "SB704", "SB711", "SB725")
+    assert [joint.drawn_position for joint in said.joints] == [0.0, 0.0, 0.0]
+    robot = four_bar_with_zeros()
+    extra = replace(robot.joints[0], name="turntable", child="plate", drawn_position=0.25)
+    robot = replace(robot, links=(*robot.links, Link("plate")), joints=(*robot.joints, extra))
+    said = lowered(robot, "sdf", "SB704", "SB706", "SB711", "SB725")
+    assert said.joint_by_name["turntable"].drawn_position == 0.25
+
+
+@pytest.mark.parametrize(
+    ("format_", "kind", "chain"),
+    [
+        ("urdf", JointKind.BALL, {"_yaw": "continuous", "_pitch": "continuous", "_roll": "continuous"}),
+        ("urdf", JointKind.UNIVERSAL, {"_1": "continuous", "_2": "continuous"}),
+        ("urdf", JointKind.CYLINDRICAL, {"_slide": "prismatic", "_turn": "continuous"}),
+        ("urdf", JointKind.SCREW, {"_slide": "prismatic", "": "continuous"}),
+        ("urdf", JointKind.PLANAR, {"_x": "prismatic", "_y": "prismatic", "_turn": "continuous"}),
+        ("sdf", JointKind.CYLINDRICAL, {"_slide": "prismatic", "_turn": "continuous"}),
+        ("sdf", JointKind.FLOATING, {"_x": "prismatic", "_y": "prismatic", "_z": "prismatic", "_turn": "ball"}),
+    ],
+)
+def test_joints_of_several_freedoms_are_split(
+    format_: str, kind: JointKind, chain: dict[str, str], found: ReadDiagnostics
+) -> None:
+    """Into joints of one freedom; the links between have neither mass nor shape, and a warning says so."""
+    robot = pendulum()
+    said = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
+    assert {joint.name: joint.kind for joint in said.joints} == {f"swing{end}": k for end, k in chain.items()}
+    between = [link for link in said.links if link.name not in robot.link_by_name]
+    assert between == [Link(f"swing{end}_link") for end in list(chain)[:-1]]
+    assert [joint.child for joint in said.joints] == [*(link.name for link in between), "bob"]
+    assert "SB720" in found.codes()
+
+
+@pytest.mark.parametrize("format_", ["sdf", "mjcf"])
+def test_formats_keep_the_joints_that_they_have(format_: str, found: ReadDiagnostics) -> None:
+    """Ball, universal and screw as they are."""
+    for kind in (JointKind.BALL, JointKind.UNIVERSAL, JointKind.SCREW):
+        robot = replace(pendulum(), joints=(replace(pendulum().joints[0], kind=kind, pitch=0.001),))
+        assert lower(robot, FORMATS[format_], found).joints[0].kind is kind
+    assert "SB720" not in found.codes()
+
+
+@pytest.mark.parametrize(("format_", "forces"), [("sdf", False), ("mjcf", True)])
+def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, found: ReadDiagnostics) -> None:
+    """A limit of effort in both formats, damping in SDFormat; each with a warning."""
+    robot = ROBOTS["ball"]()
+    said = lower(robot, FORMATS[format_], found).joints[0]
+    assert said.limit == Limit()
+    assert (said.dynamics.damping == robot.joints[0].dynamics.damping) is forces
+    assert found.codes().count("SB721") == (1 if forces else 2)
+
+
+def test_a_sliding_closure_is_cut_at_a_pin(found: ReadDiagnostics) -> None:
+    """MJCF has no constraint that slides: the piston's cylinder is a joint there, and the wrist closes the loop."""
+    robot = sliding_closure()
+    said = lower(robot, FORMATS["mjcf"], found)
+    assert [(closure.name, closure.kind) for closure in said.closures] == [("wrist", JointKind.REVOLUTE)]
+    assert said.joint_by_name["cylinder"].kind is JointKind.PRISMATIC
+    assert (said.joint_by_name["cylinder"].parent, said.joint_by_name["cylinder"].child) == ("block", "piston")
+    assert degrees_of_freedom(said) == degrees_of_freedom(robot) == 1
+    assert "SB722" in found.codes()
+
+
+@pytest.mark.parametrize("actuated", [(), ("big_end",), ("shaft",), ("wrist", "big_end")])
+def test_a_loop_cut_elsewhere_moves_alike(actuated: tuple[str, ...]) -> None:
+    """Whichever joint the loop is cut at, every point of every link goes the same way, and nothing changes its mass."""
+    robot = sliding_closure()
+    robot = replace(robot, actuators=tuple(Actuator(name, name, ActuatorKind.MOTOR) for name in actuated))
+    said = recut_loops(robot)
+    assert said.closures != robot.closures
+    check_robot(said, sound := Diagnostics())
+    assert not list(sound)
+    for way in loop_ways(robot, 6):
+        for q in way:
+            driven = driven_joints(robot)
+            known = {name: q[name] for name in driven if name in said.joint_by_name}
+            if len(known) < len(driven):  # the driven joint is what closes the loop now
+                continue
+            guess = {name: q.get(name, 0.0) for name in said.joint_by_name}
+            closed = close_loops(said, guess, driven)
+            before, after = link_poses(robot, q), link_poses(said, closed)
+            for link in robot.links:
+                com, moved = link.mass_properties.com, said.link_by_name[link.name].mass_properties.com
+                np.testing.assert_allclose(before[link.name].apply(com), after[link.name].apply(moved), atol=1e-9)
+
+
+def test_a_sliding_closure_without_a_plain_pin_is_an_error(found: ReadDiagnostics) -> None:
+    """A limit or a drive has no place in a constraint: no file is better than one without it."""
+    robot = sliding_closure()
+    joints = tuple(replace(joint, dynamics=JointDynamics(damping=1.0)) for joint in robot.joints)
+    assert render(replace(robot, joints=joints), "mjcf", found) == {}
+    assert "SB713" in found.codes()
+
+
+@pytest.mark.parametrize(
+    ("format_", "name"), [("urdf", "world"), ("sdf", "world"), ("sdf", "__model__"), ("sdf", "a::b"), ("mjcf", "world")]
+)
+def test_reserved_names_are_errors(format_: str, name: str, found: ReadDiagnostics) -> None:
+    """A link that a reader would take for something else is not written."""
+    robot = pendulum()
+    root = replace(robot.root, name=name)
+    robot = replace(robot, links=(root, robot.links[1]), joints=(replace(robot.joints[0], parent=name),))
+    assert render(robot, format_, found) == {}
+    assert "SB714" in found.codes()
+
+
+def test_floating_base_is_said_where_it_can_be(found: ReadDiagnostics) -> None:
+    """Only URDF leaves it to its reader."""
+    robot = replace(pendulum(), base=Base.FLOATING)
+    for format_ in FORMATS:
+        lower(robot, FORMATS[format_], found)
+    assert [(d.span.file, d.severity) for d in found if d.code == "SB707"] == [("pendulum.urdf", "note")]
+
+
+def shape_mesh(kind: str) -> TriMesh:
+    """A mesh of trimesh's own making."""
+    import trimesh
+
+    made = {
+        "ball": lambda: trimesh.creation.icosphere(subdivisions=3),
+        "box": lambda: trimesh.creation.box((1, 2, 3)),
+        "rod": lambda: trimesh.creation.cylinder(0.1, 2.0),
+        "ring": lambda: trimesh.creation.annulus(0.5, 1.0, 0.3),
+        "open box": lambda: trimesh.creation.box((1, 1, 1)).slice_plane((0, 0, 0), (0, 0, 1)),
+        "two balls": lambda: trimesh.util.concatenate(
+            [trimesh.creation.icosphere(), trimesh.creation.icosphere().apply_translation((3, 0, 0))]
+        ),
+        "dented ball": lambda: trimesh.creation.icosphere(subdivisions=2),
+        "hull of noise": lambda: trimesh.convex.convex_hull(np.random.default_rng(3).normal(size=(2000, 3))),
+    }[kind]()
+    vertices = np.array(made.vertices)
+    if kind == "dented ball":
+        vertices[7] *= 0.9
+    return TriMesh.of(vertices, made.faces)
+
+
+@pytest.mark.parametrize(
+    "kind", ["ball", "box", "rod", "ring", "open box", "two balls", "dented ball", "hull of noise"]
+)
+def test_convex_meshes_are_told_from_others(kind: str) -> None:
+    """As trimesh sees it, in any pose and size; inside out is not convex."""
+    mesh = shape_mesh(kind)
+    expected = kind in ("ball", "box", "rod", "hull of noise")
+    for scale in (1e-3, 1.0, 30.0):
+        moved = TriMesh.of(mesh.vertices * scale, mesh.faces).moved(Pose.from_xyz_rpy((1, 2, 3), (0.1, 0.2, 0.3)))
+        assert is_convex(moved) == expected
+        assert not is_convex(TriMesh.of(moved.vertices, moved.faces[:, ::-1]))
+
+
+def test_concave_collisions_are_named_for_mujoco() -> None:
+    """MuJoCo collides with hulls, so that a ring that something should go through is reported."""
+    robot = one_link()
+    ring = MeshAsset("ring", shape_mesh("ring"))
+    link = replace(robot.root, collisions=(Collision("touched", MeshRef("ring")),))
+    robot = replace(robot, links=(link,), meshes=(*robot.meshes, ring))
+    assert lowered(robot, "mjcf", "SB717") == robot
+    assert lowered(robot, "urdf") == robot

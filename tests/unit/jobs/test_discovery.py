@@ -1,0 +1,44 @@
+"""Which sidecars somebody means."""
+
+from pathlib import Path
+
+from stepbot.jobs.discovery import find_sidecars, robot_name
+from tests.conftest import ReadDiagnostics
+
+
+def make(folder: Path, *names: str) -> None:
+    """Empty files."""
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("", encoding="utf-8")
+
+
+def test_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """All sidecars below, in order; nothing in hidden folders, nothing that only looks alike."""
+    names = ["b/robot.yaml", "a/arm.robot.yml", "c.robot.yaml"]
+    make(tmp_path, *names, ".git/x.robot.yaml", "a/myrobot.yaml", "a/arm.robot.yaml.orig", "robots.yaml")
+    sidecars = find_sidecars([tmp_path], found)
+    assert [path.relative_to(tmp_path).as_posix() for path in sidecars] == ["c.robot.yaml", *sorted(names[:2])]
+
+
+def test_list(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A list names sidecars and folders relative to itself; each is taken once."""
+    make(tmp_path, "robots/a.robot.yaml", "other/b.robot.yaml")
+    (tmp_path / "all.txt").write_text("# ours\n\nother/b.robot.yaml\nrobots\n", encoding="utf-8")
+    sidecars = find_sidecars([tmp_path / "all.txt", tmp_path / "robots" / "a.robot.yaml"], found)
+    assert [path.name for path in sidecars] == ["b.robot.yaml", "a.robot.yaml"]
+
+
+def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A folder without sidecars and a list that is not there are told; a sidecar that is not there comes later."""
+    assert find_sidecars([tmp_path, tmp_path / "no.txt", tmp_path / "no.robot.yaml"], found) == [
+        tmp_path / "no.robot.yaml"
+    ]
+    assert found.codes() == ["SB001", "SB001"]
+
+
+def test_names(tmp_path: Path) -> None:
+    """The robot is called like its sidecar; where that says nothing, like its folder."""
+    assert robot_name(Path("x/arm.robot.yaml")) == "arm"
+    assert robot_name(Path("x/arm.yml")) == "arm"
+    assert robot_name(tmp_path / "arm7" / "robot.yaml") == "arm7"

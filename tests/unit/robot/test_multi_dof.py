@@ -1,0 +1,54 @@
+"""Joints of several freedoms, unfolded into chains: names, order, and what the chain leaves as it was."""
+
+from dataclasses import replace
+
+import pytest
+
+from stepbot.robot.model import Joint, JointKind, Link, Robot
+from stepbot.robot.multi_dof import ball_coordinates, steps_by_child, unfolded
+from tests.mechanisms import MECHANISMS
+from tests.robots import two_link_arm
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_unfolding_keeps_links_in_tree_order(name: str) -> None:
+    """Every link is there, each parent before its children, each joint at the place of its child."""
+    robot = MECHANISMS[name]()
+    flat = unfolded(robot)
+    names = [link.name for link in flat.links]
+    assert [link for link in flat.links if link.name in robot.link_by_name] == list(robot.links)
+    assert names[1:] == [joint.child for joint in flat.joints]
+    assert all(names.index(joint.parent) < names.index(joint.child) for joint in flat.joints)
+
+
+def test_a_robot_of_single_freedoms_is_left_alone() -> None:
+    """Nothing is copied that needs no change."""
+    robot = two_link_arm()
+    assert unfolded(robot) is robot
+
+
+def test_names_that_are_taken_are_not_taken_again() -> None:
+    """A joint that is called as a coordinate would be keeps its name."""
+    joints = (
+        Joint("hip", JointKind.BALL, "base", "leg"),
+        Joint("hip_yaw", JointKind.CONTINUOUS, "leg", "hip_pitch"),
+    )
+    robot = Robot("r", (Link("base"), Link("leg"), Link("hip_pitch")), joints)
+    assert ball_coordinates(robot) == {"hip": ("hip_yaw_joint", "hip_pitch_joint", "hip_roll")}
+    assert "hip_yaw" in unfolded(robot).joint_by_name
+
+
+def test_a_floating_joint_ends_in_a_ball() -> None:
+    """Its coordinates are three distances, and the three angles of the ball."""
+    robot = MECHANISMS["floating"]()
+    assert ball_coordinates(robot) == {"free_turn": ("free_turn_yaw", "free_turn_pitch", "free_turn_roll")}
+    kinds = [step.kind for step in steps_by_child(robot)["body"]]
+    assert kinds == [JointKind.PRISMATIC] * 3 + [JointKind.BALL]
+
+
+def test_the_slide_of_a_screw_leaves_the_limits_to_the_screw() -> None:
+    """A range that follows from another is not written twice."""
+    robot = MECHANISMS["screw"]()
+    slide, turn = steps_by_child(robot)["body"]
+    assert slide.limit == Joint("", JointKind.PRISMATIC, "", "").limit
+    assert replace(turn.limit, velocity=0.0) == replace(robot.joints[0].limit, velocity=0.0)

@@ -1,0 +1,207 @@
+"""What no physical robot can have is told, once, with its code; sound robots pass without a word."""
+
+from dataclasses import replace
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import (
+    Actuator,
+    ActuatorKind,
+    Base,
+    Frame,
+    Joint,
+    JointKind,
+    Limit,
+    Link,
+    LoopClosure,
+    MeshAsset,
+    MeshRef,
+    Mimic,
+    Robot,
+    Visual,
+)
+from stepbot.robot.validity import check_robot, inertia_fault
+from tests.robots import ROBOTS
+
+SOLID = MassProperties.of(1.0, (0, 0, 0), np.diag([1.0, 1.0, 1.0]))
+
+
+def _codes(robot: Robot) -> list[str]:
+    found = Diagnostics()
+    check_robot(robot, found)
+    return [diagnostic.code for diagnostic in found]
+
+
+def _pair(joint: Joint | None = None, **changes: object) -> Robot:
+    """Two links and the joint between them, with changes to the robot."""
+    hinge = joint or Joint("j", JointKind.REVOLUTE, "a", "b", limit=Limit(-1, 1))
+    return replace(Robot("pair", (Link("a", SOLID), Link("b", SOLID)), (hinge,)), **changes)  # type: ignore[arg-type]
+
+
+def _hinge(**changes: object) -> Joint:
+    return replace(Joint("j", JointKind.REVOLUTE, "a", "b", limit=Limit(-1, 1)), **changes)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", list(ROBOTS))
+def test_sound_robots_pass(name: str) -> None:
+    """None of the robots that other tests are made of breaks a rule."""
+    assert _codes(ROBOTS[name]()) == []
+
+
+def _mesh(size: float) -> MeshAsset:
+    return MeshAsset("m", TriMesh.of(size * np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]))
+
+
+SEEN = Link("a", SOLID, (Visual("v", MeshRef("m")),))
+
+BROKEN: dict[str, tuple[str, Robot]] = {
+    "two links of one name": ("SB413", _pair(links=(Link("a", SOLID), Link("b", SOLID), Link("b", SOLID)))),
+    "frame named like a link": ("SB413", _pair(frames=(Frame("b", "a"),))),
+    "closure named like a joint": (
+        "SB413",
+        _pair(closures=(LoopClosure("j", JointKind.REVOLUTE, "a", Pose(), "b", Pose()),)),
+    ),
+    "two drives of one name": (
+        "SB413",
+        _pair(actuators=(Actuator("m", "j", ActuatorKind.MOTOR), Actuator("m", "j", ActuatorKind.MOTOR))),
+    ),
+    "two visuals of one name": (
+        "SB413",
+        _pair(links=(SEEN, replace(SEEN, name="b")), meshes=(_mesh(0.1),)),
+    ),
+    "no such link": ("SB417", _pair(_hinge(child="c"))),
+    "no such leader": ("SB417", _pair(_hinge(mimic=Mimic("k")))),
+    "no such mesh": ("SB417", _pair(links=(SEEN, Link("b", SOLID)))),
+    "no such link of a frame": ("SB417", _pair(frames=(Frame("f", "c"),))),
+    "no such link of a closure": (
+        "SB417",
+        _pair(closures=(LoopClosure("c", JointKind.REVOLUTE, "a", Pose(), "x", Pose()),)),
+    ),
+    "no such joint of a drive": ("SB417", _pair(actuators=(Actuator("m", "k", ActuatorKind.MOTOR),))),
+    "infinite mass": ("SB414", _pair(links=(Link("a", SOLID), Link("b", replace(SOLID, mass=inf))))),
+    "pose that is not a number": ("SB414", _pair(_hinge(X_PC=Pose(position=(nan, 0, 0))))),
+    "limit that is not a number": ("SB414", _pair(_hinge(limit=Limit(nan, 1)))),
+    "axis of length two": ("SB415", _pair(_hinge(axis=(0, 0, 2)))),
+    "rotation that stretches": ("SB415", _pair(_hinge(X_PC=Pose(((2, 0, 0), (0, 1, 0), (0, 0, 0.5)))))),
+    "rotation that mirrors": ("SB415", _pair(_hinge(X_PC=Pose(((-1, 0, 0), (0, 1, 0), (0, 0, 1)))))),
+    "two parents": ("SB412", _pair(joints=(_hinge(), _hinge(name="k")))),
+    "link without joint": ("SB412", _pair(joints=())),
+    "circle": (
+        "SB412",
+        Robot(
+            "ring",
+            (Link("a", SOLID), Link("b", SOLID), Link("c", SOLID)),
+            (_hinge(name="k", parent="c", child="b"), _hinge(name="l", parent="b", child="c")),
+        ),
+    ),
+    "root that is moved": ("SB412", _pair(_hinge(parent="b", child="a"))),
+    "no links": ("SB412", Robot("nothing", ())),
+    "mimic of itself": ("SB412", _pair(_hinge(mimic=Mimic("j")))),
+    "swapped limits": ("SB416", _pair(_hinge(limit=Limit(1, -1)))),
+    "equal limits": ("SB416", _pair(_hinge(limit=Limit(0, 0)))),
+    "negative effort": ("SB416", _pair(_hinge(limit=Limit(-1, 1, effort=-1)))),
+    "drawn outside": ("SB410", _pair(_hinge(drawn_position=1.1))),
+    "moving link without mass": ("SB508", _pair(links=(Link("a", SOLID), Link("b")))),
+    "floating without mass": (
+        "SB508",
+        _pair(_hinge(kind=JointKind.FIXED), links=(Link("a"), Link("b")), base=Base.FLOATING),
+    ),
+    "negative inertia": (
+        "SB509",
+        _pair(links=(Link("a", SOLID), Link("b", MassProperties.of(1, (0, 0, 0), np.diag([1, 1, -1]))))),
+    ),
+    "no triangle": (
+        "SB509",
+        _pair(links=(Link("a", SOLID), Link("b", MassProperties.of(1, (0, 0, 0), np.diag([1, 1, 2.1]))))),
+    ),
+    "mass without inertia": ("SB509", _pair(links=(Link("a", SOLID), Link("b", MassProperties(1.0))))),
+    "dust": ("SB510", _pair(links=(Link("a", SOLID.scaled(1e-4)), Link("b", SOLID.scaled(1e-4))))),
+    "giant": ("SB420", _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(20.1),))),
+    "open closure": (
+        "SB411",
+        _pair(closures=(LoopClosure("c", JointKind.REVOLUTE, "a", Pose(), "b", Pose(position=(2e-6, 0, 0))),)),
+    ),
+    "slanting closure": (
+        "SB411",
+        _pair(closures=(LoopClosure("c", JointKind.REVOLUTE, "a", Pose(), "b", Pose.from_xyz_rpy(rpy=(2e-3, 0, 0))),)),
+    ),
+    "closure closed at zero, not as drawn": (
+        "SB411",
+        _pair(
+            _hinge(X_PC=Pose(position=(1, 0, 0)), drawn_position=0.5),
+            closures=(
+                LoopClosure("c", JointKind.REVOLUTE, "a", Pose(position=(2, 0, 0)), "b", Pose(position=(1, 0, 0))),
+            ),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", list(BROKEN))
+def test_each_fault_has_its_code(fault: str) -> None:
+    """One fault gives its own code, and no other one."""
+    code, robot = BROKEN[fault]
+    assert set(_codes(robot)) == {code}
+
+
+@pytest.mark.parametrize(("fault", "size"), [("dust", "it weighs 0.2 g"), ("giant", "it is 20.1 m large")])
+def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
+    """What is far too large or too light asks for the unit of its file by name."""
+    found = Diagnostics()
+    check_robot(replace(BROKEN[fault][1], source="arm.step"), found, unit="inch")
+    (warning,) = found
+    assert warning.severity == "warning"
+    assert warning.message.endswith(f"{size}; is inch what arm.step was drawn in?")
+
+
+SOUND: dict[str, Robot] = {
+    "plain": _pair(),
+    "joint named like its link": _pair(_hinge(name="b")),
+    "thin plate": _pair(links=(Link("a", SOLID), Link("b", MassProperties.of(1, (0, 0, 0), np.diag([1, 1, 2]))))),
+    "one-sided limits": _pair(_hinge(limit=Limit(-inf, 1))),
+    "massless and fixed": _pair(_hinge(kind=JointKind.FIXED), links=(Link("a", SOLID), Link("b"))),
+    "massless base that is fixed": _pair(links=(Link("a"), Link("b", SOLID))),
+    "massless, moved together with mass": Robot(
+        "three",
+        (Link("a", SOLID), Link("b"), Link("c", SOLID)),
+        (_hinge(), Joint("k", JointKind.FIXED, "b", "c")),
+    ),
+    "twenty metres": _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(19.9),)),
+    "closure along the axis": _pair(
+        closures=(LoopClosure("c", JointKind.REVOLUTE, "a", Pose(), "b", Pose.from_xyz_rpy(rpy=(0, 0, 1))),)
+    ),
+}
+
+
+@pytest.mark.parametrize("case", list(SOUND))
+def test_what_is_allowed(case: str) -> None:
+    """Bounds are where they should be: just inside them nothing is said."""
+    assert _codes(SOUND[case]) == []
+
+
+def test_all_faults_at_once() -> None:
+    """Faults that do not depend on each other are told together, at the place that was given."""
+    found = Diagnostics()
+    span = Span("arm.robot.yaml", 3, 1)
+    robot = _pair(
+        _hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))), base=Base.FLOATING
+    )
+    check_robot(robot, found, span)
+    assert [d.code for d in found] == ["SB416", "SB509"]
+    assert {d.span for d in found} == {span}
+
+
+@pytest.mark.parametrize(
+    ("moments", "sound"),
+    [((1, 1, 1), True), ((1, 2, 3), True), ((1, 2, 3.1), False), ((0, 1, 1), False), ((-1, 2, 2), False)],
+)
+def test_triangle_inequality(moments: tuple[float, float, float], sound: bool) -> None:
+    """No principal moment of a body is larger than the sum of the others, in whatever axes the tensor is given."""
+    R = Pose.from_xyz_rpy(rpy=(0.3, 0.2, 1)).R
+    assert (inertia_fault(MassProperties.of(1.0, (0, 0, 0), R @ np.diag(moments) @ R.T)) == "") is sound

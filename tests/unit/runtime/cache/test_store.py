@@ -1,0 +1,159 @@
+"""Entries in files: whole or not there, bounded, whoever writes and dies at the same time."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stepbot.runtime.cache import Cache, Digest
+
+
+def key(name: object) -> str:
+    """A key like those in use."""
+    return Digest("test").add(str(name)).key
+
+
+def only_file(folder: Path) -> Path:
+    """The one file below a folder."""
+    (path,) = (path for path in folder.rglob("*") if path.is_file())
+    return path
+
+
+def test_what_was_put_is_got(tmp_path: Path) -> None:
+    """Bytes come back, from another process too; what was never put does not."""
+    Cache(tmp_path).put(key(1), b"content")
+    assert Cache(tmp_path).get(key(1)) == b"content"
+    assert Cache(tmp_path).get(key(2)) is None
+    assert Cache(tmp_path / "nowhere").get(key(1)) is None
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "longer", "other head"])
+def test_broken_entry_is_a_miss(tmp_path: Path, damage: str) -> None:
+    """Whatever happened to a file, it is not taken for what it was; putting it again mends it."""
+    cache = Cache(tmp_path)
+    cache.put(key(1), bytes(1000))
+    path = only_file(tmp_path)
+    data = path.read_bytes()
+    path.write_bytes(
+        {
+            "cut": data[:-1],
+            "flipped": data[:500] + bytes([data[500] ^ 1]) + data[501:],
+            "empty": b"",
+            "longer": data + b"x",
+            "other head": data.replace(b"entry 1", b"entry 2"),
+        }[damage]
+    )
+    assert cache.get(key(1)) is None
+    cache.put(key(1), bytes(1000))
+    assert cache.get(key(1)) == bytes(1000)
+
+
+def test_entry_under_a_wrong_name_is_a_miss(tmp_path: Path) -> None:
+    """A file that was renamed is not taken for the entry whose name it has."""
+    cache = Cache(tmp_path)
+    cache.put(key(1), b"one")
+    path = only_file(tmp_path)
+    cache.put(key(2), b"two")
+    (other,) = (p for p in tmp_path.rglob("*") if p.is_file() and p != path)
+    other.replace(path)
+    assert cache.get(key(1)) is None
+
+
+def test_least_recently_used_go_first(tmp_path: Path) -> None:
+    """Beyond the limit, entries go that were not read for longest; there is always less than the limit."""
+    cache = Cache(tmp_path, limit=100_000)
+    for number in range(9):
+        cache.put(key(number), bytes(10_000))
+        os.utime(cache._path(key(number)), (number + 1, number + 1))
+    assert cache.get(key(0)) is not None  # used just now
+    cache.put(key(9), bytes(10_000))
+    assert cache.usage().size <= 100_000
+    left = [number for number in range(10) if cache.get(key(number)) is not None]
+    assert left[0] == 0
+    assert left[1:] == list(range(left[1], 10)), "the oldest are gone"
+    assert left[1] > 1
+
+
+def test_what_is_too_large_is_not_kept(tmp_path: Path) -> None:
+    """One entry cannot push out all others."""
+    cache = Cache(tmp_path, limit=1000)
+    cache.put(key(1), bytes(900))
+    assert cache.get(key(1)) is None
+    assert not cache.trouble
+
+
+def test_clear_removes_entries_and_nothing_else(tmp_path: Path) -> None:
+    """A folder that holds other files keeps them."""
+    mine = tmp_path / "thesis.txt"
+    mine.write_text("mine", encoding="utf-8")
+    cache = Cache(tmp_path)
+    for number in range(3):
+        cache.put(key(number), b"content")
+    assert cache.usage().entries == 3
+    assert cache.clear().entries == 3
+    assert cache.usage().entries == 0
+    assert mine.exists()
+
+
+def test_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+    """A cache that cannot be written says why, and everything else goes on."""
+    (tmp_path / "file").write_bytes(b"")
+    cache = Cache(tmp_path / "file" / "cache")
+    cache.put(key(1), b"content")
+    assert "cannot write" in cache.trouble
+    assert cache.get(key(1)) is None
+
+
+def test_drafts_of_killed_processes_are_removed(tmp_path: Path) -> None:
+    """What nobody goes on writing is removed once it is old, and what is being written is left alone."""
+    cache = Cache(tmp_path)
+    cache.put(key(1), b"content")
+    folder = only_file(tmp_path).parent
+    old, new = folder / ".new-old", folder / ".new-new"
+    for draft in (old, new):
+        draft.write_bytes(b"half")
+    os.utime(old, (1, 1))
+    cache.trim()
+    assert not old.exists()
+    assert new.exists()
+    assert cache.usage().entries == 1
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from stepbot.runtime.cache import Cache, Digest
+cache = Cache(Path(sys.argv[1]), limit=400_000)
+print("started", flush=True)
+for round in range(int(sys.argv[2])):
+    for number in range(40):
+        key = Digest("test").add(str(number)).key
+        content = bytes([number]) * 20_000
+        kept = cache.get(key)
+        assert kept in (None, content), "torn"
+        cache.put(key, content)
+"""
+
+
+def test_processes_at_once_and_one_killed(tmp_path: Path) -> None:
+    """Four processes read, write and remove the same entries, one dies at any moment: nobody sees half an entry."""
+    command = [sys.executable, "-c", WRITER, str(tmp_path)]
+    victim = subprocess.Popen([*command, "100000"], stdout=subprocess.PIPE)
+    others = [subprocess.Popen([*command, "6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(3)]
+    assert victim.stdout is not None
+    assert victim.stdout.readline().strip() == b"started"
+    time.sleep(0.1)
+    victim.send_signal(signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
+    victim.communicate()
+    for other in others:
+        _, errors = other.communicate(timeout=120)
+        assert other.returncode == 0, errors.decode()
+    cache = Cache(tmp_path, limit=400_000)
+    cache.trim()
+    assert 0 < cache.usage().size <= 400_000
+    for number in range(40):
+        assert cache.get(Digest("test").add(str(number)).key) in (None, bytes([number]) * 20_000)

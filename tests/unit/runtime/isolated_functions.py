@@ -1,0 +1,93 @@
+"""Functions for the tests of isolation to call in workers."""
+
+import ctypes
+import importlib
+import os
+import sys
+import threading
+import time
+
+from stepbot.runtime.processes import thread_count
+
+_PREPARED: list[int] = []
+
+
+def prepare() -> None:
+    """Called by the worker before it reads its arguments."""
+    _PREPARED.append(1)
+
+
+def prepared() -> int:
+    """How often the worker prepared."""
+    return len(_PREPARED)
+
+
+def double(number: int) -> int:
+    """Twice the number."""
+    return 2 * number
+
+
+def double_or_leave(number: int | None) -> int:
+    """Twice the number; without one the process ends."""
+    if number is None:
+        os._exit(3)
+    return 2 * number
+
+
+def start_thread() -> None:
+    """Leave a thread running, as some libraries do when they are imported."""
+    threading.Thread(target=time.sleep, args=(600.0,), daemon=True).start()
+
+
+def thread_limits() -> set[str | None]:
+    """What the environment tells native libraries about threads."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    return {os.environ.get(name) for name in names}
+
+
+def multiply_matrices() -> int:
+    """Threads of this process after numpy's linear algebra has run."""
+    import numpy as np
+
+    square = np.ones((600, 600))
+    assert (square @ square)[0, 0] == 600.0
+    return thread_count()
+
+
+def imported_file(module: str) -> str:
+    """Where a module comes from."""
+    return str(importlib.import_module(module).__file__)
+
+
+def fail(text: str) -> None:
+    """Raise."""
+    raise ValueError(text)
+
+
+def print_natively(text: str) -> str:
+    """Write to descriptor 1, past Python."""
+    os.write(1, text.encode())
+    return text
+
+
+def crash(text: str) -> None:
+    """Read from address 0, after some last words."""
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()
+    ctypes.string_at(0)
+
+
+def leave(code: int) -> None:
+    """End the process at once."""
+    os._exit(code)
+
+
+def sleep(seconds: float) -> float:
+    """Take that long."""
+    time.sleep(seconds)
+    return seconds
+
+
+def allocate(size: int) -> int:
+    """Take that many bytes."""
+    return len(bytearray(size))

@@ -1,0 +1,78 @@
+"""The import path of stepbot and its workers: never the current folder."""
+
+import os
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+import stepbot
+from stepbot.runtime.fork_server import ForkServer, can_serve
+from stepbot.runtime.import_path import safe_import_path
+from stepbot.runtime.worker import Worker, call_isolated
+
+STANDARD_LIBRARY = str(Path(threading.__file__).parent)
+FUNCTIONS = "tests.unit.runtime.isolated_functions"
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with modules in it that nobody may import."""
+    for name in ("random", "statistics", "sitecustomize", "lxml"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'marker')!r}, 'a').write(__name__)\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_current_folder_and_relative_entries_are_removed(here: Path) -> None:
+    """However the folder is written; what comes after the standard library was installed and stays."""
+    path = ["", ".", "src", str(here), f"{here}/x/..", "/opt/a", STANDARD_LIBRARY, "/opt/b", str(here)]
+    assert safe_import_path(path, "") == ["/opt/a", STANDARD_LIBRARY, "/opt/b", str(here)]
+    link = here.parent / "link"
+    link.symlink_to(here)
+    assert safe_import_path([str(link), "/opt/a"], "") == ["/opt/a"]
+
+
+def test_absolute_entry_of_python_path_is_kept(here: Path) -> None:
+    """The user named that folder, wherever the command runs; an empty or relative entry names none."""
+    assert safe_import_path([str(here), "/opt/a"], f"/opt/a{os.pathsep}{here}") == [str(here), "/opt/a"]
+    assert safe_import_path([str(here), "/opt/a"], f"{os.pathsep}/opt/a{os.pathsep}.") == ["/opt/a"]
+
+
+def test_folder_that_holds_stepbot_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever works in the folder that stepbot is installed in can run it."""
+    root = Path(stepbot.__file__).resolve().parents[1]
+    monkeypatch.chdir(root)
+    assert safe_import_path([str(root)], "") == [str(root)]
+
+
+@pytest.mark.parametrize("first", ["", ".", "HERE"])
+def test_worker_imports_nothing_from_the_current_folder(
+    here: Path, monkeypatch: pytest.MonkeyPatch, first: str
+) -> None:
+    """Whatever way the caller has it on its own path."""
+    monkeypatch.syspath_prepend(str(here) if first == "HERE" else first)
+    for module in ("random", "statistics", "lxml"):
+        assert Path(call_isolated(f"{FUNCTIONS}:imported_file", module)).parent != here
+    assert not (here / "marker").exists()
+
+
+@pytest.mark.skipif(not can_serve(), reason="no fork server on this system")
+def test_fork_server_imports_nothing_from_the_current_folder(here: Path) -> None:
+    """Neither in the server nor in what it forks."""
+    with ForkServer(("random", f"{FUNCTIONS}:start_thread")) as threaded, ForkServer(("lxml",)) as server:
+        for one in (server, threaded):
+            with Worker(f"{FUNCTIONS}:imported_file", start=one.fork) as worker:
+                assert Path(worker.submit("statistics").result()).parent != here
+    assert not (here / "marker").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no colon in names of folders")
+def test_folder_with_a_separator_in_its_name(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`/opt/x:lib` on the path must not become two entries, `lib` below the current folder one of them."""
+    (here / "lib").mkdir()
+    (here / "random.py").rename(here / "lib" / "random.py")
+    monkeypatch.syspath_prepend("/opt/x:lib")
+    assert Path(call_isolated(f"{FUNCTIONS}:imported_file", "random")).parent != here / "lib"
+    assert not (here / "marker").exists()

@@ -1,0 +1,348 @@
+"""Writing all files of a run or none, and taking away only what an earlier run wrote."""
+
+import errno
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.runtime.output import MANIFEST, discard, write_atomically
+
+POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes in folders")
+ARM = {"arm.urdf": b"urdf", "arm.xml": b"mjcf", "meshes/a.obj": b"a", "meshes/b.obj": b"b"}
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder but the list that stepbot keeps."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != MANIFEST)
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+def codes(error: StepbotError) -> list[str]:
+    """The codes of what went wrong."""
+    return [diagnostic.code for diagnostic in error.diagnostics]
+
+
+def test_files_are_written_and_nothing_else(tmp_path: Path) -> None:
+    """Missing folders are made; no trace of the staging is left."""
+    out = tmp_path / "a" / "b"
+    write_atomically(ARM, out)
+    assert contents(out) == ARM
+    assert sorted(path.name for path in out.iterdir()) == [MANIFEST, "arm.urdf", "arm.xml", "meshes"]
+
+
+def test_second_run_touches_its_stamp_alone(tmp_path: Path) -> None:
+    """What is there already keeps its time stamp; the list of the folder is the stamp of the last run."""
+    write_atomically(ARM, tmp_path)
+    for path in tmp_path.rglob("*"):
+        os.utime(path, (1, 1))
+    write_atomically(ARM, tmp_path)
+    touched = [path.name for path in tmp_path.rglob("*") if path.is_file() and path.stat().st_mtime != 1]
+    assert touched == [".stepbot.json"]
+
+
+def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
+    """A mesh that no file needs any more is removed; what stepbot did not write, or somebody changed, is not."""
+    write_atomically({**ARM, "meshes/c.obj": b"c"}, tmp_path)
+    (tmp_path / "meshes/mine.obj").write_bytes(b"mine")
+    (tmp_path / "meshes/c.obj").write_bytes(b"edited by hand")
+    write_atomically({"arm.urdf": b"2", "arm.xml": b"2", "meshes/a.obj": b"a"}, tmp_path)
+    assert contents(tmp_path) == {
+        "arm.urdf": b"2",
+        "arm.xml": b"2",
+        "meshes/a.obj": b"a",
+        "meshes/c.obj": b"edited by hand",
+        "meshes/mine.obj": b"mine",
+    }
+
+
+def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
+    """A run for one format, or for another robot, leaves alone what the files of earlier runs refer to."""
+    write_atomically(ARM, tmp_path)
+    write_atomically({"leg.urdf": b"leg", "meshes/b.obj": b"b", "meshes/c.obj": b"c"}, tmp_path)
+    write_atomically({"arm.urdf": b"2", "meshes/d.obj": b"d"}, tmp_path)
+    assert set(contents(tmp_path)) == {"arm.urdf", "arm.xml", "leg.urdf", *(f"meshes/{x}.obj" for x in "abcd")}
+    write_atomically({"arm.xml": b"2", "meshes/d.obj": b"d"}, tmp_path)
+    assert set(contents(tmp_path)) == {"arm.urdf", "arm.xml", "leg.urdf", *(f"meshes/{x}.obj" for x in "bcd")}
+
+
+def test_robots_in_one_folder_do_not_change_each_others_meshes(tmp_path: Path) -> None:
+    """A mesh of another robot may be used again, not replaced; other formats of the same robot may replace it."""
+    write_atomically({**ARM, "report.json": b"{}"}, tmp_path)
+    before = contents(tmp_path)
+    with pytest.raises(StepbotError) as error:
+        write_atomically({"leg.urdf": b"leg", "report.json": b"2", "meshes/a.obj": b"a of the leg"}, tmp_path)
+    assert codes(error.value) == ["SB004"]
+    assert "'meshes/a.obj' is a mesh of 'arm.urdf'" in str(next(iter(error.value.diagnostics)))
+    assert contents(tmp_path) == before
+    write_atomically({"arm.drake.sdf": b"sdf", "meshes/a.obj": b"new"}, tmp_path)
+    (tmp_path / "arm.urdf").unlink()
+    (tmp_path / "arm.xml").unlink()
+    (tmp_path / "arm.drake.sdf").unlink()
+    write_atomically({"leg.urdf": b"leg", "report.json": b"2", "meshes/a.obj": b"a of the leg"}, tmp_path)
+    assert contents(tmp_path)["meshes/a.obj"] == b"a of the leg"
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"files": 3}', '{"files": {"arm.urdf": ["meshes/b.obj"]}}'])
+def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
+    """Where the list of earlier files is broken, they are all left alone."""
+    write_atomically(ARM, tmp_path)
+    (tmp_path / MANIFEST).write_text(text, encoding="utf-8")
+    write_atomically({"arm.urdf": b"2", "meshes/a.obj": b"a"}, tmp_path)
+    assert "meshes/b.obj" in contents(tmp_path)
+
+
+def test_list_cannot_name_files_elsewhere(tmp_path: Path) -> None:
+    """A list that somebody tampered with removes nothing outside the folder."""
+    out = tmp_path / "out"
+    victim = tmp_path / "victim"
+    victim.write_bytes(b"b")
+    write_atomically(ARM, out)
+    listed = json.loads((out / MANIFEST).read_bytes())
+    digest = listed["files"]["arm.urdf"].pop("meshes/b.obj")
+    listed["files"]["arm.urdf"].update({"../victim": digest, str(victim): digest})
+    (out / MANIFEST).write_text(json.dumps(listed), encoding="utf-8")
+    write_atomically({"arm.urdf": b"2", "arm.xml": b"2", "meshes/a.obj": b"a"}, out)
+    assert victim.exists()
+
+
+@pytest.mark.parametrize(
+    "path", ["/abs", "../up", "a/../../b", "", ".", "a//b", "a\\b", "a\0b", MANIFEST, ".stepbot-x/a"]
+)
+def test_paths_stay_in_the_folder(tmp_path: Path, path: str) -> None:
+    """No name leads out of the folder, or onto stepbot's own files."""
+    with pytest.raises(StepbotError) as error:
+        write_atomically({"arm.urdf": b"1", path: b"x"}, tmp_path / "out")
+    assert codes(error.value) == ["SB004"]
+    assert not (tmp_path / "out").exists()
+
+
+def test_failure_in_the_middle_puts_everything_back(tmp_path: Path) -> None:
+    """When one file cannot be moved to its place, all others are as they were."""
+    write_atomically(ARM, tmp_path)
+    before = {**contents(tmp_path), MANIFEST: (tmp_path / MANIFEST).read_bytes()}
+    (tmp_path / "zzz.urdf").mkdir()  # a folder where the last file should go
+    with pytest.raises(StepbotError) as error:
+        write_atomically(
+            {"arm.urdf": b"new", "meshes/a.obj": b"new", "meshes/n/n.obj": b"n", "zzz.urdf": b"z"}, tmp_path
+        )
+    assert codes(error.value) == ["SB004"]
+    assert "zzz.urdf" in str(error.value)
+    assert {**contents(tmp_path), MANIFEST: (tmp_path / MANIFEST).read_bytes()} == before
+    assert not (tmp_path / "meshes/n").exists()
+    assert not list(tmp_path.glob(".stepbot-*"))
+
+
+def test_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    """A file in place of the folder, or of one above it, ends in a diagnostic."""
+    (tmp_path / "out").write_bytes(b"")
+    for folder in (tmp_path / "out", tmp_path / "out" / "deeper"):
+        with pytest.raises(StepbotError) as error:
+            write_atomically(ARM, folder)
+        assert codes(error.value) == ["SB004"]
+    assert (tmp_path / "out").read_bytes() == b""
+
+
+def test_links_are_replaced_and_not_followed(tmp_path: Path) -> None:
+    """A symbolic link at the place of a file gives way to the file; what it points to stays."""
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.write_bytes(b"urdf")
+    (tmp_path / "out").mkdir()
+    try:
+        (tmp_path / "out" / "arm.urdf").symlink_to(elsewhere)
+    except OSError:
+        pytest.skip("no symbolic links here")
+    write_atomically({"arm.urdf": b"new"}, tmp_path / "out")
+    assert elsewhere.read_bytes() == b"urdf"
+    assert (tmp_path / "out" / "arm.urdf").read_bytes() == b"new"
+
+
+def test_folders_of_killed_runs_go_in_time(tmp_path: Path) -> None:
+    """A staging folder that has been left for a day is removed, a young one may belong to a run of this moment."""
+    old, young = tmp_path / ".stepbot-old", tmp_path / ".stepbot-young"
+    for folder in (old, young):
+        folder.mkdir()
+        (folder / "0.new").write_bytes(b"x")
+    past = time.time() - 2 * 24 * 3600
+    os.utime(old, (past, past))
+    write_atomically(ARM, tmp_path)
+    assert (old.exists(), young.exists()) == (False, True)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+import stepbot.runtime.output as output
+steps = int(sys.argv[2])
+real = Path.replace
+def replace(self, target):
+    global steps
+    if steps == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    steps -= 1
+    return real(self, target)
+Path.replace = replace
+new = {"arm.urdf": b"new", "arm.xml": b"new", "meshes/a.obj": b"new", "meshes/c.obj": b"new"}
+output.write_atomically(new, Path(sys.argv[1]))
+"""
+
+
+@POSIX
+def test_linked_folders_are_not_written_through(tmp_path: Path) -> None:
+    """A folder of meshes that is a link elsewhere is refused, and nothing behind it is written or removed."""
+    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    write_atomically(ARM, out)
+    (out / "meshes").rename(elsewhere)
+    (out / "meshes").symlink_to(elsewhere)
+    before = contents(elsewhere)
+    with pytest.raises(StepbotError, match="SB004"):
+        write_atomically({"arm.urdf": b"new", "meshes/new.obj": b"new"}, out)
+    write_atomically({"arm.urdf": b"new", "arm.xml": b"new"}, out)
+    discard(out)
+    assert contents(elsewhere) == before
+
+
+@POSIX
+def test_list_that_never_ends(tmp_path: Path) -> None:
+    """A pipe or a deeply nested text in the place of the list is no list, and is replaced."""
+    os.mkfifo(tmp_path / MANIFEST)
+    write_atomically(ARM, tmp_path)
+    assert (tmp_path / MANIFEST).is_file()
+    (tmp_path / MANIFEST).write_bytes(b'{"files": ' + b"[" * 1_000_000)
+    write_atomically(ARM, tmp_path)
+    assert contents(tmp_path) == ARM
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from stepbot.runtime.output import write_atomically
+folder, name = Path(sys.argv[1]), sys.argv[2]
+print("ready", flush=True)
+sys.stdin.readline()
+for number in range(20):
+    write_atomically({f"{name}.urdf": b"%d" % number, f"{name}/{number}.obj": b"mesh of %d" % number}, folder)
+"""
+
+
+def test_concurrent_runs_into_one_folder(tmp_path: Path) -> None:
+    """The list knows the files of all of them, and no mesh is left that nothing needs."""
+    names = [f"robot{number}" for number in range(4)]
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", WRITER, str(tmp_path), name], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        for name in names
+    ]
+    for run in runs:
+        assert run.stdout is not None
+        assert run.stdout.readline() == b"ready\n"
+    for run in runs:
+        assert run.stdin is not None
+        run.stdin.write(b"go\n")
+        run.stdin.flush()
+    for run in runs:
+        run.communicate()
+    assert [run.returncode for run in runs] == [0] * len(runs)
+    listed = json.loads((tmp_path / MANIFEST).read_bytes())["files"]
+    assert sorted(listed) == [f"{name}.urdf" for name in names]
+    assert contents(tmp_path) == {
+        **{f"{name}.urdf": b"19" for name in names},
+        **{f"{name}/19.obj": b"mesh of 19" for name in names},
+    }
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from stepbot.runtime.folder_lock import locked
+with locked(Path(sys.argv[1]), 1.0):
+    print("locked", flush=True)
+    time.sleep(600)
+"""
+
+
+def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others fail after some time and change nothing; once it has died, they write."""
+    write_atomically(ARM, tmp_path)
+    monkeypatch.setattr("stepbot.runtime.output._LONGEST_WAIT", 0.2)
+    with subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b"locked\n"
+        try:
+            for action in (lambda: write_atomically({"arm.urdf": b"new"}, tmp_path), lambda: discard(tmp_path)):
+                with pytest.raises(StepbotError, match="SB004") as caught:
+                    action()
+                assert "another process" in str(caught.value)
+            assert contents(tmp_path) == ARM
+        finally:
+            holder.kill()
+    write_atomically({"arm.urdf": b"new"}, tmp_path)
+    assert (tmp_path / "arm.urdf").read_bytes() == b"new"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="locked in another way on Windows")
+def test_file_system_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The files are written, with a note; with locks there is none."""
+    found = Diagnostics()
+    write_atomically(ARM, tmp_path, found=found)
+    assert not list(found)
+
+    def no_locks(descriptor: int, operation: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", no_locks)
+    write_atomically(ARM, tmp_path / "out", found=found)
+    assert contents(tmp_path / "out") == ARM
+    assert [(one.code, one.severity, one.span.file) for one in found] == [("SB011", "note", str(tmp_path / "out"))]
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
+def test_internal_error_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
+) -> None:
+    """Folders that a run has made go with it, where a bug or Ctrl-C ends it before there is a file."""
+
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("stepbot.runtime.output._check_case", fail)
+    with pytest.raises(error):
+        write_atomically(ARM, tmp_path / "a" / "b")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no SIGKILL on Windows")
+@pytest.mark.parametrize("steps", range(6))
+def test_killed_run_leaves_whole_files_and_the_next_one_tidies_up(tmp_path: Path, steps: int) -> None:
+    """Killed between any two moves, every file is old or new, and the next run ends where an undisturbed one would."""
+    write_atomically(ARM, tmp_path)
+    source = Path(__file__).resolve().parents[3] / "src"
+    environment = {**os.environ, "PYTHONPATH": str(source)}
+    run = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path), str(steps)], env=environment, check=False)
+    assert run.returncode == (-9 if steps < 6 else 0)
+    new = {"arm.urdf": b"new", "arm.xml": b"new", "meshes/a.obj": b"new", "meshes/c.obj": b"new"}
+    for path, content in contents(tmp_path).items():
+        if not path.startswith(".stepbot-"):
+            assert content in (ARM.get(path), new.get(path))
+    write_atomically(new, tmp_path)
+    assert {path: content for path, content in contents(tmp_path).items() if not path.startswith(".stepbot-")} == new
+
+
+def test_discarded(tmp_path: Path) -> None:
+    """What a run wrote goes, folder and all; what was changed since, or came from elsewhere, stays."""
+    out = tmp_path / "out"
+    write_atomically({"arm.urdf": b"1", "meshes/a.obj": b"2"}, out)
+    discard(out)
+    assert not out.exists()
+    discard(out)
+    write_atomically({"arm.urdf": b"1", "report.json": b"{}", "meshes/a.obj": b"2"}, out)
+    (out / "arm.urdf").write_bytes(b"mine")
+    (out / "notes.txt").write_bytes(b"mine too")
+    discard(out)
+    assert contents(out) == {"arm.urdf": b"mine", "notes.txt": b"mine too"}

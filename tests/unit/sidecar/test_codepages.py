@@ -1,0 +1,43 @@
+"""Code pages by name, against Python's own table of them."""
+
+import pytest
+
+from stepbot.sidecar.codepages import UnknownCodePage, code_page
+
+
+@pytest.mark.parametrize(
+    ("name", "usual"),
+    [
+        ("cp1251", "cp1251"),
+        ("Windows-1251", "cp1251"),
+        (" CP1251 ", "cp1251"),
+        ("1251", "cp1251"),
+        ("GBK", "gbk"),
+        ("GB18030", "gb18030"),
+        ("Shift_JIS", "shift_jis"),
+        ("latin1", "iso8859-1"),
+        ("UTF8", "utf-8"),
+        ("utf-8-sig", "utf-8"),
+    ],
+)
+def test_names_as_people_write_them(name: str, usual: str) -> None:
+    """Case, blanks and aliases do not matter."""
+    assert code_page(name) == usual
+
+
+@pytest.mark.parametrize("name", ["utf-16", "utf-7", "cp037", "base64", "rot13", "unicode_escape", "iso2022_jp"])
+def test_what_no_step_file_can_be_in(name: str) -> None:
+    """Encodings in which ASCII is other bytes, or bytes are no text, are refused by name."""
+    with pytest.raises(UnknownCodePage, match=f"'{name}' writes other bytes for ASCII"):
+        code_page(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "near"), [("cp1521", "cp1251"), ("bgk", "gbk"), ("klingon", ""), ("", ""), ("\0", "")]
+)
+def test_unknown_names(name: str, near: str) -> None:
+    """A name that is none comes with near ones, and with examples."""
+    with pytest.raises(UnknownCodePage, match="there is no code page") as raised:
+        code_page(name)
+    assert near in raised.value.hints[0]
+    assert "cp1251" in raised.value.hints[-1]

@@ -1,0 +1,234 @@
+"""Quantities with units against closed forms and the definitions of the units."""
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stepbot.sidecar import units
+from stepbot.sidecar.units import Dimension, UnitError, parse_quantity, read_quantity
+
+DIMENSIONS = tuple(value for value in vars(units).values() if isinstance(value, Dimension))
+
+# Each value by the unit's definition: the inch is 25.4 mm and the pound 0.45359237 kg exactly, g0 is 9.80665 m/s^2.
+KNOWN = [
+    ("12 mm", units.LENGTH, 0.012),
+    ("12mm", units.LENGTH, 0.012),
+    ("-40 mm", units.LENGTH, -0.04),
+    ("+.5 in", units.LENGTH, 0.0127),
+    ("3 ft", units.LENGTH, 0.9144),
+    ("5 um", units.LENGTH, 5e-6),
+    ("5 µm", units.LENGTH, 5e-6),
+    ("45 deg", units.ANGLE, math.pi / 4),
+    ("45°", units.ANGLE, math.pi / 4),
+    ("180 deg", units.ANGLE, math.pi),
+    ("0.5 rev", units.ANGLE, math.pi),
+    ("57.2 g", units.MASS, 0.0572),
+    ("1 lb", units.MASS, 0.45359237),
+    ("16 oz", units.MASS, 0.45359237),
+    ("1.04 g/cm^3", units.DENSITY, 1040.0),
+    ("1.04 g/cm³", units.DENSITY, 1040.0),
+    ("1240 kg/m**3", units.DENSITY, 1240.0),
+    ("7.85 g cm^-3", units.DENSITY, 7850.0),
+    ("7.85 g/cm3", units.DENSITY, 7850.0),
+    ("7850 kg/m3", units.DENSITY, 7850.0),
+    ("7850 kg.m-3", units.DENSITY, 7850.0),
+    ("120 g.cm2", units.INERTIA, 1.2e-5),
+    ("1.5 N.m", units.TORQUE, 1.5),
+    ("1.5 N-m", units.TORQUE, 1.5),
+    ("0.1 N.m.s/rad", units.ANGULAR_DAMPING, 0.1),
+    ("1 kgf.cm", units.TORQUE, 0.0980665),
+    ("1 kgf-cm", units.TORQUE, 0.0980665),
+    ("1 kg.cm", units.TORQUE, 0.0980665),
+    ("1 kg*cm", units.TORQUE, 0.0980665),
+    ("1 oz-in", units.TORQUE, 0.45359237 / 16 * 9.80665 * 0.0254),
+    ("1 oz.in", units.TORQUE, 0.45359237 / 16 * 9.80665 * 0.0254),
+    ("1 lb-ft", units.TORQUE, 0.45359237 * 9.80665 * 0.3048),
+    ("120 g*cm^2", units.INERTIA, 1.2e-5),
+    ("60 rpm", units.ANGULAR_SPEED, 2 * math.pi),
+    ("61 rpm", units.ANGULAR_SPEED, 61 * 2 * math.pi / 60),
+    ("360 deg/s", units.ANGULAR_SPEED, 2 * math.pi),
+    ("1 rev/min", units.ANGULAR_SPEED, 2 * math.pi / 60),
+    ("20 mm/s", units.SPEED, 0.02),
+    ("1.5 N*m", units.TORQUE, 1.5),
+    ("1.5 N·m", units.TORQUE, 1.5),
+    ("1.5 N m", units.TORQUE, 1.5),
+    ("1.5 Nm", units.TORQUE, 1.5),
+    ("1 kgf*cm", units.TORQUE, 0.0980665),
+    ("1 kg*m^2/s^2", units.TORQUE, 1.0),
+    ("1 lbf", units.FORCE, 4.4482216152605),
+    ("2 mm/rev", units.PITCH, 0.001 / math.pi),
+    ("0.1 N*m*s/rad", units.ANGULAR_DAMPING, 0.1),
+    ("0.1 N*m*s", units.ANGULAR_DAMPING, 0.1),
+    ("10 N*s/m", units.LINEAR_DAMPING, 10.0),
+    ("5 N*m/rad", units.ANGULAR_STIFFNESS, 5.0),
+    ("200 N/mm", units.LINEAR_STIFFNESS, 2e5),
+    ("0.2 %", units.RATIO, 0.002),
+    ("1_000 mm", units.LENGTH, 1.0),
+    ("010 mm", units.LENGTH, 0.01),
+    ("1e3 mm", units.LENGTH, 1.0),
+    ("1.", units.LENGTH, 1.0),
+    ("-1e-3", units.LENGTH, -0.001),
+    ("inf", units.LENGTH, math.inf),
+    ("-inf", units.ANGLE, -math.inf),
+    (".inf", units.LENGTH, math.inf),
+    ("-.inf deg", units.ANGLE, -math.inf),
+    ("1e999 mm", units.LENGTH, math.inf),
+    ("1e-999 mm", units.LENGTH, 0.0),
+]
+
+
+@pytest.mark.parametrize(("text", "dimension", "value"), KNOWN)
+def test_value_is_the_closed_form(text: str, dimension: Dimension, value: float) -> None:
+    """A quantity is the number that the definition of its unit gives, to the last bit but one."""
+    assert parse_quantity(text, dimension) == pytest.approx(value, rel=2e-16)
+
+
+@pytest.mark.parametrize(
+    ("text", "shortest"), [("57.2 g", "0.0572"), ("0.1 mm", "0.0001"), ("12.3 cm", "0.123"), ("9.9 in", "0.25146")]
+)
+def test_decimal_units_add_no_digits(text: str, shortest: str) -> None:
+    """A value in a decimal unit prints as short as it was written."""
+    dimension = units.MASS if text.endswith("g") else units.LENGTH
+    assert repr(parse_quantity(text, dimension)) == shortest
+
+
+@pytest.mark.parametrize("dimension", DIMENSIONS, ids=lambda d: f"{d.name}-{d.unit}")
+def test_example_is_a_quantity(dimension: Dimension) -> None:
+    """What messages give as an example is one, and so is the SI unit that they name."""
+    assert read_quantity(dimension.example, dimension).dimension == dimension
+    if dimension is not units.RATIO:
+        assert parse_quantity(f"3 {dimension.unit}", dimension) == 3.0
+
+
+@given(value=st.floats(allow_nan=False), dimension=st.sampled_from(DIMENSIONS))
+def test_plain_number_is_si(value: float, dimension: Dimension) -> None:
+    """A number without a unit comes back bit by bit, whatever its dimension, and is known to have none."""
+    assert read_quantity(repr(value), dimension) == (value, None, "")
+
+
+@given(value=st.floats(allow_nan=False, allow_infinity=False))
+def test_si_unit_changes_nothing(value: float) -> None:
+    """A number with the SI unit is the number."""
+    assert parse_quantity(f"{value!r} m", units.LENGTH) == value
+
+
+@given(value=st.floats(min_value=1e-6, max_value=1e6), unit=st.sampled_from(["mm", "in", "ft", "km", "nm"]))
+def test_ratio_of_two_quantities_is_that_of_their_numbers(value: float, unit: str) -> None:
+    """Scaling is linear."""
+    one = parse_quantity(f"1 {unit}", units.LENGTH)
+    assert parse_quantity(f"{value!r} {unit}", units.LENGTH) == pytest.approx(value * one, rel=4e-16)
+
+
+@given(degrees=st.floats(min_value=-1e4, max_value=1e4))
+def test_degrees_agree_with_the_standard_library(degrees: float) -> None:
+    """Degrees are what ``math.radians`` makes of them."""
+    assert parse_quantity(f"{degrees!r} deg", units.ANGLE) == pytest.approx(
+        math.radians(degrees), rel=4e-16, abs=1e-320
+    )
+
+
+def refusal(text: str, dimension: Dimension) -> str:
+    """Why a text is no quantity; empty where it is one."""
+    try:
+        parse_quantity(text, dimension)
+    except UnitError as failure:
+        return str(failure)
+    return ""
+
+
+@given(text=st.text(max_size=40))
+def test_any_text_is_a_quantity_or_a_unit_error(text: str) -> None:
+    """No text makes the parser fail otherwise, and none gives NaN."""
+    assert refusal(text, units.LENGTH) or not math.isnan(parse_quantity(text, units.LENGTH))
+
+
+@given(text=st.from_regex(re.compile(units.QUANTITY_PATTERN, re.ASCII), fullmatch=True))
+def test_schema_pattern_is_not_wider_than_needed(text: str) -> None:
+    """What matches the schema's pattern is a number, perhaps with a unit that is wrong."""
+    why = refusal(text, units.LENGTH)
+    assert not why or "unit" in why or len(text) > 100
+
+
+@pytest.mark.parametrize("text", [text for text, _, _ in KNOWN])
+def test_schema_pattern_accepts_every_quantity(text: str) -> None:
+    """The pattern in the JSON Schema is not narrower than the parser."""
+    assert re.search(units.QUANTITY_PATTERN, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "message", "hint"),
+    [
+        ("90 degs", units.ANGLE, "unknown unit 'degs'", "did you mean 'deg'?"),
+        ("90 degrees", units.ANGLE, "unknown unit 'degrees'", "did you mean 'deg'?"),
+        ("3 kg", units.LENGTH, "'kg' is not a unit of length [m]", "for example 12 mm"),
+        ("5 kg", units.TORQUE, "'kg' is not a unit of torque [N*m]", "`5 kgf*cm`"),
+        ("80 oz", units.TORQUE, "'oz' is not a unit of torque [N*m]", "`80 ozf*in`"),
+        ("5 kg", units.FORCE, "'kg' is not a unit of force [N]", "a force is written `5 kgf`"),
+        ("20 kg/mm", units.LINEAR_STIFFNESS, "'kg/mm' is not a unit of stiffness", "kg, lb and oz are masses"),
+        ("20 kg.cm", units.FORCE, "'kg.cm' is not a unit of force [N]", "for example 20 N"),
+        ("2700 g", units.DENSITY, "'g' is not a unit of density", "a mass per volume"),
+        ("5 kgcm", units.TORQUE, "unknown unit 'kgcm'", "did you mean 'kgf*cm'?"),
+        ("2 nm", units.TORQUE, "'nm' is not a unit of torque [N*m]", "did you mean 'N*m'?"),
+        ("1,5 m", units.LENGTH, "'1,5 m' is not a length", "the decimal separator is a point: write `1.5 m`"),
+        ("-1,57", units.ANGLE, "'-1,57' is not an angle", "write `-1.57`"),
+        (
+            "1,000 mm",
+            units.LENGTH,
+            "'1,000 mm' is not",
+            "write `1.000 mm`; if the comma separates thousands, `1000 mm`",
+        ),
+        ("five", units.LENGTH, "'five' is not a length", "such as 12 mm"),
+        ("", units.ANGLE, "'' is not an angle", "such as 45 deg"),
+        ("5 m s", units.LENGTH, "'m s' is not a unit", "12 mm"),
+        ("5 mm^99", units.LENGTH, "unknown unit 'mm^99'", ""),
+        ("5 /s", units.LENGTH, "is not a length", ""),
+        ("5 mm *", units.LENGTH, "unknown unit", "did you mean"),
+        ("٣ mm", units.LENGTH, "is not a length", ""),
+        ("nan", units.LENGTH, "is not a length", ""),
+        ("1" * 200, units.LENGTH, "...' is not a length", ""),
+    ],
+)
+def test_says_what_is_wrong(text: str, dimension: Dimension, message: str, hint: str) -> None:
+    """A message names the text, a hint what may be meant."""
+    with pytest.raises(UnitError) as caught:
+        parse_quantity(text, dimension)
+    assert message in str(caught.value)
+    assert hint in "\n".join(caught.value.hints)
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [("20 kg.cm", "20 kgf*cm"), ("80 oz-in", "80 ozf*in"), ("20 kgf.cm", ""), ("1.5 N.m", ""), ("1 kg*m^2/s^2", "")],
+)
+def test_mass_for_a_weight_is_known(text: str, meant: str) -> None:
+    """A torque for which a mass was written tells how it was taken; a torque in forces has nothing to tell."""
+    assert read_quantity(text, units.TORQUE, units.FORCE).taken_as == meant
+
+
+def test_one_of_several_dimensions_is_told() -> None:
+    """The dimension of the unit is known, and a text of none of them is refused with all their names."""
+    assert read_quantity("45 deg", units.ANGLE, units.LENGTH).dimension is units.ANGLE
+    assert read_quantity("45 mm", units.ANGLE, units.LENGTH) == (0.045, units.LENGTH, "")
+    assert read_quantity("inf", units.ANGLE, units.LENGTH).dimension is None
+    with pytest.raises(UnitError, match=re.escape("angle [rad] or length [m]")):
+        read_quantity("45 kg", units.ANGLE, units.LENGTH)
+
+
+@pytest.mark.parametrize(
+    ("text", "outcome"),
+    [
+        ("1e99999999 mm", math.inf),
+        ("1e-99999999 mm", 0.0),
+        ("9" * 99 + "e99", "is not a length"),
+        ("1 " + "mm*" * 33, "is not a length"),
+    ],
+)
+def test_hostile_numbers_take_no_time(text: str, outcome: float | str) -> None:
+    """Huge exponents and long products are read at once, or refused."""
+    if isinstance(outcome, str):
+        assert outcome in refusal(text, units.LENGTH)
+    else:
+        assert parse_quantity(text, units.LENGTH) == outcome

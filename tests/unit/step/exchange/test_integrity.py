@@ -1,0 +1,97 @@
+"""Files whose statements are broken, doubled, dropped or of the wrong kind: what depends on them is told, by line."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Diagnostics
+from tests import parts
+from tests.unit.step.here import read_here
+
+
+@pytest.fixture
+def text(tmp_path: Path) -> str:
+    """An assembly of several parts, whole."""
+    return parts.write_nested(tmp_path / "whole.step").path.read_text(encoding="utf-8")
+
+
+def complaints(text: str, folder: Path) -> list[Diagnostic]:
+    """What is said about a file."""
+    path = folder / "damaged.step"
+    path.write_text(text, encoding="utf-8", newline="\n")
+    found = Diagnostics()
+    assembly = read_here(path, found)
+    assert (assembly is None) == any(d.severity == "error" for d in found)
+    return list(found)
+
+
+def first(pattern: str, text: str) -> re.Match[str]:
+    """The first statement of a kind: its number, its keyword and the rest."""
+    match = re.search(rf"^#(\d+)=({pattern})(\(.*?\));$", text, re.MULTILINE | re.DOTALL)
+    assert match is not None
+    return match
+
+
+def line_of(match: re.Match[str], text: str) -> int:
+    """From 1."""
+    return text.count("\n", 0, match.start()) + 1
+
+
+@pytest.mark.parametrize("keyword", ["CARTESIAN_POINT", "ADVANCED_FACE", "CLOSED_SHELL", "ITEM_DEFINED_TRANSFORMATION"])
+def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_path: Path) -> None:
+    """Without it the kernel would go on: a part open or at the origin; the error names who misses it, and where."""
+    dropped = first(keyword, text)
+    damaged = text.replace(dropped[0], "")
+    (fault,) = complaints(damaged, tmp_path)
+    assert fault.code == "SB222"
+    assert fault.help
+    user = re.search(rf"^#(\d+)=[^;]*?#{dropped[1]}\b", damaged, re.MULTILINE | re.DOTALL)
+    assert user is not None
+    assert any(f"there is no #{dropped[1]}" in note for note in fault.notes)
+    assert f"line {line_of(user, damaged)}: #{user[1]} " in "\n".join(fault.notes)
+
+
+def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
+    """A face that lies on a point instead of a surface."""
+    point, plane = first("CARTESIAN_POINT", text), first("PLANE", text)
+    damaged = re.sub(rf"(ADVANCED_FACE\([^;]*?)#{plane[1]}\b", rf"\g<1>#{point[1]}", text, count=1)
+    assert damaged != text
+    (fault,) = complaints(damaged, tmp_path)
+    assert fault.code == "SB222"
+    assert "ADVANCED_FACE" in fault.notes[0]
+    assert "of the wrong kind" in fault.notes[0]
+
+
+def test_a_statement_that_does_not_end(text: str, tmp_path: Path) -> None:
+    """A parenthesis that is lost is a fault of the text, at its line."""
+    point = first("CARTESIAN_POINT", text)
+    damaged = text.replace(point[0], f"#{point[1]}=CARTESIAN_POINT{point[3][:-1]};")
+    faults = complaints(damaged, tmp_path)
+    assert [d.severity for d in faults] == ["error"] * len(faults)
+    broken = next(d for d in faults if d.code == "SB221")
+    assert broken.span.line == pytest.approx(line_of(point, text), abs=1)  # the kernel may tell the line of its end
+
+
+def test_two_entities_with_one_number(text: str, tmp_path: Path) -> None:
+    """Which of them is meant is anyone's guess."""
+    point, direction = first("CARTESIAN_POINT", text), first("DIRECTION", text)
+    damaged = text.replace(f"#{direction[1]}=", f"#{point[1]}=", 1)
+    assert "SB221" in [d.code for d in complaints(damaged, tmp_path)]
+
+
+def test_styles_that_lead_nowhere_are_a_warning(tmp_path: Path) -> None:
+    """A colour that is missing costs no more than the colour: the assembly is there."""
+    text = parts.write_colored_faces(tmp_path / "whole.step").path.read_text(encoding="utf-8")
+    colour = first("COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR", text)
+    faults = complaints(text.replace(colour[0], ""), tmp_path)
+    assert [(d.code, d.severity) for d in faults] == [("SB223", "warning")]
+    assert any(f"there is no #{colour[1]}" in note for note in faults[0].notes)
+
+
+def test_many_faults_are_counted(text: str, tmp_path: Path) -> None:
+    """Five places are enough to see what is wrong."""
+    damaged = re.sub(r"^#\d+=CARTESIAN_POINT\(.*?\);$", "", text, flags=re.MULTILINE | re.DOTALL)
+    (fault,) = complaints(damaged, tmp_path)
+    assert len(fault.notes) == 6
+    assert re.fullmatch(r"and \d+ more", fault.notes[-1])

@@ -1,0 +1,152 @@
+"""What is told of a file before the kernel is asked: whether it is STEP, and what is wrong with it, with the line."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from stepbot.step.exchange.encodings import line_of
+from stepbot.step.exchange.part21 import check_step
+from tests.conftest import ReadDiagnostics
+
+HEADER = """ISO-10303-21;
+HEADER;
+/* made by hand; FILE_SCHEMA(('WRONG')) */
+FILE_DESCRIPTION(('x'),'2;1');
+FILE_NAME('arm ''7''','2024-05-23T20:24:58',('a','b'),(''),
+  'ST-DEVELOPER v20','Fusion \\X2\\00E9\\X0\\','');
+FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 3 1 1 }'));
+ENDSEC;
+"""
+DATA = "DATA;\n#1=ADVANCED_FACE('',(),#2,.T.);\nENDSEC;\nEND-ISO-10303-21;\n"
+
+
+def write(tmp_path: Path, content: str | bytes) -> Path:
+    """A file of that content."""
+    path = tmp_path / "file.step"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The header's fields come out decoded; what a comment says is no field."""
+    part21 = check_step(write(tmp_path, HEADER + DATA), "arm.step", found)
+    assert part21 is not None
+    assert part21.encoding == "ascii"
+    assert (part21.header.name, part21.header.time_stamp) == ("arm '7'", "2024-05-23T20:24:58")
+    assert (part21.header.preprocessor, part21.header.originating_system) == ("ST-DEVELOPER v20", "Fusion é")
+    assert part21.header.schema == "AP214"
+
+
+@pytest.mark.parametrize(
+    ("schema", "name"),
+    [
+        ("CONFIG_CONTROL_DESIGN", "AP203"),
+        ("AP203_CONFIGURATION_CONTROLLED_3D_DESIGN_OF_MECHANICAL_PARTS_AND_ASSEMBLIES_MIM_LF", "AP203"),
+        ("AP214IS", "AP214"),
+        ("AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF {1 0 10303 442 1 1 4 }", "AP242"),
+        ("SOMETHING_ELSE { 1 }", "SOMETHING_ELSE"),
+    ],
+)
+def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A schema is told by its usual short name."""
+    text = HEADER.replace("AUTOMOTIVE_DESIGN { 1 0 10303 214 3 1 1 }", schema)
+    part21 = check_step(write(tmp_path, text + DATA), "x", found)
+    assert part21 is not None
+    assert part21.header.schema == name
+
+
+@pytest.mark.parametrize(
+    ("content", "code", "word", "line"),
+    [
+        (b"", "SB202", "empty", 0),
+        (b"\0\0\0\0", "SB202", "empty", 0),
+        (b"# a readme\n", "SB201", "not a STEP file", 1),
+        (b"PK\x03\x04 and more", "SB201", "zip", 1),
+        (b"version https://git-lfs.github.com/spec/v1\n", "SB201", "Git LFS", 1),
+        (b"<?xml version='1.0'?>", "SB201", "XML", 1),
+        (b"S".rjust(73) + b"      1\n" + b"x" * 90, "SB201", "IGES", 1),
+        (HEADER.encode() + b"DATA;\nENDSEC;\nEND-ISO-10303-21;\n", "SB202", "DATA section is empty", 9),
+        (HEADER.encode() + DATA.encode()[:30], "SB204", "ends in the middle", 10),
+        (HEADER.encode()[:60], "SB204", "ends in the middle", 3),
+        (HEADER.replace("AUTOMOTIVE_DESIGN", "IFC4").encode() + DATA.encode(), "SB208", "building", 0),
+        (HEADER.encode() + DATA.encode().replace(b"ADVANCED_FACE", b"DIRECTION"), "SB206", "no geometry", 0),
+    ],
+)
+def test_files_that_cannot_be_read(
+    content: bytes, code: str, word: str, line: int, tmp_path: Path, found: ReadDiagnostics
+) -> None:
+    """Each fault has one diagnostic that names it, at its line, with a remedy."""
+    assert check_step(write(tmp_path, content), "given/name.step", found) is None
+    (diagnostic,) = found
+    assert diagnostic.code == code
+    assert word in diagnostic.message
+    assert (diagnostic.span.file, diagnostic.span.line) == ("given/name.step", line)
+    assert diagnostic.help
+
+
+def test_missing_folder_and_unreadable(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """What is not a file is said so."""
+    assert check_step(tmp_path / "none.step", "none.step", found) is None
+    assert check_step(tmp_path, "folder", found) is None
+    assert [(d.code, d.message) for d in found] == [
+        ("SB001", "no such file"),
+        ("SB001", "is a folder, not a STEP file"),
+    ]
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="rights hold neither on Windows nor for root")
+def test_file_without_rights(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A file that may not be read is a diagnostic."""
+    path = write(tmp_path, HEADER + DATA)
+    path.chmod(0)
+    assert check_step(path, "x", found) is None
+    assert found.codes() == ["SB001"]
+
+
+EXTERNAL = "#7=DOCUMENT_FILE('TAIL.stp','','',#8,'',$);\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n"
+
+
+def test_geometry_in_other_files(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """References to other files without geometry of its own, or to CAD files beside it, end the reading."""
+    only = DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", EXTERNAL)
+    beside = DATA.replace("DATA;\n", "DATA;\n" + EXTERNAL)
+    for text in (only, beside):
+        assert check_step(write(tmp_path, HEADER + text), "x", found) is None
+    first, second = found
+    assert (first.code, first.span.line) == ("SB203", 10)
+    assert first.message.startswith("all geometry is in other files: 'TAIL.stp', 'manual.pdf'")
+    assert second.message == "parts of the geometry is in other files: 'TAIL.stp'"
+
+
+def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A reference to a manual is none to a part."""
+    text = DATA.replace("DATA;\n", "DATA;\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n")
+    assert check_step(write(tmp_path, HEADER + text), "x", found) is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "encoding"), [("Deckel", "ascii"), ("Wälzlager", "utf-8"), ("螺丝" * 400_000, "utf-8")], ids=[*"abc"]
+)
+def test_encodings(name: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """UTF-8 is recognised, also where a character lies across two chunks of the file."""
+    text = HEADER + DATA.replace("''", f"'{name}'")
+    part21 = check_step(write(tmp_path, text), "x", found)
+    assert part21 is not None
+    assert part21.encoding == encoding
+
+
+def test_names_in_an_unknown_encoding_are_said(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Bytes that are no UTF-8 draw a warning with their line."""
+    content = (HEADER + DATA).encode().replace(b"ADVANCED_FACE(''", "ADVANCED_FACE('Деталь'".encode("cp1251"))
+    part21 = check_step(write(tmp_path, content), "x", found)
+    assert part21 is not None
+    assert part21.encoding == ""
+    (diagnostic,) = found
+    assert (diagnostic.code, diagnostic.span.line) == ("SB210", 10)
+
+
+def test_lines() -> None:
+    """A byte's line counts from 1 and across chunks."""
+    data = b"x\n" * 800_000
+    assert [line_of(data, offset) for offset in (0, 1, 2, 1_500_000)] == [1, 1, 2, 750_001]

@@ -1,0 +1,137 @@
+"""Lengths and densities in whatever unit a file declares them, against the definitions of those units."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from stepbot.step.assembly import Assembly
+from tests import parts
+from tests.conftest import ReadDiagnostics
+from tests.unit.step.here import read_here, read_quietly
+
+GRAM = "( MASS_UNIT() NAMED_UNIT(*) SI_UNIT($,.GRAM.) )"
+CENTIMETRE = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.CENTI.,.METRE.) )"
+MILLIMETRE = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) )"
+EXTRA = """\
+#9001=DIMENSIONAL_EXPONENTS(0.,1.,0.,0.,0.,0.,0.);
+#9002=( MASS_UNIT() NAMED_UNIT(*) SI_UNIT(.KILO.,.GRAM.) );
+#9003=MASS_MEASURE_WITH_UNIT(MASS_MEASURE(0.45359237),#9002);
+#9004=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);
+#9005=( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) );
+#9006=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.0254),#9005);
+"""
+POUND = "( CONVERSION_BASED_UNIT('POUND',#9003) MASS_UNIT() NAMED_UNIT(#9001) )"
+INCH = "( CONVERSION_BASED_UNIT('INCH',#9006) LENGTH_UNIT() NAMED_UNIT(#9004) )"
+
+
+def rewrite(path: Path, *replacements: tuple[str, str], extra: str = EXTRA) -> Path:
+    """Replace text in a STEP file, each of it at least once, and add entities."""
+    text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
+    for old, new in replacements:
+        assert old in text, f"{old} in\n{text}"
+        text = text.replace(old, new)
+    before, after = text.rsplit("ENDSEC;", 1)
+    path.write_text(f"{before}{extra}ENDSEC;{after}", encoding="utf-8", newline="\n")
+    return path
+
+
+def density_of(assembly: Assembly | None) -> float:
+    """The density of the only part."""
+    assert assembly is not None
+    return assembly.components[0].density
+
+
+@pytest.mark.parametrize(
+    ("mass", "length", "density"),
+    [
+        (GRAM, CENTIMETRE, 1000.0),
+        (GRAM.replace("$", ".KILO."), CENTIMETRE.replace(".CENTI.", "$"), 1.0),
+        (GRAM.replace("$", ".MEGA."), CENTIMETRE.replace(".CENTI.", ".MILLI."), 1e12),
+        (POUND, INCH, 0.45359237 / 0.0254**3),
+        (GRAM, INCH, 1e-3 / 0.0254**3),
+    ],
+    ids=["g/cm^3", "kg/m^3", "t/mm^3", "lb/in^3", "g/in^3"],
+)
+def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None:
+    """A density is so many of its own units, SI or not."""
+    path = parts.write_box(tmp_path / "box.step", density=7850.0).path
+    rewrite(path, (GRAM, mass), (CENTIMETRE, length), ("POSITIVE_RATIO_MEASURE(7.85)", "POSITIVE_RATIO_MEASURE(2.)"))
+    assert density_of(read_quietly(path)) == pytest.approx(2 * density, rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        (",-3.)", ",2.)", "g cm^2"),
+        ("POSITIVE_RATIO_MEASURE(7.85)", "POSITIVE_RATIO_MEASURE(-7.85)", "-7.85"),
+        (GRAM, CENTIMETRE, "cm cm^-3"),
+        ("DERIVED_UNIT((", "DERIVED_UNIT((#9001,", ""),
+    ],
+)
+def test_a_density_that_is_none(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A value that is no mass per volume is left out and told; it is not read as if it were."""
+    path = parts.write_box(tmp_path / "box.step", density=7850.0).path
+    assert density_of(read_here(rewrite(path, (old, new)), found)) == 0.0
+    (diagnostic,) = found
+    assert diagnostic.code == "SB211"
+    assert word in diagnostic.notes[0]
+
+
+def test_zero_is_no_density(tmp_path: Path) -> None:
+    """Some programs write 0 where nothing was set."""
+    path = parts.write_box(tmp_path / "box.step", density=7850.0).path
+    assert density_of(read_quietly(rewrite(path, ("MEASURE(7.85)", "MEASURE(0.)")))) == 0.0
+
+
+def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Of two densities neither counts, and both are told."""
+    path = parts.write_box(tmp_path / "box.step", density=7850.0).path
+    text = path.read_text(encoding="utf-8").replace("\n", "")
+    relation = re.search(r"#(\d+)=PROPERTY_DEFINITION\('material property','density',#(\d+)\)", text)
+    measure = re.search(
+        r"MEASURE_REPRESENTATION_ITEM\('density measure',\s*POSITIVE_RATIO_MEASURE\(7.85\),(#\d+)\)", text
+    )
+    context = re.search(r"REPRESENTATION\('density',\(#\d+\),(#\d+)\)", text)
+    assert relation
+    assert measure
+    assert context
+    second = f"""\
+#9101=MEASURE_REPRESENTATION_ITEM('density measure',POSITIVE_RATIO_MEASURE(1.2),{measure[1]});
+#9102=REPRESENTATION('density',(#9101),{context[1]});
+#9103=PROPERTY_DEFINITION('material property','density',#{relation[2]});
+#9104=PROPERTY_DEFINITION_REPRESENTATION(#9103,#9102);
+"""
+    assert density_of(read_here(rewrite(path, extra=second), found)) == 0.0
+    (diagnostic,) = found
+    assert diagnostic.code == "SB212"
+    assert "7850, 1200" in diagnostic.message
+
+
+@pytest.mark.parametrize(
+    ("unit", "name", "scale"),
+    [
+        (INCH, "inch", 0.0254),
+        (MILLIMETRE.replace(".MILLI.", ".MICRO."), "um", 1e-6),
+        (MILLIMETRE.replace(".MILLI.", ".DECI."), "dm", 0.1),
+        (INCH.replace("INCH", "CUBIT"), "cubit", 0.0254),
+    ],
+)
+def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> None:
+    """A unit is as long as the file declares it, also one that nobody knows."""
+    assembly = read_quietly(rewrite(parts.write_box(tmp_path / "box.step").path, (MILLIMETRE, unit)))
+    assert assembly.unit == name
+    assert assembly.unit_scale == pytest.approx(scale, rel=1e-12)
+    (body,) = assembly.bodies
+    assert body.exact is not None
+    assert body.exact.volume == pytest.approx(100 * 60 * 40 * scale**3, rel=1e-9, abs=0)
+
+
+def test_an_inch_that_is_none(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The declared size counts, and a name that means another draws a warning."""
+    path = parts.write_box(tmp_path / "box.step").path
+    extra = EXTRA.replace("0.0254", "0.025")
+    assembly = read_here(rewrite(path, (MILLIMETRE, INCH), extra=extra), found)
+    assert assembly is not None
+    assert assembly.unit_scale == pytest.approx(0.025)
+    assert found.codes() == ["SB209"]

@@ -1,0 +1,36 @@
+"""Reads STEP files within the test's own process: the kernel is loaded once for all tests, not once for each."""
+
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.step.assembly import Assembly, Component, ReadOptions
+from stepbot.step.exchange.part21 import check_step
+
+
+def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None) -> Assembly | None:
+    """The assembly of a file, by the function that otherwise runs in the kernel's process."""
+    from stepbot.step.worker import read
+
+    options = options or ReadOptions()
+    part21 = check_step(path, path.name, found, options.encoding)
+    if part21 is None:
+        return None
+    assembly, diagnostics = read(str(path), path.name, part21, options)
+    found.extend(diagnostics)
+    return assembly
+
+
+def read_quietly(path: Path, options: ReadOptions | None = None) -> Assembly:
+    """The assembly of a file about which there is nothing to say but notes."""
+    found = Diagnostics()
+    assembly = read_here(path, found, options)
+    assert [str(d) for d in found if d.severity != "note"] == []
+    assert assembly is not None
+    return assembly
+
+
+def by_path(assembly: Assembly) -> dict[str, Component]:
+    """Components by their canonical path, which is unique."""
+    components = {component.path: component for component in assembly.components}
+    assert len(components) == len(assembly.components)
+    return components

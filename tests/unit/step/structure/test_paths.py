@@ -1,0 +1,249 @@
+"""Component paths and globs bind to what the sidecar's grammar says, or tell why not."""
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from stepbot.step.assembly import Component
+from stepbot.step.structure.naming import NamedComponent, assign_paths
+from stepbot.step.structure.paths import ComponentPaths, escape, inherited, plain_name, quoted
+
+
+def _tree(*rows: tuple[str, str, str], bodies: bool = True) -> list[Component]:
+    """Components from (path of the parent, product, occurrence), with canonical segments written out by hand rules."""
+    components = [Component(0, -1, "", ".", "robot", "robot", 1)]
+    paths = {".": 0}
+    for parent_path, product, occurrence in rows:
+        parent = paths[parent_path]
+        siblings = [c for c in components[1:] if c.parent == parent and c.product == product]
+        total = sum(p == parent_path and name == product for p, name, _ in rows)
+        ordinal = len(siblings) + 1
+        base = escape(product) or "body"
+        segment = base if total == 1 else f"{base}#{ordinal}"
+        path = segment if parent == 0 else f"{components[parent].path}/{segment}"
+        paths[path] = len(components)
+        components.append(
+            Component(len(components), parent, segment, path, product, occurrence, ordinal, by_ordinal_only=total > 1)
+        )
+    return components
+
+
+ARM = _tree(
+    (".", "base v3", "base v3:1"),
+    ("base v3", "motor", "motor:1"),
+    ("base v3/motor", "case", "case:1"),
+    ("base v3/motor", "horn", "horn:1"),
+    ("base v3", "bolt", "bolt:1"),
+    (".", "gripper", "gripper:1"),
+    ("gripper", "XL,XC-330 v1", "XL,XC-330 v1:1"),
+    ("gripper/XL,XC-330 v1", "horn", "horn:1"),
+    ("gripper", "bolt", "NAUO1"),
+    ("gripper", "bolt", "NAUO1"),
+    ("gripper", "a/b*c#2", ""),
+    ("gripper", "", ""),
+    ("gripper", "", ""),
+)
+PATHS = ComponentPaths(ARM)
+
+
+def _paths(pattern: str) -> list[str]:
+    binding = PATHS.find(pattern)
+    assert not binding.problem, binding
+    return [ARM[i].path for i in binding.topmost]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "expected"),
+    [
+        (".", ["."]),
+        ("base", ["base v3"]),
+        ("base v3", ["base v3"]),
+        ("base v77", ["base v3"]),
+        ("base v5:1", ["base v3"]),
+        ("base:1/motor:1/horn", ["base v3/motor/horn"]),
+        ("case", ["base v3/motor/case"]),
+        ("motor/horn", ["base v3/motor/horn"]),
+        ("XL,XC-330", ["gripper/XL,XC-330 v1"]),
+        ("gripper/bolt", ["gripper/bolt#1", "gripper/bolt#2"]),
+        ("gripper/bolt#2", ["gripper/bolt#2"]),
+        ("NAUO1", ["gripper/bolt#1", "gripper/bolt#2"]),
+        (r"gripper/a\/b\*c\#2", [r"gripper/a\/b\*c\#2"]),
+        ("body", ["gripper/body#1", "gripper/body#2"]),
+        ("gripper/body#2", ["gripper/body#2"]),
+        ("**/bolt", ["base v3/bolt", "gripper/bolt#1", "gripper/bolt#2"]),
+        ("**/bolt#1", ["base v3/bolt", "gripper/bolt#1"]),
+        ("**/horn", ["base v3/motor/horn", "gripper/XL,XC-330 v1/horn"]),
+        ("*/horn", []),
+        ("gripper/*/horn", ["gripper/XL,XC-330 v1/horn"]),
+        ("gripper/**/horn", ["gripper/XL,XC-330 v1/horn"]),
+        ("**/XL*", ["gripper/XL,XC-330 v1"]),
+        ("**/*", ["base v3", "gripper"]),
+        ("**", ["base v3", "gripper"]),
+        ("b*", ["base v3"]),
+        ("base/**", ["base v3/motor", "base v3/bolt"]),
+        ("**/motor/**", ["base v3/motor/case", "base v3/motor/horn"]),
+        (r"**/*\**", [r"gripper/a\/b\*c\#2"]),
+    ],
+)
+def test_binding(pattern: str, expected: list[str]) -> None:
+    """Product or occurrence name, save counters, ordinals, escapes, suffixes and globs bind as the grammar says."""
+    binding = PATHS.find(pattern)
+    assert [ARM[i].path for i in binding.topmost] == expected
+    assert binding.problem == ("" if expected else "unknown")
+
+
+def test_a_glob_names_what_lies_below_another_match_too() -> None:
+    """All matches are told, so that nearer claims can be found; the topmost are told apart."""
+    components = _tree((".", "arm", ""), ("arm", "arm plate", ""), ("arm", "bolt", ""))
+    binding = ComponentPaths(components).find("**/arm*")
+    assert binding.indices == (1, 2)
+    assert binding.topmost == (1,)
+
+
+def test_suffix_in_two_places_is_ambiguous() -> None:
+    """A path that ends like this in two places is an error with both as candidates."""
+    binding = PATHS.find("horn")
+    assert binding.problem == "ambiguous"
+    assert binding.candidates == ("base v3/motor/horn", "gripper/XL,XC-330 v1/horn")
+    assert binding.indices == ()
+
+
+def test_exact_path_beats_suffix() -> None:
+    """A path that is right from the root is not made ambiguous by the same suffix elsewhere."""
+    components = _tree((".", "plate", ""), (".", "arm", ""), ("arm", "plate", ""))
+    assert ComponentPaths(components).find("plate").indices == (1,)
+
+
+def test_suffix_below_equal_siblings_is_one_place() -> None:
+    """Segments without ``#n`` match all equal siblings in the middle of a suffix as well."""
+    components = _tree(
+        (".", "hand", ""),
+        ("hand", "finger", "f1"),
+        ("hand", "finger", "f2"),
+        ("hand/finger#1", "tip", ""),
+        ("hand/finger#2", "tip", ""),
+    )
+    paths = ComponentPaths(components)
+    assert [components[i].path for i in paths.find("finger/tip").indices] == ["hand/finger#1/tip", "hand/finger#2/tip"]
+    assert paths.find("tip").problem == "ambiguous"
+    assert [components[i].path for i in paths.find("f2/tip").indices] == ["hand/finger#2/tip"]
+
+
+def test_one_component_is_needed() -> None:
+    """Where one component is needed, several are an error that lists them."""
+    binding = PATHS.find_one("gripper/bolt")
+    assert binding.problem == "ambiguous"
+    assert binding.candidates == ("gripper/bolt#1", "gripper/bolt#2")
+    assert [ARM[i].path for i in PATHS.find_one("gripper/bolt#1").indices] == ["gripper/bolt#1"]
+    assert PATHS.find_one("**/horn").problem == "ambiguous"
+
+
+def test_every_canonical_path_finds_its_component() -> None:
+    """What messages print can be pasted back."""
+    for component in ARM:
+        assert PATHS.find_one(component.path).indices == (component.index,)
+
+
+def test_binding_by_ordinal_alone_is_fragile() -> None:
+    """Only ``#n`` written where nothing else tells siblings apart is fragile."""
+    assert PATHS.find("gripper/bolt#2").fragile
+    assert not PATHS.find("gripper/bolt").fragile
+    assert not PATHS.find("base/bolt").fragile
+
+
+@pytest.mark.parametrize(
+    ("pattern", "hint"),
+    [
+        ("gripper/hron", "horn"),
+        ("Base", "'base'"),
+        ("grippr/bolt", "gripper"),
+        ("base/horn", 'did you mean "base v3/motor/horn"?'),
+        ("robot/gripper", 'paths begin below the root: "gripper"'),
+        ("robot", 'the root itself is "."'),
+        ("**/hrn", "horn"),
+        ("hor*", "**/"),
+    ],
+)
+def test_unknown_paths_get_help(pattern: str, hint: str) -> None:
+    """A path that names nothing comes with the remedy that is most likely."""
+    binding = PATHS.find(pattern)
+    assert binding.problem == "unknown"
+    assert any(hint in text for text in binding.help), binding.help
+
+
+def test_a_single_part_matches_two_stars() -> None:
+    """An assembly that is one part is all that a glob can mean."""
+    root = Component(0, -1, "", ".", "bracket", "bracket", 1, body=0)
+    assert ComponentPaths([root]).find("**").indices == (0,)
+    assert ComponentPaths([root]).find("*").problem == "unknown"
+
+
+def test_below_lists_each_component_once() -> None:
+    """Nested components do not repeat what is below them."""
+    below = PATHS.below([3, 1])
+    assert below == [1, 2, 3, 4, 5]
+
+
+def test_inherited_takes_the_nearest() -> None:
+    """A value given to a component beats the one given above it."""
+    values = inherited(ARM, {1: "a", 4: "b"}, "none")
+    assert values[:7] == ["none", "a", "a", "a", "b", "a", "none"]
+
+
+def test_quoting_is_yaml() -> None:
+    """Quoted paths read back as they were."""
+    from ruamel.yaml import YAML
+
+    odd = ("two\nlines", "\x1b[31m 'red' \\/ \"quoted\"", "\u202ertl\u2028\x85\t\xa0", "\U000e0001tag")
+    for path in ("plain", r"a\/b\#1", 'he said "no"', r"it's a \* star", "[XL,XC-330 v1]", "**/x", *odd):
+        assert YAML(typ="safe").load(quoted(path)) == path
+        assert quoted(path).isprintable()
+
+
+_NAME = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=8)
+
+
+@given(st.lists(_NAME, min_size=1, max_size=5))
+@example([".", "\\.", "..", "\\/"])
+def test_escaped_names_bind_to_themselves(names: list[str]) -> None:
+    """Whatever a name holds, its escaped form names it and nothing else."""
+    plain = list(dict.fromkeys(filter(None, map(plain_name, names))))
+    components = [Component(0, -1, "", ".", "", "", 1)]
+    for i, name in enumerate(plain, start=1):
+        components.append(Component(i, 0, escape(name), escape(name), name, "", 1))
+    paths = ComponentPaths(components)
+    for i, _ in enumerate(plain, start=1):
+        assert paths.find_one(components[i].path).indices == (i,)
+
+
+_WORDS = st.sampled_from(["", "a", "b", "a v2", "a v3", "a:1", "a v2:2", "SOLID", "NAUO1", "a#1", "x/y", "*", "body"])
+
+
+@given(st.lists(st.tuples(st.integers(0, 6), _WORDS, _WORDS), max_size=12))
+def test_canonical_paths_of_any_tree_bind(rows: list[tuple[int, str, str]]) -> None:
+    """However CAD programs name products and occurrences, each printed path finds its own component."""
+    named = [NamedComponent(-1, "robot", "robot")]
+    # Depth first, as an assembly is: each new component goes below the last one or one of those above it.
+    for up, product, occurrence in rows:
+        parent = len(named) - 1
+        for _ in range(up):
+            parent = max(named[parent].parent, 0)
+        named.append(NamedComponent(parent, product, occurrence))
+    components = [
+        Component(i, n.parent, c.segment, c.path, n.product, n.occurrence, c.ordinal, by_ordinal_only=c.by_ordinal_only)
+        for i, (n, c) in enumerate(zip(named, assign_paths(named), strict=True))
+    ]
+    paths = ComponentPaths(components)
+    for component in components:
+        assert paths.find_one(component.path).indices == (component.index,)
+
+
+def test_thousands_of_components_are_found() -> None:
+    """A glob and a name over ten thousand components find all of theirs."""
+    rows = [(".", f"part {i % 200}", f"part {i % 200}:{i}") for i in range(10_000)]
+    components = [Component(0, -1, "", ".", "robot", "", 1)]
+    for i, (_, product, name) in enumerate(rows, start=1):
+        components.append(Component(i, 0, escape(name), escape(name), product, name, (i - 1) // 200 + 1))
+    paths = ComponentPaths(components)
+    assert len(paths.find("**/part 1*").topmost) == 111 * 50
+    assert len(paths.find("part 7").topmost) == 50

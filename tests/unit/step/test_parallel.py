@@ -1,0 +1,121 @@
+"""Functions in forked processes: same results as here, and a crash costs one input."""
+
+import itertools
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from stepbot.runtime.processes import can_fork
+from stepbot.step.parallel import Died, Raised, run
+
+FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
+
+
+def square(number: int) -> tuple[int, bytes]:
+    """A result that is larger than a pipe."""
+    return number * number, bytes(100_000)
+
+
+@pytest.mark.parametrize("processes", [1, pytest.param(2, marks=FORKS), pytest.param(5, marks=FORKS)])
+def test_results_do_not_depend_on_processes(processes: int) -> None:
+    """Every number gets its result, in the order that was asked for."""
+    order = [*range(40, 0, -1)]
+    results = run(square, order, processes=processes)
+    assert list(results) == order
+    assert all(results[n] == (n * n, bytes(100_000)) for n in order)
+
+
+@FORKS
+def test_more_numbers_than_a_pipe_holds() -> None:
+    """Thousands of inputs are worked off in rounds."""
+    results = run(lambda n: -n, range(3000), processes=2)
+    assert results == {n: -n for n in range(3000)}
+
+
+@FORKS
+def test_a_crash_costs_one_input() -> None:
+    """The process that dies takes its input with it; all others get done."""
+
+    def crash_on_three(number: int) -> int:
+        if number == 3:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return number
+
+    results = run(crash_on_three, range(10), processes=2)
+    assert results[3] == Died("SIGKILL")
+    assert [results[n] for n in range(10) if n != 3] == [n for n in range(10) if n != 3]
+
+
+@FORKS
+def test_an_exit_is_a_death() -> None:
+    """A process that leaves without a word is dead too."""
+    assert run(lambda n: os._exit(7) if n == 0 else n, [0, 1], processes=2) == {0: Died("exit code 7"), 1: 1}
+
+
+@FORKS
+@pytest.mark.parametrize("numbers", [[0], [0, 1, 2]], ids=["alone", "among others"])
+def test_an_endless_loop_costs_one_input(numbers: list[int]) -> None:
+    """What takes too long is stopped, be it in native code, and named; each input has its own time."""
+
+    def count_for_ever(number: int) -> int:
+        return sum(itertools.repeat(0)) if number == 0 else number
+
+    results = run(count_for_ever, numbers, processes=2, seconds=0.2)
+    assert results == {0: Died("it took more than 0.2 s of processor time")} | {n: n for n in numbers if n}
+
+
+def fail(number: int) -> int:
+    """Raises what its callers expect, or not."""
+    raise (ValueError if number else KeyError)("oops")
+
+
+@pytest.mark.parametrize("processes", [1, pytest.param(2, marks=FORKS)])
+def test_expected_errors_are_results(processes: int) -> None:
+    """Errors that were named come back as such."""
+    assert run(fail, [1, 2], processes=processes, failures=(ValueError,)) == {
+        1: Raised("ValueError", "oops"),
+        2: Raised("ValueError", "oops"),
+    }
+
+
+@FORKS
+def test_bugs_come_out_with_their_traceback() -> None:
+    """An error that nobody named ends the program, and says where it was."""
+    with pytest.raises(RuntimeError, match="in fail"):
+        run(fail, [0, 1], processes=2, failures=(ValueError,))
+
+
+@FORKS
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc to see processes")
+def test_nothing_outlives_its_parent() -> None:
+    """When the process that forked is killed, what it forked ends as well."""
+    reading, writing = os.pipe()
+    parent = os.fork()
+    if parent == 0:
+
+        def tell_and_hang(number: int) -> None:
+            os.write(writing, f"{os.getpid()}\n".encode())
+            time.sleep(60)
+
+        run(tell_and_hang, [0, 1], processes=2)
+        os._exit(0)
+    pids: set[int] = set()
+    while len(pids) < 2:
+        pids |= {int(pid) for pid in os.read(reading, 64).split()}
+    os.kill(parent, signal.SIGKILL)
+    os.waitpid(parent, 0)
+    deadline = time.monotonic() + 10
+    while any(is_running(pid) for pid in pids) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not any(is_running(pid) for pid in pids)
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process is there and not just waiting to be buried."""
+    try:
+        return ") Z" not in Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return False

@@ -1,0 +1,23 @@
+"""A kernel's process in which an import has started a thread makes all bodies itself."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.step import reader
+from stepbot.step.assembly import ReadOptions
+from tests import parts
+from tests.conftest import ReadDiagnostics
+
+
+def test_a_body_that_takes_too_long(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is stopped and named there too, long before the time for the whole file is up."""
+    monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging_beside_a_thread")
+    monkeypatch.setattr(reader, "BODY_SECONDS", 5.0)
+    path = parts.write_nested(tmp_path / "nested.step").path
+    assembly = reader.start_reading(path, ReadOptions()).finish(found, timeout=90.0)
+    assert assembly is not None
+    (diagnostic,) = found
+    assert diagnostic.code == "SB213"
+    assert "it took more than 5 s" in diagnostic.message
+    assert [len(body.mesh.faces) > 0 for body in assembly.bodies].count(False) == 1

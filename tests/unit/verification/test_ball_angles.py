@@ -1,0 +1,90 @@
+"""Angles of ball joints, against scipy and against differences of neighbouring rotations."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_about, unit
+from stepbot.verification.ball_angles import BallAngles
+from stepbot.verification.twists import common_point, direction, pitch_of, twist_of
+
+X, Y, Z = np.eye(3)
+STEP = 1e-6
+
+
+def _slanted(random: np.random.Generator) -> BallAngles:
+    """Axes of which the second is normal to the others, which make any angle with each other."""
+    second = unit(random.normal(size=3))
+    first, third = (unit(np.cross(second, random.normal(size=3))) for _ in range(2))
+    return BallAngles(np.array([first, second, third]))
+
+
+@pytest.mark.parametrize("axes", ["ZYX", "XYZ", "YXZ", "ZXZ", "XYX"])
+def test_rotation_is_scipys(axes: str) -> None:
+    """Cardan and Euler angles, about axes that are carried along."""
+    angles = [0.7, -1.1, 2.3]
+    own = BallAngles(np.array([{"X": X, "Y": Y, "Z": Z}[axis] for axis in axes])).rotation(angles)
+    assert np.abs(own - Rotation.from_euler(axes, angles).as_matrix()).max() < 1e-15
+
+
+def test_angles_lead_back_to_the_rotation() -> None:
+    """For any axes and any rotation; at gimbal lock too, where many angles do."""
+    random = np.random.default_rng(1)
+    for _ in range(100):
+        ball = _slanted(random)
+        R = Rotation.random(rng=random).as_matrix()
+        assert np.abs(ball.rotation(ball.angles(R)) - R).max() < 1e-14
+    euler = BallAngles(np.array([Z, X, Z]))
+    assert np.abs(euler.rotation(euler.angles(rotation_about(Z, 0.4))) - rotation_about(Z, 0.4)).max() < 1e-15
+
+
+def test_rates_and_bias_are_derivatives() -> None:
+    """Central differences of the rotation and of the rates, along any speed."""
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        ball, q, v = _slanted(random), random.uniform(-3.0, 3.0, 3), random.normal(size=3)
+
+        def at(share: float, q: Array = q, v: Array = v) -> list[float]:
+            return [float(x) for x in q + share * v]
+
+        turning = (ball.rotation(at(STEP)) - ball.rotation(at(-STEP))) / (2 * STEP) @ ball.rotation(at(0.0)).T
+        assert np.abs(turning - cross_matrix(ball.rates(at(0.0)) @ v)).max() < 1e-8
+        change = (ball.rates(at(STEP)) @ v - ball.rates(at(-STEP)) @ v) / (2 * STEP)
+        assert np.abs(change - ball.bias(at(0.0), v.tolist())).max() < 1e-8
+
+
+def test_clearance_is_none_at_gimbal_lock() -> None:
+    """Roll, pitch and yaw at a pitch of 90 deg, Euler angles at a nutation of 0."""
+    assert BallAngles(np.array([Z, Y, X])).clearance([0.3, np.pi / 2, 1.0]) < 1e-15
+    assert BallAngles(np.array([Z, Y, X])).clearance([0.3, 0.0, 1.0]) == pytest.approx(1.0)
+    assert BallAngles(np.array([Z, X, Z])).clearance([0.3, 0.0, 1.0]) < 1e-15
+
+
+def test_slant_is_how_far_axes_are_from_normal() -> None:
+    """Between the first and the second, and between the second and the third."""
+    leaning = unit(Y + 0.01 * Z)
+    first, second = BallAngles(np.array([Z, leaning, X])).slant
+    assert (first, second) == (pytest.approx(np.arctan(0.01)), 0.0)
+
+
+def test_the_twist_of_a_screw_motion() -> None:
+    """Axis, pitch and a point of the axis come back from the motion; a slide has no axis to turn about."""
+    axis, point, angle, pitch = unit([1.0, -2.0, 2.0]), np.array([0.3, 0.1, -0.7]), 1.0, 0.05
+    R = rotation_about(axis, angle)
+    twist = twist_of(Pose.of(R, point - R @ point + pitch * angle * axis))
+    assert np.abs(twist[:3] - angle * axis).max() < 1e-15
+    assert pitch_of(twist) == pytest.approx(pitch, abs=1e-15)
+    slide = twist_of(Pose.of(np.eye(3), (0.0, 2.0, 0.0)))
+    assert slide.tolist() == [0.0, 0.0, 0.0, 0.0, 2.0, 0.0]
+    assert direction(slide) == (0.0, 1.0, 0.0)
+
+
+def test_axes_through_one_point_and_past_it() -> None:
+    """The point, and how far astray the axes are."""
+    point = np.array([0.2, -0.4, 1.0])
+    through = [np.concatenate([axis, np.cross(point, axis)]) for axis in (X, Y, Z)]
+    found, astray = common_point(np.array(through))
+    assert np.abs(found - point).max() < 1e-15
+    assert astray < 1e-15
+    through[0] = np.concatenate([X, np.cross(point + 0.01 * Z, X)])
+    assert common_point(np.array(through))[1] == pytest.approx(0.005)

@@ -1,0 +1,477 @@
+"""The comparison: what it notices, what it allows, and that silence never counts as agreement."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Quantity, Request
+from stepbot.engines.reference import observe_robot
+from stepbot.engines.workers import Fate, Outcome
+from stepbot.geometry.spatial import Pose, rotation_about
+from stepbot.report.record import Status
+from stepbot.robot.closures import loop_ways
+from stepbot.robot.kinematics import configurations, initial_configuration
+from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot
+from stepbot.verification.checks import CODES, Subject, check_of, checks_without_observation, report_failure
+from stepbot.verification.compare import compare
+from stepbot.verification.deviation import Gauge
+from stepbot.verification.normalized import alike
+from stepbot.verification.tolerances import TOLERANCES, Tolerance, tolerance
+from tests.conftest import ReadDiagnostics
+from tests.robots import ROBOTS, four_bar, gripper_with_mimic, primitives, two_link_arm
+
+Change = Callable[[Observation], Observation]
+
+
+def seen(robot: Robot, engine: str = "engine") -> Observation:
+    """The model's own observation, as if an engine had made it."""
+    request = Request(
+        "file", "mjcf", configurations(robot, n=3), initial_configuration(robot), ways=loop_ways(robot, n=4)
+    )
+    return replace(observe_robot(robot, request), engine=engine, simulation_finite=True)
+
+
+def statuses(reference: Observation, observed: Observation) -> dict[Quantity, Status]:
+    """The status of every quantity."""
+    subject = Subject("file", "mjcf", observed.engine)
+    return {one.quantity: check_of(subject, one).status for one in compare(reference, observed)}
+
+
+def failed(reference: Observation, observed: Observation) -> set[Quantity]:
+    """The quantities that fail."""
+    return {quantity for quantity, status in statuses(reference, observed).items() if status is Status.FAILED}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_is_itself(name: str) -> None:
+    """Everything that it has passes, with no deviation."""
+    observation = seen(ROBOTS[name]())
+    assert set(statuses(observation, observation).values()) == {Status.PASSED}
+    assert all(one.gauge.worst.ratio == 0.0 for one in compare(observation, observation) if one.gauge.worst)
+
+
+def on_link(name: str, **changes: object) -> Change:
+    """The observation with one link seen otherwise."""
+
+    def change(observation: Observation) -> Observation:
+        links = (replace(link, **changes) if link.name == name else link for link in observation.links)  # type: ignore[arg-type]
+        return replace(observation, links=tuple(links))
+
+    return change
+
+
+def on_joint(name: str, edit: Callable[[ObservedJoint], ObservedJoint]) -> Change:
+    """The observation with one joint seen otherwise."""
+
+    def change(observation: Observation) -> Observation:
+        joints = (edit(joint) if joint.name == name else joint for joint in observation.joints)
+        return replace(observation, joints=tuple(joints))
+
+    return change
+
+
+def _limit(joint: ObservedJoint, **changes: float) -> ObservedJoint:
+    return replace(joint, limit=replace(joint.limit or Limit(), **changes))
+
+
+def _dynamics(joint: ObservedJoint, **changes: float) -> ObservedJoint:
+    return replace(joint, dynamics=replace(joint.dynamics or JointDynamics(), **changes))
+
+
+def _pose_off(off: Pose) -> Change:
+    """The last observed pose of the forearm, moved."""
+
+    def change(observation: Observation) -> Observation:
+        *first, last = observation.poses
+        return replace(observation, poses=(*first, {**last, "forearm": last["forearm"] @ off}))
+
+    return change
+
+
+def _dynamics_off(index: int, **factors: float) -> Change:
+    """The equations of motion at one configuration, scaled."""
+
+    def change(observation: Observation) -> Observation:
+        dynamics = list(observation.dynamics)
+        one = dynamics[index]
+        scaled = {name: np.array(getattr(one, name)) * factor for name, factor in factors.items()}
+        dynamics[index] = replace(one, **scaled)
+        return replace(observation, dynamics=tuple(dynamics))
+
+    return change
+
+
+ARM = seen(two_link_arm())
+MASS = ARM.links[1].mass or 0.0
+COM = np.array(ARM.links[1].com)
+INERTIA = np.array(ARM.links[1].inertia)
+TILTED = rotation_about((1, 0, 0), 2e-9)
+
+DIFFERENCES: dict[str, tuple[Change, set[Quantity]]] = {
+    "a link less": (lambda o: replace(o, links=o.links[:-1]), {Quantity.LINKS}),
+    "a link more": (lambda o: replace(o, links=(*o.links, replace(o.links[0], name="more"))), {Quantity.LINKS}),
+    "a link twice": (lambda o: replace(o, links=(*o.links, o.links[0])), {Quantity.LINKS}),
+    "a joint less": (lambda o: replace(o, joints=o.joints[:-1]), {Quantity.JOINTS}),
+    "another name": (on_joint("elbow", lambda j: replace(j, name="ellbow")), {Quantity.JOINTS}),
+    "another kind": (on_joint("elbow", lambda j: replace(j, kind="prismatic")), {Quantity.JOINTS}),
+    "another parent": (on_joint("elbow", lambda j: replace(j, parent="base")), {Quantity.JOINTS}),
+    "another base": (lambda o: replace(o, base="floating"), {Quantity.JOINTS}),
+    "axis turned": (
+        on_joint("shoulder", lambda j: replace(j, axis=tuple((TILTED @ np.array(j.axis)).tolist()))),
+        {Quantity.AXES},
+    ),
+    "axis reversed": (on_joint("shoulder", lambda j: replace(j, axis=(0.0, 0.0, -1.0))), {Quantity.AXES}),
+    "axis without length": (on_joint("shoulder", lambda j: replace(j, axis=(0.0, 0.0, 0.0))), {Quantity.AXES}),
+    "lower limit": (on_joint("elbow", lambda j: _limit(j, lower=-2.0 + 1e-8)), {Quantity.LIMITS}),
+    "limits lost": (
+        on_joint("elbow", lambda j: replace(j, limit=Limit())),
+        {Quantity.LIMITS, Quantity.JOINTS},  # a revolute joint without limits counts as continuous
+    ),
+    "effort": (on_joint("elbow", lambda j: _limit(j, effort=8.1)), {Quantity.LIMITS}),
+    "velocity not a number": (on_joint("elbow", lambda j: _limit(j, velocity=math.nan)), {Quantity.LIMITS}),
+    "damping": (on_joint("elbow", lambda j: _dynamics(j, damping=0.0)), {Quantity.DYNAMICS}),
+    "armature": (on_joint("shoulder", lambda j: _dynamics(j, armature=0.0)), {Quantity.DYNAMICS}),
+    "mimic": (on_joint("elbow", lambda j: replace(j, mimic=Mimic("shoulder"))), {Quantity.MIMIC}),
+    "mass": (on_link("upper_arm", mass=MASS * (1 + 2e-9)), {Quantity.MASS}),
+    "mass not a number": (on_link("upper_arm", mass=math.nan), {Quantity.MASS}),
+    "com": (on_link("upper_arm", com=tuple((COM + np.array([0, 0, 1e-9])).tolist())), {Quantity.COM}),
+    "inertia": (
+        on_link("upper_arm", inertia=tuple(map(tuple, (INERTIA + 2e-9 * INERTIA.max() * np.eye(3)).tolist()))),
+        {Quantity.INERTIA},
+    ),
+    "inertia off the diagonal": (
+        on_link("upper_arm", inertia=tuple(map(tuple, (INERTIA * (2 * np.eye(3) - 1)).tolist()))),
+        {Quantity.INERTIA},
+    ),
+    "pose shifted": (_pose_off(Pose.of(position=(0, 2e-9, 0))), {Quantity.POSES}),
+    "pose turned": (_pose_off(Pose.of(TILTED)), {Quantity.POSES}),
+    "a pose less": (lambda o: replace(o, poses=o.poses[:-1]), {Quantity.POSES}),
+    "mass matrix": (_dynamics_off(2, mass_matrix=1 + 2e-9), {Quantity.MASS_MATRIX}),
+    "gravity reversed": (_dynamics_off(0, gravity=-1.0), {Quantity.GRAVITY}),
+    "a coordinate less": (
+        lambda o: replace(o, coordinates=("shoulder",)),
+        {Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS},
+    ),
+    "efforts of a motion": (_dynamics_off(1, inverse=1 + 1e-6), {Quantity.INVERSE_DYNAMICS}),
+    "box moved": (
+        on_link("base", visual_bounds=((-1.0, -1.0, 0.0), (1.0, 1.0, 1.0))),
+        {Quantity.MESHES},
+    ),
+    "nothing to touch": (on_link("base", has_collisions=False, collision_bounds=None), {Quantity.MESHES}),
+    "mesh missing": (lambda o: replace(o, missing_meshes=("base.obj",)), {Quantity.MESHES}),
+    "frame missing": (lambda o: replace(o, frames={"camera": (o.frames or {})["camera"]}), {Quantity.FRAMES}),
+    "frame more": (lambda o: replace(o, frames={**(o.frames or {}), "more": ("base", Pose())}), {Quantity.FRAMES}),
+    "frame elsewhere": (
+        lambda o: replace(o, frames={**(o.frames or {}), "camera": ("base", Pose())}),
+        {Quantity.FRAMES},
+    ),
+    "actuator missing": (lambda o: replace(o, actuators=(o.actuators or ())[:1]), {Quantity.ACTUATORS}),
+    "actuator of another kind": (
+        lambda o: replace(o, actuators=tuple(replace(a, kind=ActuatorKind.VELOCITY) for a in o.actuators or ())),
+        {Quantity.ACTUATORS},
+    ),
+    "gain": (
+        lambda o: replace(o, actuators=tuple(replace(a, kp=99.0) for a in o.actuators or ())),
+        {Quantity.ACTUATORS},
+    ),
+    "initial pose": (lambda o: replace(o, initial={"shoulder": 0.0, "elbow": 0.0}), {Quantity.INITIAL}),
+    "flies apart": (lambda o: replace(o, simulation_finite=False), {Quantity.SIMULATION}),
+    "warning": (lambda o: replace(o, warnings=("no inertia",)), {Quantity.WARNINGS}),
+}
+
+
+@pytest.mark.parametrize("name", DIFFERENCES)
+def test_a_difference_fails_its_quantity_and_no_other(name: str) -> None:
+    """Just beyond the tolerance, or plainly wrong."""
+    change, quantities = DIFFERENCES[name]
+    assert failed(ARM, change(ARM)) == quantities
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        on_link("upper_arm", mass=MASS * (1 + 5e-10)),
+        on_link("upper_arm", com=tuple((COM + np.array([0, 0, 5e-11])).tolist())),
+        on_joint("elbow", lambda j: _limit(j, lower=-2.0 + 5e-10)),
+        _pose_off(Pose.of(position=(0, 5e-10, 0))),
+        _dynamics_off(2, mass_matrix=1 + 5e-10),
+    ],
+)
+def test_just_within_the_tolerance_passes(change: Change) -> None:
+    """1e-9, absolute or relative as the table says."""
+    assert failed(ARM, change(ARM)) == set()
+
+
+SILENCES: dict[str, tuple[Change, Quantity]] = {
+    "mass": (lambda o: replace(o, links=tuple(replace(link, mass=None) for link in o.links)), Quantity.MASS),
+    "com": (lambda o: replace(o, links=tuple(replace(link, com=None) for link in o.links)), Quantity.COM),
+    "inertia": (lambda o: replace(o, links=tuple(replace(link, inertia=None) for link in o.links)), Quantity.INERTIA),
+    "poses": (lambda o: replace(o, poses=()), Quantity.POSES),
+    "mass matrix": (
+        lambda o: replace(o, dynamics=tuple(Dynamics(None, one.gravity, one.inverse) for one in o.dynamics)),
+        Quantity.MASS_MATRIX,
+    ),
+    "gravity": (
+        lambda o: replace(o, dynamics=tuple(Dynamics(one.mass_matrix, None, one.inverse) for one in o.dynamics)),
+        Quantity.GRAVITY,
+    ),
+    "limits": (lambda o: replace(o, joints=tuple(replace(j, limit=None) for j in o.joints)), Quantity.LIMITS),
+    "dynamics": (lambda o: replace(o, joints=tuple(replace(j, dynamics=None) for j in o.joints)), Quantity.DYNAMICS),
+    "axes": (lambda o: replace(o, joints=tuple(replace(j, axis=None) for j in o.joints)), Quantity.AXES),
+    "frames": (lambda o: replace(o, frames=None), Quantity.FRAMES),
+    "actuators": (lambda o: replace(o, actuators=None), Quantity.ACTUATORS),
+    "simulation": (lambda o: replace(o, simulation_finite=None), Quantity.SIMULATION),
+    "meshes": (
+        lambda o: replace(
+            o,
+            links=tuple(
+                replace(
+                    link,
+                    visual_bounds=None,
+                    collision_bounds=None,
+                    has_visuals=None,
+                    has_collisions=None,
+                    visuals=None,
+                    collisions=None,
+                )
+                for link in o.links
+            ),
+        ),
+        Quantity.MESHES,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SILENCES)
+def test_what_is_not_told_is_not_run(name: str) -> None:
+    """Never passed, and with a reason."""
+    change, quantity = SILENCES[name]
+    results = {one.quantity: one for one in compare(ARM, change(ARM))}
+    check = check_of(Subject("file", "mjcf", "engine"), results[quantity])
+    assert check.status is Status.NOT_RUN
+    assert check.why == "engine does not tell"
+    assert check.deviation is None
+
+
+def test_a_reason_of_the_engine_is_not_run_even_where_it_tells() -> None:
+    """What an engine is known to get wrong is not compared at all."""
+    silent = replace(ARM, not_run={Quantity.MASS: "it lies"})
+    results = {one.quantity: one for one in compare(ARM, on_link("base", mass=0.0)(silent))}
+    assert results[Quantity.MASS].not_run == "it lies"
+    assert check_of(Subject("f", "mjcf", "e"), results[Quantity.MASS]).status is Status.NOT_RUN
+
+
+def test_fields_that_are_not_told_are_named() -> None:
+    """A check that covers less than its name says so."""
+    observed = on_joint("elbow", lambda j: replace(j, limit_fields=("lower", "upper")))(ARM)
+    results = {one.quantity: one for one in compare(ARM, observed)}
+    check = check_of(Subject("f", "mjcf", "e"), results[Quantity.LIMITS])
+    assert check.status is Status.PASSED
+    assert check.why == "not told: velocity, effort"
+
+
+def test_what_a_robot_does_not_have_is_left_out() -> None:
+    """A robot without loops has no check of loops; an engine that sees one is wrong."""
+    assert Quantity.CLOSURES not in statuses(ARM, ARM)
+    assert Quantity.MIMIC not in statuses(ARM, ARM)
+    assert Quantity.AXES not in statuses(seen(ROBOTS["one_link"]()), seen(ROBOTS["one_link"]()))
+    loop = seen(four_bar()).closures
+    assert failed(ARM, replace(ARM, closures=loop)) == {Quantity.CLOSURES}
+
+
+def test_links_without_mass_have_no_centre() -> None:
+    """Engines report anything for it."""
+    tree = seen(ROBOTS["tree"]())
+    assert failed(tree, on_link("flange", com=(1.0, 2.0, 3.0))(tree)) == set()
+    assert failed(tree, on_link("flange", mass=1e-12)(tree)) == {Quantity.MASS}
+
+
+def test_mimics_differ_by_leader_and_numbers() -> None:
+    """Each is noticed."""
+    gripper = seen(gripper_with_mimic())
+    for mimic in (None, Mimic("thumb_pivot"), Mimic("finger", 1.0 + 3e-9), Mimic("finger", 1.0, 2e-9)):
+        observed = on_joint("finger_mirrored", lambda j, m=mimic: replace(j, mimic=m))(gripper)
+        assert failed(gripper, observed) == {Quantity.MIMIC}
+
+
+def _closure(**changes: object) -> set[Quantity]:
+    loop = seen(four_bar())
+    assert loop.closures is not None
+    return failed(loop, replace(loop, closures=(replace(loop.closures[0], **changes),)))  # type: ignore[arg-type]
+
+
+def test_closures_differ_by_place_links_and_residual() -> None:
+    """A loop that opens, or is held elsewhere, is another mechanism."""
+    loop = seen(four_bar())
+    assert loop.closures is not None
+    assert failed(loop, replace(loop, closures=())) == {Quantity.CLOSURES}
+    assert _closure(residual=2e-9) == {Quantity.CLOSURES}
+    assert _closure(residual=math.nan) == {Quantity.CLOSURES}
+    assert _closure(angle_error=2e-9) == {Quantity.CLOSURES}
+    assert _closure(link_a="crank") == {Quantity.CLOSURES}
+    assert _closure(kind="ball") == {Quantity.CLOSURES}
+    assert _closure(X_AF=Pose()) == {Quantity.CLOSURES}
+    assert _closure(axis=(1.0, 0.0, 0.0)) == {Quantity.CLOSURES}
+    assert _closure(points=((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) == {Quantity.CLOSURES}
+    assert _closure(axes=((0.0, 0.0, 1.0), (0.0, 1e-6, 1.0))) == {Quantity.CLOSURES}
+    assert _closure(axes=((0.0, 0.0, 1.0), (0.0, 0.0, 1.01))) == {Quantity.CLOSURES}
+    assert _closure(axes=((0.0, 0.0, -2.0), (0.0, 0.0, -2.0))) == set()
+    assert _closure(axes=None) == {Quantity.CLOSURES}
+    assert _closure(residual=5e-10, angle_error=5e-10) == set()
+
+
+def test_a_closure_told_from_its_other_end_is_the_same() -> None:
+    """SDFormat must not make the root a child, so its writer may turn a closure around."""
+    loop = seen(four_bar())
+    assert loop.closures is not None
+    c = loop.closures[0]
+    assert c.points is not None
+    assert c.axes is not None
+    ends = {"X_AF": c.X_BF, "X_BF": c.X_AF, "points": c.points[::-1], "axes": c.axes[::-1]}
+    turned = replace(c, link_a=c.link_b, link_b=c.link_a, **ends)  # type: ignore[arg-type]
+    assert failed(loop, replace(loop, closures=(turned,))) == set()
+
+
+def test_planar_mechanisms_feel_no_gravity() -> None:
+    """Rounding beside an exact zero is no deviation; a force is."""
+    loop = seen(four_bar())
+    assert all(np.abs(one.gravity).max() == 0.0 for one in loop.dynamics if one.gravity is not None)
+
+    def pushed(force: float) -> Observation:
+        dynamics = tuple(Dynamics(one.mass_matrix, np.full(3, force)) for one in loop.dynamics)
+        return replace(loop, dynamics=dynamics)
+
+    assert failed(loop, pushed(1e-17)) == set()
+    assert failed(loop, pushed(1e-6)) == {Quantity.GRAVITY}
+
+
+def test_an_engine_has_its_own_tolerance() -> None:
+    """PyBullet's inertia may be off by 3e-6, no other's; the looser of two engines holds."""
+    off = tuple(map(tuple, (INERTIA * (1 + 2e-6)).tolist()))
+    assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="pybullet"))) == set()
+    assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="mujoco"))) == {Quantity.INERTIA}
+    assert tolerance(("mujoco", "pybullet"), Quantity.POSES) == Tolerance(absolute=1e-6)
+    assert tolerance(("mujoco", "yourdfpy"), Quantity.POSES) == Tolerance(absolute=1e-9)
+
+
+def test_every_quantity_has_a_tolerance_and_a_code() -> None:
+    """No check without either."""
+    assert set(TOLERANCES) == set(Quantity)
+    without_code = {Quantity.LOAD, Quantity.SELF_COLLISION, Quantity.WARNINGS}
+    assert set(CODES) == set(Quantity) - without_code
+
+
+def test_a_failure_is_one_diagnostic_with_the_worst_first(found: ReadDiagnostics) -> None:
+    """The first line names engine, quantity, place and number; the rest are notes."""
+    observed = replace(ARM, links=tuple(replace(link, mass=(link.mass or 0.0) + 1.0) for link in ARM.links))
+    subject = Subject("arm.xml", "mjcf", "mujoco")
+    for one in compare(ARM, observed):
+        report_failure(subject, one, "SB812", found)
+    (diagnostic,) = found
+    assert diagnostic.code == "SB805"
+    assert diagnostic.span.file == "arm.xml"
+    assert diagnostic.message.startswith("mujoco: mass: mass of link 'forearm': 1 kg off, ")
+    assert len(diagnostic.notes) == 2
+
+
+def test_a_check_says_where_and_how_far() -> None:
+    """Also when it passes."""
+    observed = on_link("upper_arm", mass=MASS * (1 + 5e-10))(ARM)
+    results = {one.quantity: one for one in compare(ARM, observed)}
+    check = check_of(Subject("arm.xml", "mjcf", "mujoco"), results[Quantity.MASS])
+    assert check.status is Status.PASSED
+    assert check.where == "mass of link 'upper_arm'"
+    assert check.deviation == pytest.approx(MASS * 5e-10, rel=1e-3)
+    assert check.tolerance == pytest.approx(MASS * 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("fate", "load", "code"),
+    [
+        (Fate.ABSENT, Status.NOT_RUN, None),
+        (Fate.UNREADABLE, Status.NOT_RUN, None),
+        (Fate.REFUSED, Status.FAILED, "SB801"),
+        (Fate.DIED, Status.FAILED, "SB802"),
+        (Fate.BROKEN, Status.FAILED, "SB901"),
+    ],
+)
+def test_an_engine_that_says_nothing(fate: Fate, load: Status, code: str | None, found: ReadDiagnostics) -> None:
+    """Missing is not run, refusing and dying fail; nothing passes."""
+    outcome = Outcome("arm.xml", "mjcf", "mujoco", fate, reason="because\nof that", last_lines=("last words",))
+    quantities = (Quantity.LOAD, Quantity.MASS)
+    first, second = checks_without_observation(Subject("arm.xml", "mjcf", "mujoco"), outcome, quantities, found)
+    assert first.status is load
+    assert second.status is Status.NOT_RUN
+    assert found.codes() == ([code] if code else [])
+    for diagnostic in found:
+        assert diagnostic.message == "mujoco: because"
+        assert diagnostic.notes == ("of that", "last words")
+
+
+def test_a_number_beside_zero_tolerance_fails() -> None:
+    """And a zero deviation passes there."""
+    gauge = Gauge(Tolerance(relative=1e-9))
+    gauge.near(0.0, 0.0, "nothing", "kg", 0.0)
+    assert not gauge.failures
+    gauge.near(1e-300, 0.0, "something", "kg", 0.0)
+    assert [str(failure) for failure in gauge.failures] == ["something: 1e-300 kg off, 0 allowed"]
+    assert gauge.worst is gauge.failures[0]
+
+
+def test_infinite_limits_are_equal() -> None:
+    """None on both sides agree; none on one side does not."""
+    gauge = Gauge(Tolerance(1e-9))
+    gauge.near(math.inf, math.inf, "limit", "rad")
+    assert not gauge.failures
+    gauge.near(math.inf, 3.0, "limit", "rad", 3.0)
+    assert len(gauge.failures) == 1
+
+
+def test_bare_links_are_frames() -> None:
+    """URDF says a frame by a link without mass and shape on a fixed joint."""
+    robot = two_link_arm()
+    frames = {frame.name: frame for frame in robot.frames}
+    tip = frames["tool0"]
+    observation = seen(robot)
+    as_link = replace(
+        observation,
+        frames=None,
+        links=(
+            *observation.links,
+            replace(observation.links[0], name="tool0", mass=0.0, has_visuals=False, has_collisions=False),
+        ),
+        joints=(*observation.joints, ObservedJoint("mount", "fixed", tip.link, "tool0")),
+        poses=tuple({**poses, "tool0": poses[tip.link] @ tip.X_LF} for poses in observation.poses),
+    )
+    ours, theirs = alike(observation, as_link)
+    assert list(theirs.frames or {}) == ["tool0"]
+    assert failed(ours, theirs) == set()
+    assert [link.name for link in alike(as_link, as_link)[0].links][-1] == "tool0"
+
+
+def test_a_link_called_world_is_the_world() -> None:
+    """Many a URDF fixes its base to a massless root link of that name."""
+    observation = seen(primitives())
+    off = Pose.from_xyz_rpy((1, 2, 3), (0.1, 0.2, 0.3))
+    world = replace(observation.links[0], name="world", mass=0.0, has_visuals=False, has_collisions=False)
+    as_link = replace(
+        observation,
+        base=None,
+        links=(world, *observation.links),
+        joints=(ObservedJoint("anchor", "fixed", "world", "base"), *observation.joints),
+        poses=tuple({"world": Pose(), **{n: off @ X for n, X in poses.items()}} for poses in observation.poses),
+    )
+    ours, theirs = alike(observation, as_link)
+    assert failed(ours, theirs) == set()
+    assert theirs.base == "fixed"
+
+
+def test_mimics_are_compared_with_the_joint_that_leads() -> None:
+    """A chain and its solution are the same relation."""
+    gripper = seen(gripper_with_mimic())
+    direct = on_joint("thumb_pivot", lambda j: replace(j, mimic=Mimic("finger", -100 / 7, 0.1)))(gripper)
+    assert failed(gripper, direct) == {Quantity.MIMIC}
+    assert failed(*alike(gripper, direct)) == set()

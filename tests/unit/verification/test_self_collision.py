@@ -1,0 +1,158 @@
+"""Self-collision in the drawn pose, of solids whose overlap is known in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from stepbot.geometry.mesh import TriMesh, joined
+from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.robot.model import (
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointKind,
+    Link,
+    LoopClosure,
+    MeshAsset,
+    MeshRef,
+    Robot,
+    Sphere,
+)
+from stepbot.verification.self_collision import TOUCHING, _is_convex, overlaps, without_visuals
+from tests.robots import ROBOTS, primitives
+
+
+def box(size: float = 1.0, at: tuple[float, float, float] = (0, 0, 0), *, inverted: bool = False) -> TriMesh:
+    """A cube as a mesh."""
+    mesh = trimesh.creation.box(extents=(size, size, size))
+    return TriMesh.of(mesh.vertices + at, mesh.faces[:, ::-1] if inverted else mesh.faces)
+
+
+HOLLOW = joined([box(1.0), box(0.8, inverted=True)])
+"""A cube with a cubic hole inside."""
+ELL = joined([box(1.0), box(1.0, (2.0, 0, 0))])
+"""Two cubes with a gap of 1 m: one mesh, not convex."""
+
+
+def robot(a: Geometry | TriMesh, b: Geometry | TriMesh, distance: float, *, turned: float = 0.0) -> Robot:
+    """Two links with a link between them, so that they are no neighbours; the second stands at x = ``distance``."""
+    meshes = tuple(MeshAsset(name, shape) for name, shape in (("a", a), ("b", b)) if isinstance(shape, TriMesh))
+
+    def link(name: str, shape: Geometry | TriMesh) -> Link:
+        geometry = MeshRef(name) if isinstance(shape, TriMesh) else shape
+        return Link(name, collisions=(Collision(name, geometry),))
+
+    X = Pose.from_xyz_rpy((distance, 0, 0), (0, 0, turned))
+    joints = (Joint("one", JointKind.REVOLUTE, "a", "middle"), Joint("two", JointKind.REVOLUTE, "middle", "b", X))
+    return Robot("pair", (link("a", a), Link("middle"), link("b", b)), joints, meshes=meshes)
+
+
+SOLIDS = {
+    "meshes": (box(), box()),
+    "box and mesh": (Box((1, 1, 1)), box()),
+    "boxes": (Box((1, 1, 1)), Box((1, 1, 1))),
+    "spheres": (Sphere(0.5), Sphere(0.5)),
+    "cylinders": (Cylinder(0.5, 1.0), Cylinder(0.5, 1.0)),
+    "capsule and sphere": (Capsule(0.5, 1.0), Sphere(0.5)),
+}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_solids_that_overlap_do_so_by_as_much(name: str) -> None:
+    """All of them reach 0.5 m along x: at 0.9 m they overlap by 0.1 m."""
+    ((a, b, depth),) = overlaps(robot(*SOLIDS[name], 0.9))
+    assert (a, b) == ("a", "b")
+    assert depth == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+@pytest.mark.parametrize("distance", [1.0, 1.0 + 1e-9, 1.0 - 0.5 * TOUCHING, 1.1])
+def test_touching_is_no_overlap(name: str, distance: float) -> None:
+    """Flush, apart, or into each other by less than a micrometre."""
+    assert overlaps(robot(*SOLIDS[name], distance)) == ()
+
+
+@pytest.mark.parametrize("distance", [1.0, 1.0 - 0.5 * TOUCHING, 1.1])
+def test_surfaces_that_touch_do_not_overlap(distance: float) -> None:
+    """Meshes that are not convex count as surfaces: flush ones are apart."""
+    assert overlaps(robot(HOLLOW, HOLLOW, distance)) == ()
+
+
+def test_surfaces_that_cross_overlap_without_a_depth() -> None:
+    """There is no depth between surfaces."""
+    assert overlaps(robot(HOLLOW, HOLLOW, 0.95)) == (("a", "b", None),)
+    assert overlaps(robot(HOLLOW, HOLLOW, 0.95, turned=0.3)) == (("a", "b", None),)
+
+
+def test_a_hole_is_room() -> None:
+    """A small cube in a hollow one touches nothing; in a full one, or in the wall, it does."""
+    assert overlaps(robot(HOLLOW, box(0.5), 0.0)) == ()
+    assert overlaps(robot(HOLLOW, Sphere(0.3), 0.0)) == ()
+    assert overlaps(robot(box(), box(0.5), 0.0)) != ()
+    assert overlaps(robot(HOLLOW, box(0.05), 0.45)) != ()
+
+
+def test_what_a_surface_encloses_overlaps() -> None:
+    """Though the surfaces do not meet."""
+    assert overlaps(robot(ELL, box(0.5), 2.0)) == (("a", "b", None),)
+    assert overlaps(robot(ELL, HOLLOW, 1.0 + 2.0)) == ()
+    assert overlaps(robot(ELL, box(0.5), 1.0)) == ()
+
+
+def test_the_drawn_pose_counts_and_not_q_zero() -> None:
+    """A joint that was drawn elsewhere."""
+    pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.0)
+    slide = replace(pair.joints[1], kind=JointKind.PRISMATIC, axis=(1.0, 0.0, 0.0), drawn_position=2.0)
+    assert overlaps(replace(pair, joints=(pair.joints[0], slide))) == ()
+    assert overlaps(pair) != ()
+
+
+def test_neighbours_are_left_out() -> None:
+    """A joint or a closure holds them together."""
+    pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.5)
+    closure = LoopClosure("pin", JointKind.REVOLUTE, "a", IDENTITY, "b", IDENTITY)
+    assert overlaps(replace(pair, closures=(closure,))) == ()
+    direct = (pair.joints[0], replace(pair.joints[1], parent="a"))
+    assert overlaps(replace(pair, joints=direct)) == ()
+
+
+def test_the_deepest_of_several_shapes_is_told() -> None:
+    """Pairs of links, not of shapes."""
+    pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.9)
+    more = (*pair.links[2].collisions, Collision("more", Box((1, 1, 1)), Pose.of(position=(-0.2, 0, 0))))
+    links = (*pair.links[:2], replace(pair.links[2], collisions=more))
+    ((_, _, depth),) = overlaps(replace(pair, links=links))
+    assert depth == pytest.approx(0.3, abs=1e-9)
+
+
+def test_convex_meshes_are_known() -> None:
+    """Also turned and on the grid of nanometres, with thin faces; hollow, open or apart they are not."""
+    rod = trimesh.creation.cylinder(radius=0.003, height=0.4, sections=64)
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.05)
+    turned = Pose.from_xyz_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
+    for mesh in (rod, ball, trimesh.creation.box(extents=(0.3, 0.001, 0.2))):
+        assert _is_convex(TriMesh.of(mesh.vertices, mesh.faces).moved(turned))
+    assert not _is_convex(HOLLOW)
+    assert not _is_convex(ELL)
+    assert not _is_convex(TriMesh.of(box().vertices, box().faces[:-1]))
+    dented = np.array(trimesh.creation.icosphere(subdivisions=3).vertices)
+    dented[0] *= 0.95
+    assert not _is_convex(TriMesh.of(dented, trimesh.creation.icosphere(subdivisions=3).faces))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_named_robots_do_not_collide(name: str) -> None:
+    """They were drawn not to."""
+    assert overlaps(ROBOTS[name]()) == ()
+
+
+def test_visuals_are_not_sent_along() -> None:
+    """A worker gets what can collide, and no more."""
+    slim = without_visuals(primitives())
+    assert all(not link.visuals for link in slim.links)
+    assert [mesh.name for mesh in slim.meshes] == ["base_1"]
