@@ -1,0 +1,120 @@
+"""How much of what is true was inferred, and how much of what was inferred is true."""
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stepbot.authoring.axis import Axis
+from stepbot.authoring.draft import SURE
+from stepbot.authoring.inference import Inferred
+from stepbot.authoring.loops import Arc
+from stepbot.robot.model import JointKind
+
+from .truth import TrueJoint, Truth, unit_distance
+
+DISTANCE, ANGLE = 2e-5, 1e-3
+"""[m] and [rad] within which an axis is the right one."""
+_SAME = {JointKind.CONTINUOUS: JointKind.REVOLUTE}
+
+
+@dataclass
+class Score:
+    """Counts of joints; volumes are shares."""
+
+    true: int = 0
+    drafted: int = 0
+    """Without placeholders: fixed joints to what nothing ties."""
+    placeholders: int = 0
+    found: int = 0
+    """With the right axis, type and sides."""
+    seen: int = 0
+    """With the right axis, drafted or offered."""
+    wrong: list[str] = field(default_factory=list)
+    unmarked: int = 0
+    """Wrong ones without a REVIEW mark."""
+    missed: list[str] = field(default_factory=list)
+    volume: float = 0.0
+    """Share of the volume of all claimed parts in the right link."""
+    root: bool = False
+
+
+def score(inferred: Inferred, truth: Truth) -> Score:
+    """Compare what was inferred with what is true."""
+    result = Score(true=len(truth.joints))
+    link_of = _assigned(inferred, truth)
+    arcs = [arc for arc in inferred.arcs if arc.hinge.type != JointKind.FIXED]
+    result.drafted, result.placeholders = len(arcs), len(inferred.arcs) - len(arcs)
+    used: set[int] = set()
+    for joint in truth.joints:
+        best = max((_match(arc, joint, link_of, n) for n, arc in enumerate(arcs) if n not in used), default=(0, 0))
+        if best[0] >= 2:
+            used.add(-best[1])
+        result.found += best[0] == 3
+        seen = best[0] >= 1 or any(_is_on(hinge.axis, hinge.type, joint) for hinge in inferred.offered)
+        result.seen += seen
+        if best[0] < 3:
+            reason = {2: "other type", 1: "other sides", 0: "offered" if seen else "not seen"}[best[0]]
+            result.missed.append(f"{joint.name} ({joint.kind}): {reason}")
+    for n, arc in enumerate(arcs):
+        matched = n in used
+        right_type = matched and any(_match(arc, joint, link_of, n)[0] == 3 for joint in truth.joints)
+        if not right_type:
+            sides = f"{link_of.get(arc.parent)} - {link_of.get(arc.child)}"
+            result.wrong.append(f"{arc.hinge.type} {sides} [{arc.hinge.score:.2f} {arc.hinge.why}]")
+            result.unmarked += is_unmarked(arc)
+    result.volume = _placed(inferred, truth, link_of)
+    result.root = link_of.get(inferred.root) == truth.root
+    return result
+
+
+def is_unmarked(arc: Arc) -> bool:
+    """Whether a joint is drafted without a REVIEW mark."""
+    return arc.hinge.score >= SURE and not arc.hinge.review
+
+
+def _match(arc: Arc, joint: TrueJoint, link_of: dict[int, str], n: int) -> tuple[int, int]:
+    """3 for axis, sides and type, 2 without the type, 1 for the axis alone; then the first of equal ones."""
+    if not _is_on(arc.hinge.axis, arc.hinge.type, joint):
+        return 0, -n
+    if {link_of.get(arc.parent), link_of.get(arc.child)} != {joint.a, joint.b}:
+        return 1, -n
+    return 2 + (_SAME.get(arc.hinge.type, arc.hinge.type) == _SAME.get(joint.kind, joint.kind)), -n
+
+
+def _is_on(axis: Axis, kind: JointKind, joint: TrueJoint) -> bool:
+    """Whether an inferred axis is that of a true joint."""
+    both_universal = kind == joint.kind == JointKind.UNIVERSAL
+    if axis.direction is None or joint.kind == JointKind.BALL or both_universal:
+        return float(np.linalg.norm(axis.point - joint.point)) < DISTANCE
+    directions = [joint.axis] + ([joint.axis2] if joint.axis2 is not None else [])
+    if not any(axis.is_along(direction, ANGLE) for direction in directions):
+        return False
+    if kind == joint.kind == JointKind.PRISMATIC:
+        return True
+    return unit_distance(joint.point, axis.point, axis.d) < DISTANCE
+
+
+def _assigned(inferred: Inferred, truth: Truth) -> dict[int, str]:
+    """Which true link each inferred one is: the largest common volume first, each true one once."""
+    common: dict[tuple[int, str], float] = defaultdict(float)
+    for n, members in enumerate(inferred.links):
+        for i in members:
+            if i in truth.link_of:
+                common[n, truth.link_of[i]] += inferred.survey.parts[i].volume + 1e-15
+    found: dict[int, str] = {}
+    for n, link in sorted(common, key=lambda key: (-common[key], key)):
+        if n not in found and link not in found.values():
+            found[n] = link
+    return found
+
+
+def _placed(inferred: Inferred, truth: Truth, link_of: dict[int, str]) -> float:
+    total = right = 0.0
+    for n, members in enumerate(inferred.links):
+        for i in members:
+            if i in truth.link_of:
+                volume = inferred.survey.parts[i].volume
+                total += volume
+                right += volume * (truth.link_of[i] == link_of.get(n))
+    return right / total if total else 0.0

@@ -1,0 +1,55 @@
+"""A line about which something may turn; for a ball its centre alone."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.spatial import Array
+
+SAME_LINE = 2e-5
+"""Distance [m] within which axes are one: twice the tolerance of coaxial faces."""
+PARALLEL = 1e-3
+"""Angle [rad] within which directions are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A line by a point and a unit direction, both in the assembly; the sign of the direction means nothing."""
+
+    point: Array
+    """Shape (3,) [m]."""
+    direction: Array | None
+    """Shape (3,); None for a centre without a direction."""
+
+    @property
+    def d(self) -> Array:
+        """The direction of an axis that has one."""
+        assert self.direction is not None
+        return self.direction
+
+    def same(self, other: "Axis", distance: float = SAME_LINE) -> bool:
+        """Whether both are one line, or one centre."""
+        if self.direction is None or other.direction is None:
+            both = self.direction is None and other.direction is None
+            return both and float(np.linalg.norm(self.point - other.point)) < distance
+        return self.is_along(other.direction) and self.distance(other.point) < distance
+
+    def is_along(self, direction: Array, angle: float = PARALLEL) -> bool:
+        """Whether a unit direction is parallel to the axis."""
+        return are_parallel(self.d, direction, angle)
+
+    def distance(self, point: Array) -> float:
+        """Distance [m] of a point."""
+        return float(self.distances(point[None, :])[0])
+
+    def distances(self, points: Array) -> Array:
+        """Distances (n,) [m] of points (n, 3)."""
+        offsets = points - self.point
+        if self.direction is not None:
+            offsets = np.cross(offsets, self.direction)
+        return np.asarray(np.linalg.norm(offsets, axis=1))
+
+
+def are_parallel(a: Array, b: Array, angle: float = PARALLEL) -> bool:
+    """Whether two unit directions, or one and the opposite of the other, agree."""
+    return float(np.linalg.norm(np.cross(a, b))) < angle

@@ -1,0 +1,80 @@
+"""What holds a bearing's outer ring turns about what is in its bore, even where that is held by a screw."""
+
+from dataclasses import dataclass
+
+from ..robot.model import JointKind
+from .evidence import Evidence, Hinge
+from .names import Role
+from .relations import Relation, Via
+from .survey import Survey
+
+
+@dataclass(frozen=True, eq=False)
+class _Seat:
+    """A part that a bearing sits in, or that sits in it."""
+
+    part: int
+    relation: Relation
+    length: float
+    """How far they are in each other [m]."""
+
+
+def bearing_evidence(survey: Survey, found: Evidence) -> None:
+    """Add what all bearings say."""
+    for i, part in survey.parts.items():
+        if Role.BEARING in part.roles and i not in survey.small:
+            _say(survey, i, found)
+
+
+def _say(survey: Survey, bearing: int, found: Evidence) -> None:
+    inner, outer = _seats(survey, bearing)
+    held = next((seat for seat in outer if seat.part not in survey.small), None)
+    if held is None:
+        return
+    found.weld(0.93, bearing, held.part, "bearing in its seat")
+    turning = [x for x in _turning(survey, bearing, held, inner) if x != held.part]
+    turning = [x for x in turning if Role.BEARING not in survey.parts[x].roles]
+    if turning:
+        a, b = sorted((held.part, turning[0]))
+        axis = held.relation.axis
+        assert axis is not None
+        why = f"the bearing '{survey.parts[bearing].path}' is between them"
+        found.hinge(Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation))
+
+
+def _seats(survey: Survey, bearing: int) -> tuple[list[_Seat], list[_Seat]]:
+    """What is in a bearing's bore and what it is in, the longest fit first."""
+    inner: list[_Seat] = []
+    outer: list[_Seat] = []
+    for r in survey.near.get(bearing, ()):
+        if r.turns is None or not r.shafts or not survey.parts[bearing].is_balanced(r.turns):
+            continue
+        fit = max(r.shafts, key=lambda f: f.length)
+        (outer if fit.shaft == bearing else inner).append(_Seat(r.other(bearing), r, fit.length))
+    return sorted(inner, key=_longest_first), sorted(outer, key=_longest_first)
+
+
+def _longest_first(seat: _Seat) -> tuple[float, int]:
+    return -round(seat.length, 9), seat.part
+
+
+def _turning(survey: Survey, bearing: int, held: _Seat, inner: list[_Seat]) -> list[int]:
+    """What turns in a bearing: what is in its bore, what a screw in its bore holds, what lies against its face."""
+    axis = held.relation.axis
+    assert axis is not None
+    turning: list[int] = []
+    for seat in inner:
+        if seat.part not in survey.small:
+            turning.append(seat.part)
+            continue
+        turning += [
+            other
+            for other, r in survey.around(seat.part)
+            if other not in (bearing, held.part) and r.turns is not None and r.turns.same(axis)
+        ]
+    turning += [
+        other
+        for other, r in survey.around(bearing)
+        if r.via in (Via.BOLT, Via.FACE) and r.axis is not None and r.axis.same(axis)
+    ]
+    return list(dict.fromkeys(turning))

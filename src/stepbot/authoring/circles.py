@@ -1,0 +1,31 @@
+"""Circles in outlines."""
+
+import numpy as np
+
+from ..geometry.spatial import Array, perpendicular_frame
+
+_FEWEST = 12
+"""Points that an outline needs to be a circle and no polygon."""
+
+
+def fitted_circle(points: Array, normal: Array, tolerance: float) -> tuple[Array, float] | None:
+    """Centre (3,) and radius of the circle through points (n, 3) of a plane; None where they lie on none.
+
+    An arc counts where it leaves no gap of half the circle.
+    """
+    if len(points) < _FEWEST:
+        return None
+    frame = perpendicular_frame(normal)[:, :2]
+    middle = points.mean(axis=0)
+    flat = (points - middle) @ frame
+    A = np.column_stack([2.0 * flat, np.ones(len(flat))])
+    x, y, rest = np.linalg.lstsq(A, (flat**2).sum(axis=1), rcond=None)[0].tolist()
+    centre = np.array([x, y])
+    radius = float(np.sqrt(max(0.0, rest + x * x + y * y)))
+    spokes = flat - centre
+    if np.abs(np.linalg.norm(spokes, axis=1) - radius).max() > max(tolerance, 1e-3 * radius * (tolerance > 1e-5)):
+        return None
+    angles = np.sort(np.arctan2(spokes[:, 0], spokes[:, 1]))
+    if np.diff(np.append(angles, angles[0] + 2.0 * np.pi)).max() > np.pi:
+        return None
+    return middle + frame @ centre, radius

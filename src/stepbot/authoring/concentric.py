@@ -1,0 +1,119 @@
+"""The one axis about which all contacts of two bodies lie, where there is one: only such bodies can turn.
+
+Fits lie on it or evenly in a ring about it, faces across it with their middle on it, or bounded by arcs about it.
+"""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ..geometry.spatial import Array
+from .axis import SAME_LINE, Axis, are_parallel
+from .circles import fitted_circle
+from .contacts import Fit, FitKind, Patch
+
+_ROUND = 0.5
+"""Share of the outline of contacts that are arcs about an axis, from which they lie about it."""
+_OFF_CENTRE = 0.12
+"""Share of its reach by which the centroid of a contact may lie off the axis."""
+_CIRCLE = 2e-5
+"""Distance [m] within which an outline lies on a circle."""
+_SMALLEST_ARC = 5e-4
+_LONGEST_CHORD = 0.7
+"""Share of the radius up to which a chord is a piece of an arc."""
+_ORDER = {FitKind.SHAFT: 0, FitKind.FLUSH: 1, FitKind.HOLES: 2}
+
+
+def concentric_axis(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[Axis]) -> Axis | None:
+    """The axis about which all fits and patches lie.
+
+    Args:
+        fits: Cylinders on one line.
+        patches: Faces on each other.
+        others: Lines of the two bodies, to be tried where nothing but faces touches.
+    """
+    for axis in _candidates(fits, patches, others):
+        if _fits_lie_about(axis, fits) and all(_patch_lies_about(axis, patch) for patch in patches):
+            return axis
+    return None
+
+
+def _candidates(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[Axis]) -> list[Axis]:
+    found: list[Axis] = []
+    for fit in sorted(fits, key=lambda f: (_ORDER[f.kind], -f.radius)):
+        if not any(fit.axis.same(axis) for axis in found):
+            found.append(fit.axis)
+    ring = _ring_axis(fits)
+    if ring is not None:
+        found.insert(0, ring)
+    if not fits and patches:
+        discs = [(p, c) for p in patches if (c := fitted_circle(p.hull, p.normal, _CIRCLE)) is not None]
+        if discs:
+            found.append(Axis(discs[0][1][0], discs[0][0].normal))
+        else:
+            found += [axis for axis in others if round_share(patches, axis) >= _ROUND]
+    return found
+
+
+def _ring_axis(fits: Sequence[Fit]) -> Axis | None:
+    """The axis of at least three parallel holes that lie evenly on a circle."""
+    holes = [fit for fit in fits if fit.kind == FitKind.HOLES]
+    if len(holes) < 3 or not all(holes[0].axis.is_along(fit.axis.d) for fit in holes):
+        return None
+    d = holes[0].axis.d
+    feet: list[Array] = []
+    for fit in holes:
+        foot = fit.axis.point - d * float(fit.axis.point @ d)
+        if all(np.linalg.norm(foot - other) > SAME_LINE for other in feet):
+            feet.append(foot)
+    if len(feet) < 3:
+        return None
+    middle = np.mean(feet, axis=0)
+    radii = np.linalg.norm(np.array(feet) - middle, axis=1)
+    if np.ptp(radii) > 2.0 * SAME_LINE:
+        return None
+    return Axis(middle + d * float(holes[0].axis.point @ d), d)
+
+
+def _fits_lie_about(axis: Axis, fits: Sequence[Fit]) -> bool:
+    if not all(axis.is_along(fit.axis.d) for fit in fits):
+        return False
+    off = [fit for fit in fits if axis.distance(fit.axis.point) > SAME_LINE]
+    if any(fit.kind != FitKind.HOLES for fit in off):
+        return False
+    if not off:
+        return True
+    points = np.array([fit.axis.point for fit in off]) - axis.point
+    feet = points - np.outer(points @ axis.d, axis.d)
+    radii = np.linalg.norm(feet, axis=1)
+    for radius in np.unique(np.round(radii, 5)):
+        ring = feet[np.abs(radii - radius) < 2.0 * SAME_LINE]
+        if len(ring) < 2 or np.linalg.norm(ring.mean(axis=0)) > 0.1 * radius:
+            return False
+    return True
+
+
+def _patch_lies_about(axis: Axis, patch: Patch) -> bool:
+    if not axis.is_along(patch.normal):
+        return False
+    reach = float(axis.distances(patch.hull).max())
+    if axis.distance(patch.point) <= max(1e-4, _OFF_CENTRE * reach):
+        return True
+    circle = fitted_circle(patch.hull, patch.normal, _CIRCLE)
+    on_axis = circle is not None and axis.distance(circle[0]) < 2.0 * SAME_LINE
+    return on_axis or round_share([patch], axis) >= _ROUND
+
+
+def round_share(patches: Sequence[Patch], axis: Axis) -> float:
+    """Share of the outlines of patches that are arcs about an axis."""
+    if not all(are_parallel(axis.d, patch.normal) for patch in patches):
+        return 0.0
+    total = about = 0.0
+    for ring in (ring for patch in patches for ring in patch.rings):
+        radii = axis.distances(ring)
+        chords = np.linalg.norm(np.diff(ring, axis=0), axis=1)
+        even = np.abs(np.diff(radii)) < _CIRCLE
+        arcs = even & (radii[1:] > _SMALLEST_ARC) & (chords < _LONGEST_CHORD * radii[1:])
+        total += float(chords.sum())
+        about += float(chords[arcs].sum())
+    return about / total if total else 0.0

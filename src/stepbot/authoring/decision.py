@@ -1,0 +1,130 @@
+"""From evidence to clusters of parts that move as one: the surest first.
+
+A weld joins two clusters unless a joint that was accepted before lies between them; a joint keeps its sides apart
+unless they are one already. Fasteners never bridge: they go to the tightest host once everything else is decided.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from .clusters import Clusters
+from .draft import CHOSEN
+from .evidence import Evidence, Fate, Hinge, Weld
+from .motors import Motor
+from .part import box_gap
+from .relations import Relation
+from .survey import Survey
+
+_TINY = 2e-3
+"""Share of the assembly's volume below which a cluster that nothing ties is no link."""
+
+
+@dataclass(eq=False)
+class Decision:
+    """Clusters, and why parts are where they are where that is a guess."""
+
+    survey: Survey
+    evidence: Evidence
+    clusters: Clusters
+    guesses: dict[int, str] = field(default_factory=dict)
+
+    def guess(self, members: Sequence[int], why: str) -> None:
+        """Note that parts are where they are by a guess."""
+        for i in members:
+            self.guesses.setdefault(i, why)
+
+    @property
+    def hinges(self) -> list[Hinge]:
+        """The joints that were accepted."""
+        return [h for h in self.evidence.hinges if h.fate == Fate.TAKEN]
+
+
+def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decision:
+    """Take the evidence, then find a home for everything that it leaves alone."""
+    made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small]))
+    for one in evidence.ranked():
+        take(made, one)
+    _homeless_motors(made, motors)
+    for i in sorted(survey.small):
+        made.clusters.add(i)
+        host = _tightest_host(survey, i)
+        if host is not None:
+            made.clusters.join(host, i)
+    _adopt(made)
+    return made
+
+
+def take(made: Decision, one: Weld | Hinge) -> None:
+    """Accept or refuse one piece of evidence."""
+    clusters = made.clusters
+    if one.a not in clusters or one.b not in clusters:
+        one.fate = Fate.REFUSED
+    elif isinstance(one, Weld):
+        one.fate = Fate.TAKEN if clusters.join(one.a, one.b) else Fate.REFUSED
+    elif one.score < CHOSEN:
+        one.fate = Fate.OFFERED
+    else:
+        one.fate = Fate.TAKEN if clusters.forbid(one.a, one.b) else Fate.REFUSED
+
+
+def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
+    """A motor that nothing holds is drawn without its screws: it goes with what is nearest, not with what it drives."""
+    survey, clusters = made.survey, made.clusters
+    carried = {x for w in made.evidence.welds if w.fate == Fate.TAKEN and w.holds_motor for x in (w.a, w.b)}
+    for motor in motors:
+        case = motor.case
+        if case in carried or case in survey.small or set(clusters.members(case)) - set(motor.parts):
+            continue
+        box, best = survey.parts[case].box, None
+        for i, part in survey.parts.items():
+            if (
+                i not in clusters
+                or clusters.find(i) == clusters.find(case)
+                or clusters.are_apart(i, case)
+                or not part.size
+            ):
+                continue
+            gap = box_gap(box, part.box)
+            if gap < 0.5 * survey.parts[case].size:
+                rank = round(gap, 5), -part.volume, i
+                best = rank if best is None else min(best, rank)
+        if best is not None and clusters.join(case, best[-1]):
+            made.guess(motor.parts, "nothing holds this motor: it is with the nearest part")
+
+
+def _tightest_host(survey: Survey, small: int) -> int | None:
+    """The part in which a fastener sits tightest."""
+    hosts = [(_tightness(r), -other) for other, r in survey.around(small)]
+    return -max(hosts)[1] if hosts else None
+
+
+def _tightness(r: Relation) -> tuple[float, ...]:
+    shafts = r.shafts
+    clearance = min((f.clearance for f in shafts), default=1.0)
+    return bool(shafts), -round(clearance, 6), max((f.length for f in shafts), default=0.0), r.area
+
+
+def _adopt(made: Decision) -> None:
+    """Small clusters that no joint ties go with what is nearest, of the same subassembly if there is one."""
+    survey, clusters = made.survey, made.clusters
+    jointed = {x for h in made.hinges for x in (h.a, h.b)}
+    for members in clusters.groups().values():
+        if jointed.intersection(members):
+            continue
+        if survey.total_volume(members) < _TINY * survey.volume or all(i in survey.small for i in members):
+            target = nearest(survey, members)
+            if target is not None and clusters.join(target, members[0]):
+                made.guess(members, "nothing ties it: it is with the nearest part")
+
+
+def nearest(survey: Survey, members: Sequence[int]) -> int | None:
+    """The larger part nearest to some others, of the same subassembly if there are several as near."""
+    box, inside = survey.box_of(members), set(members)
+    home = survey.scene.component(members[0]).parent
+    ranked = []
+    for i, part in survey.parts.items():
+        if i in inside or i in survey.small or not part.size:
+            continue
+        elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
+        ranked.append((round(box_gap(box, part.box), 3), elsewhere, -part.volume, i))
+    return min(ranked)[-1] if ranked else None

@@ -1,0 +1,145 @@
+"""What two bodies can do relative to each other, from the faces by which they touch: linear algebra on twists.
+
+Each contact forbids some twists (w, v): a shared plane keeps its normal, a shared axis its line, a ball its centre.
+What no contact forbids is free. Planes hold both ways: faces that are drawn flush are meant to stay flush.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from ..geometry.spatial import Array, cross_matrix, perpendicular_frame, unit
+from ..step.features.coaxial import signed
+from .contacts import Fit, FitKind, Patch, Socket
+
+
+class FreedomKind(StrEnum):
+    """Names of what is left free."""
+
+    RIGID = "rigid"
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+    SCREW = "screw"
+    CYLINDRICAL = "cylindrical"
+    PLANAR = "planar"
+    BALL = "ball"
+    UNIVERSAL = "universal"
+    LOOSE = "loose"
+    """Anything else."""
+
+
+_RANK = 2e-3
+"""Singular value below which a twist is free: 1e-5 m over a part of 1 cm, or 1 mrad."""
+_TURNING = 1e-2
+"""Singular value of the free rotations below which there is none."""
+_STEEP = 1e-2
+"""Sine of an angle below which directions of freedoms agree; share of the size below which a screw has no pitch."""
+_SHORT = 0.1
+"""Share of the radius below which a shaft's length does not keep its direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Freedom:
+    """The twists that remain."""
+
+    kind: FreedomKind
+    dof: int
+    point: Array | None = None
+    """Shape (3,) [m]: on the axis; the centre of a ball or a universal joint."""
+    direction: Array | None = None
+    """Shape (3,): of the axis."""
+
+
+def freedom(
+    fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], about: Array, size: float
+) -> Freedom:
+    """What contacts leave free.
+
+    Args:
+        fits: Cylinders on one line; flush ones forbid nothing.
+        patches: Faces on each other.
+        sockets: Balls.
+        about: A point (3,) [m] amid the contacts.
+        size: Their extent [m], by which lengths become comparable with angles.
+    """
+    rows = list(_rows(fits, patches, sockets, about, size))
+    if not rows:
+        return Freedom(FreedomKind.LOOSE, 6)
+    A = np.array(rows) / max(1.0, np.sqrt(len(rows)) / 3.0)
+    _, values, twists = np.linalg.svd(A, full_matrices=True)
+    return _named(twists[int((values > _RANK).sum()) :], about, size)
+
+
+def _rows(
+    fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], about: Array, size: float
+) -> Iterable[Array]:
+    """Rows (6,) that all allowed (w, v / size) about a point are normal to."""
+    nothing = np.zeros(3)
+
+    def keeps(point: Array, direction: Array) -> Array:
+        return np.concatenate([np.cross((point - about) / size, direction), direction])
+
+    for fit in fits:
+        if fit.kind == FitKind.FLUSH:
+            continue
+        guides = fit.kind == FitKind.HOLES or fit.length >= _SHORT * fit.radius_a
+        for across in perpendicular_frame(fit.axis.d)[:, :2].T:
+            yield keeps(fit.axis.point, across)
+            if guides:
+                yield np.concatenate([across, nothing])
+    for patch in patches:
+        yield keeps(patch.point, patch.normal)
+        for across in perpendicular_frame(patch.normal)[:, :2].T:
+            yield np.concatenate([across, nothing])
+    for socket in sockets:
+        for axis in np.eye(3):
+            yield keeps(socket.point, axis)
+
+
+def _named(basis: Array, about: Array, size: float) -> Freedom:
+    """Free twists (dof, 6) by name."""
+    dof = len(basis)
+    if dof == 0:
+        return Freedom(FreedomKind.RIGID, 0)
+    W, V = basis[:, :3], basis[:, 3:] * size
+    _, values, directions = np.linalg.svd(W)
+    turning = int((values > _TURNING).sum())
+    if turning == 0 and dof == 1:
+        return Freedom(FreedomKind.PRISMATIC, 1, about, _direction(V[0]))
+    if turning == 1:
+        return _about_one_axis(W, V, _direction(directions[0]), about, size)
+    kind = {(3, 3): FreedomKind.BALL, (2, 2): FreedomKind.UNIVERSAL}.get((turning, dof))
+    centre = _centre(W, V, about) if kind else None
+    return Freedom(kind, dof, centre) if kind and centre is not None else Freedom(FreedomKind.LOOSE, dof)
+
+
+def _about_one_axis(W: Array, V: Array, axis: Array, about: Array, size: float) -> Freedom:
+    """Free twists that all turn about one direction."""
+    dof = len(W)
+    velocity = V.T @ (np.linalg.pinv(W.T) @ axis)
+    point = about + np.cross(axis, velocity)
+    if dof == 1:
+        has_pitch = abs(float(velocity @ axis)) > _STEEP * size
+        return Freedom(FreedomKind.SCREW if has_pitch else FreedomKind.REVOLUTE, 1, point, axis)
+    slides = V - np.outer(W @ axis, velocity)
+    along = np.abs(np.linalg.svd(slides)[2][: dof - 1] @ axis)
+    if dof == 2 and abs(along[0] - 1.0) < _STEEP:
+        return Freedom(FreedomKind.CYLINDRICAL, 2, point - axis * float((point - about) @ axis), axis)
+    if dof == 3 and along.max() < _STEEP:
+        return Freedom(FreedomKind.PLANAR, 3, about, axis)
+    return Freedom(FreedomKind.LOOSE, dof, point, axis)
+
+
+def _centre(W: Array, V: Array, about: Array) -> Array | None:
+    """The point (3,) that none of the twists moves."""
+    A = np.concatenate([cross_matrix(w) for w in W])
+    offset = np.linalg.lstsq(A, -V.reshape(-1), rcond=None)[0]
+    residual = float(np.abs(A @ offset + V.reshape(-1)).max())
+    return np.asarray(about + offset) if residual < 1e-5 + 1e-3 * float(np.abs(offset).max()) else None
+
+
+def _direction(v: Array) -> Array:
+    """The unit vector whose sign does not depend on that of ``v``."""
+    return np.asarray(signed(unit(v)[None, :])[0])

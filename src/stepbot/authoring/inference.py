@@ -1,0 +1,74 @@
+"""From an assembly to links, joints and closures, as the drafting of a sidecar needs them."""
+
+from dataclasses import dataclass
+
+from ..step.assembly import Assembly
+from .bearings import bearing_evidence
+from .decision import Decision, decide
+from .draft import CHOSEN
+from .evidence import Evidence, Hinge
+from .guides import cross_evidence, guide_evidence
+from .loops import Arc, spanning_tree
+from .loose_ends import LooseEnds
+from .mechanism import Mechanism
+from .motor_evidence import motor_evidence
+from .motors import Motor, find_motors
+from .pair_evidence import PairEvidence, several_axes
+from .root import find_root
+from .seams import tie_by_seams
+from .sliding import choose_slides
+from .structure import Structure, body_welds
+from .survey import ALL_SOURCES, Sources, Survey
+
+
+@dataclass(frozen=True, eq=False)
+class Inferred:
+    """Links by number, and what is between them."""
+
+    survey: Survey
+    links: list[list[int]]
+    """For each link its parts, ascending; in the order of their first parts."""
+    root: int
+    arcs: list[Arc]
+    """Joints in the order of the tree, then closures."""
+    offered: list[Hinge]
+    """Joints that were seen and not taken, the surest first."""
+    motors: list[Motor]
+    guesses: dict[int, str]
+    """For parts that are where they are by a guess, why."""
+
+
+def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Inferred:
+    """Infer links and joints; ``assembly`` was read with its faces (``ReadOptions.faces``)."""
+    survey = Survey(assembly, sources)
+    motors = find_motors(survey)
+    evidence = Evidence()
+    body_welds(survey, [motor.parts for motor in motors], evidence)
+    motor_evidence(survey, motors, evidence)
+    structure = Structure(survey, evidence.mechanisms)
+    structure.welds(evidence)
+    PairEvidence(survey, structure, evidence).say(motors)
+    cross_evidence(survey, structure, evidence)
+    bearing_evidence(survey, evidence)
+    guide_evidence(survey, evidence)
+    several_axes(structure, evidence)
+    made = decide(survey, motors, evidence)
+    tie_by_seams(made)
+    return _arranged(made, structure, motors)
+
+
+def _arranged(made: Decision, structure: Structure, motors: list[Motor]) -> Inferred:
+    mechanism = Mechanism(made, structure)
+    root = find_root(made, structure, mechanism.joints, motors)
+    LooseEnds(made, mechanism, structure).tie(root)
+    groups = made.clusters.groups()
+    number = {cluster: n for n, cluster in enumerate(groups)}
+    arcs = spanning_tree([j for j in mechanism.joints if j.a != j.b], number, number[made.clusters.find(root)])
+    choose_slides(made.survey, arcs)
+    used = {id(arc.hinge) for arc in arcs}
+    offered = [h for h in mechanism.offered if id(h) not in used]
+    for arc in arcs:
+        if arc.hinge.score < CHOSEN:
+            arc.hinge.review = arc.hinge.review or "nothing else ties them"
+    links = list(groups.values())
+    return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses)

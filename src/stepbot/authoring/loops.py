@@ -1,0 +1,140 @@
+"""Tree and closures of a mechanism, and what its loops leave of joints that could both turn and slide."""
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.spatial import Array
+from ..robot.model import JointKind
+from .clusters import Clusters
+from .evidence import Hinge
+from .freedom import FreedomKind
+from .mechanism import Link
+
+_METRES = 10.0
+"""Twists are in decimetres: rotations and slides of like size."""
+_NULL = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """A joint of the tree or a closure, between links by number."""
+
+    hinge: Hinge
+    parent: int
+    child: int
+    is_closure: bool
+
+    @property
+    def could_slide(self) -> bool:
+        """Whether its faces leave it both a turn and a slide."""
+        r = self.hinge.relation
+        return self.hinge.type == JointKind.REVOLUTE and r is not None and r.freedom.kind == FreedomKind.CYLINDRICAL
+
+
+def spanning_tree(joints: Sequence[Link], number: dict[int, int], root: int) -> list[Arc]:
+    """A tree from the surest joints, each pointing away from the root, then the closures.
+
+    Slides and universal joints come first, since few formats close a loop with one; balls last.
+    """
+    tied = Clusters(number.values())
+    tree: list[Link] = []
+    closures: list[Link] = []
+    for j in sorted(joints, key=_priority):
+        if tied.find(number[j.a]) == tied.find(number[j.b]):
+            closures.append(j)
+        else:
+            tied.join(number[j.a], number[j.b])
+            tree.append(j)
+    near: dict[int, list[Link]] = defaultdict(list)
+    for j in tree:
+        near[number[j.a]].append(j)
+        near[number[j.b]].append(j)
+    arcs, seen, waiting = [], {root}, deque([root])
+    while waiting:
+        here = waiting.popleft()
+        for j in near[here]:
+            other = number[j.b] if number[j.a] == here else number[j.a]
+            if other not in seen:
+                seen.add(other)
+                waiting.append(other)
+                arcs.append(Arc(j.hinge, here, other, is_closure=False))
+    return arcs + [
+        Arc(j.hinge, number[j.a], number[j.b], is_closure=True) for j in closures if j.hinge.type != JointKind.FIXED
+    ]
+
+
+def _priority(j: Link) -> tuple[bool, bool, bool, float, int, int]:
+    h = j.hinge
+    first = h.type in (JointKind.PRISMATIC, JointKind.UNIVERSAL)
+    return h.type == JointKind.FIXED, h.type == JointKind.BALL, not first, -round(h.score, 6), h.a, h.b
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the loops leave of a joint that could turn and slide."""
+
+    turns: bool
+    slides: bool
+
+
+def loop_motions(arcs: Sequence[Arc]) -> dict[int, Motion]:
+    """For each arc that could both turn and slide and lies in a loop, by its index: what it does.
+
+    The null space of all loop equations together, at the drawn configuration.
+    """
+    columns: list[Array] = []
+    owners: list[tuple[int, str]] = []
+    for k, arc in enumerate(arcs):
+        for what, twist in _twists(arc):
+            columns.append(twist)
+            owners.append((k, what))
+    above = {arc.child: (arc.parent, k) for k, arc in enumerate(arcs) if not arc.is_closure}
+    cycles = [_cycle(arc, k, above) for k, arc in enumerate(arcs) if arc.is_closure]
+    if not cycles or not columns:
+        return {}
+    twists = np.array(columns).T
+    rows = [twists * np.array([signs.get(k, 0.0) for k, _ in owners]) for signs in cycles]
+    _, values, basis = np.linalg.svd(np.concatenate(rows), full_matrices=True)
+    free = basis[int((values > _NULL * max(1.0, float(values[0]))).sum()) :]
+    moves = np.linalg.norm(free, axis=0) > _NULL if len(free) else np.zeros(len(owners), dtype=bool)
+    in_loop = {k for signs in cycles for k in signs}
+    found: dict[int, dict[str, bool]] = defaultdict(dict)
+    for column, (k, what) in enumerate(owners):
+        if k in in_loop and arcs[k].could_slide:
+            found[k][what] = bool(moves[column])
+    return {k: Motion(of["turn"], of["slide"]) for k, of in found.items()}
+
+
+def _cycle(closure: Arc, index: int, above: dict[int, tuple[int, int]]) -> dict[int, float]:
+    """Which arcs a closure makes a loop of, with the direction in which each is passed."""
+
+    def path(link: int) -> list[int]:
+        found = []
+        while link in above:
+            link, k = above[link]
+            found.append(k)
+        return found
+
+    up, down = path(closure.parent), path(closure.child)
+    common = set(up) & set(down)
+    signs = {k: 1.0 for k in up if k not in common}
+    signs.update({k: -1.0 for k in down if k not in common})
+    signs[index] = 1.0
+    return signs
+
+
+def _twists(arc: Arc) -> list[tuple[str, Array]]:
+    h = arc.hinge
+    p = h.axis.point * _METRES
+    if h.axis.direction is None:
+        return [("ball", np.concatenate([e, np.cross(p, e)])) for e in np.eye(3)] if h.type == JointKind.BALL else []
+    turn = np.concatenate([h.axis.d, np.cross(p, h.axis.d)])
+    slide = np.concatenate([np.zeros(3), h.axis.d])
+    if h.type == JointKind.PRISMATIC:
+        return [("slide", slide)]
+    if h.type == JointKind.UNIVERSAL and h.axis2 is not None:
+        return [("turn", turn), ("turn", np.concatenate([h.axis2.d, np.cross(p, h.axis2.d)]))]
+    return [("turn", turn), ("slide", slide)] if arc.could_slide else [("turn", turn)]

@@ -1,0 +1,155 @@
+"""Clusters that no joint ties: a link with a placeholder, a wheel or finger by name, else put elsewhere."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ..geometry.spatial import Array
+from ..robot.model import JointKind
+from ..step.faces import FaceKind
+from .axis import Axis
+from .clusters import Clusters
+from .decision import Decision, nearest
+from .evidence import Fate, Hinge
+from .mechanism import Link, Mechanism
+from .names import Role
+from .part import box_gap
+from .structure import Structure
+
+_BIG = 0.2
+"""Share of the assembly's volume from which a cluster is a link even if nothing ties it."""
+_GROUP = 0.01
+"""The same for a subassembly."""
+_BY_NAME = 0.55
+_EQUAL_VOLUME = 1e-3
+_APART = 1e-3
+_FACING = 0.9
+_TRIMMINGS = ("pad", "tip", "cover", "nail")
+"""Words for what is on a finger and no finger."""
+
+
+class LooseEnds:
+    """Ties what nothing ties."""
+
+    def __init__(self, made: Decision, mechanism: Mechanism, structure: Structure) -> None:
+        self._made, self._mechanism, self._structure = made, mechanism, structure
+        self._survey, self._clusters = made.survey, made.clusters
+
+    def tie(self, root: int) -> None:
+        """Make one tree of everything: ``root`` stands for the link that stands."""
+        groups = self._clusters.groups()
+        jointed = self._jointed()
+        loose = [r for r in groups if r not in jointed and r != root]
+        standing = [r for r in loose if self._stands_alone(groups[r])]
+        named = [r for r in loose if r not in standing and {Role.WHEEL, Role.JAW} & self._roles(groups[r])]
+        own = standing + named
+        for r in own:
+            other = self._nearest_cluster(groups[r], root)
+            guess = self._by_name(groups, r, own)
+            self._mechanism.joints.append(guess or self._placeholder(groups, other, r))
+            if guess:
+                guess.a, guess.b = other, r
+        self._connect(groups, root)
+        jointed = self._jointed() | {root}
+        for r in loose:
+            if r not in jointed:
+                target = self._nearest_cluster(groups[r], root)
+                self._made.guess(groups[r], "nothing ties it: it is with the nearest part")
+                if target not in jointed or not self._clusters.join(target, r):
+                    self._clusters.join(root, r)
+        for j in self._mechanism.joints:
+            j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
+
+    def _connect(self, groups: dict[int, list[int]], root: int) -> None:
+        """Placeholders between pieces of the mechanism that nothing ties."""
+        tied = Clusters(groups)
+        for j in self._mechanism.joints:
+            tied.join(j.a, j.b)
+        jointed = self._jointed()
+        for r in sorted(jointed, key=lambda r: groups[r][0]):
+            if tied.find(r) == tied.find(root):
+                continue
+            piece = [q for q in jointed if tied.find(q) == tied.find(r)]
+            other = self._nearest_cluster([i for q in piece for i in groups[q]], root)
+            if other not in jointed or tied.find(other) == tied.find(r):
+                other = root
+            mine = min(piece, key=lambda q: (self._gap(groups[q], groups[other]), q))
+            self._mechanism.joints.append(self._placeholder(groups, other, mine))
+            tied.join(mine, other)
+
+    def _placeholder(self, groups: dict[int, list[int]], a: int, b: int) -> Link:
+        axis = Axis(self._survey.box_of(groups[b]).mean(axis=0), None)
+        review = "its type, axis and parent: nothing in the drawing tells"
+        why = "nothing ties them"
+        return Link(
+            Hinge(0.0, groups[a][0], groups[b][0], JointKind.FIXED, axis, why, review=review, fate=Fate.TAKEN), a, b
+        )
+
+    def _jointed(self) -> set[int]:
+        return {r for j in self._mechanism.joints for r in (j.a, j.b)}
+
+    def _stands_alone(self, members: Sequence[int]) -> bool:
+        if all(i in self._survey.small for i in members):
+            return False
+        volume = self._survey.total_volume(members)
+        if volume > _BIG * self._survey.volume:
+            return True
+        children = self._survey.assembly.children
+        is_group = any(children[self._structure.link_of[i]] for i in members if i in self._structure.link_of)
+        return is_group and len(members) > 1 and volume > _GROUP * self._survey.volume
+
+    def _roles(self, members: Iterable[int]) -> set[Role]:
+        found = {role for i in members for role in self._survey.parts[i].roles}
+        return found.union(*(self._structure.names(i) for i in members))
+
+    def _nearest_cluster(self, members: Sequence[int], root: int) -> int:
+        part = nearest(self._survey, members)
+        found = self._clusters.find(part) if part is not None else root
+        return root if found == self._clusters.find(members[0]) else found
+
+    def _gap(self, one: Sequence[int], two: Sequence[int]) -> float:
+        return box_gap(self._survey.box_of(one), self._survey.box_of(two))
+
+    def _by_name(self, groups: dict[int, list[int]], r: int, own: Sequence[int]) -> Link | None:
+        """A wheel turns about its own axis; two equal fingers slide towards each other."""
+        roles, members = self._roles(groups[r]), groups[r]
+        if Role.WHEEL in roles:
+            largest_first = sorted(members, key=lambda i: (-self._survey.parts[i].volume, i))
+            for i in largest_first:
+                for axis in self._survey.turned.get(i, [])[:3]:
+                    if self._survey.parts[i].is_balanced(axis):
+                        return self._guess(r, groups, JointKind.REVOLUTE, axis, "a wheel by its name; its own axis")
+        paths = [self._survey.assembly.components[self._structure.link_of.get(i, i)].path.lower() for i in members]
+        if Role.JAW not in roles or any(word in path for path in paths for word in _TRIMMINGS):
+            return None
+        for s in own:
+            if s != r and Role.JAW in self._roles(groups[s]):
+                along = self._towards(members, groups[s])
+                if along is not None:
+                    axis = Axis(self._centroid(members), along)
+                    why = "one of two equal fingers by their names"
+                    return self._guess(r, groups, JointKind.PRISMATIC, axis, why)
+        return None
+
+    def _towards(self, one: Sequence[int], two: Sequence[int]) -> Array | None:
+        """The normal of a face of one finger that looks to the other, an equal one, or away from it."""
+        volumes = self._survey.total_volume(one), self._survey.total_volume(two)
+        apart = self._centroid(two) - self._centroid(one)
+        distance = float(np.linalg.norm(apart))
+        if abs(volumes[0] - volumes[1]) > _EQUAL_VOLUME * volumes[0] or distance < _APART:
+            return None
+        largest = max(one, key=lambda i: (self._survey.parts[i].volume, -i))
+        normals = [f.direction for f in self._survey.scene.faces[FaceKind.PLANE] if f.part == largest]
+        best = max(normals, key=lambda n: round(abs(float(n @ apart)), 12), default=None)
+        if best is None or abs(float(best @ apart)) < _FACING * distance:
+            return None
+        return np.asarray(best * np.sign(best @ apart))
+
+    def _centroid(self, members: Sequence[int]) -> Array:
+        parts = [self._survey.parts[i] for i in members]
+        return np.asarray(np.sum([p.volume * p.com for p in parts], axis=0) / (sum(p.volume for p in parts) or 1.0))
+
+    def _guess(self, r: int, groups: dict[int, list[int]], kind: JointKind, axis: Axis, why: str) -> Link:
+        other = next(q for q in groups if q != r)
+        hinge = Hinge(_BY_NAME, groups[r][0], groups[other][0], kind, axis, why, review="by name", fate=Fate.TAKEN)
+        return Link(hinge, other, r)

@@ -1,0 +1,176 @@
+"""Joints between clusters: one for each pair of clusters, and none for what only spins about its own axis."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..robot.model import JointKind
+from .axis import Axis, are_parallel
+from .decision import Decision
+from .evidence import Fate, Hinge
+from .names import Role
+from .structure import Structure
+
+_SAME_AXIS = 5e-5
+_SAME_CENTRE = 1e-4
+_SPINNER = 0.05
+"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring and no link."""
+_TRIFLE = 0.02
+"""Share of a cluster's volume below which a part does not count."""
+_WHEEL = 0.08
+"""Share of the assembly's size from which a body of its own subassembly that spins is a wheel."""
+
+
+@dataclass(eq=False)
+class Link:
+    """A joint between two clusters, each by the member that stands for it."""
+
+    hinge: Hinge
+    a: int
+    b: int
+
+    def other(self, root: int) -> int:
+        """The cluster on the other side."""
+        return self.b if root == self.a else self.a
+
+    @property
+    def axis(self) -> Axis:
+        """The axis of its joint."""
+        return self.hinge.axis
+
+
+class Mechanism:
+    """The joints that were accepted, and those that are only offered."""
+
+    def __init__(self, made: Decision, structure: Structure) -> None:
+        self._made, self._survey, self._structure = made, made.survey, structure
+        self._clusters = made.clusters
+        self.joints: list[Link] = []
+        self.offered: list[Hinge] = []
+        self._gather()
+        while self._drop_spinner():
+            pass
+        while self._unite_two_sides():
+            pass
+
+    def _gather(self) -> None:
+        """One joint for each pair of clusters: the surest."""
+        taken: dict[tuple[int, int], Link] = {}
+        for h in sorted(self._made.evidence.hinges, key=lambda h: (-round(h.score, 6), h.a, h.b)):
+            if h.a not in self._clusters or h.b not in self._clusters:
+                continue
+            a, b = sorted((self._clusters.find(h.a), self._clusters.find(h.b)))
+            if h.fate != Fate.TAKEN or a == b:
+                self.offered.append(h)
+            elif (a, b) not in taken:
+                taken[a, b] = Link(h, a, b)
+            elif _same_joint(h, taken[a, b].hinge):
+                h.fate = Fate.REPEATED
+                first = taken[a, b].hinge
+                first.drives = first.drives or h.drives
+            else:
+                h.review = "a second axis between two links"
+                self.offered.append(h)
+        self.joints = list(taken.values())
+
+    def _of(self) -> dict[int, list[Link]]:
+        found: dict[int, list[Link]] = defaultdict(list)
+        for joint in self.joints:
+            found[joint.a].append(joint)
+            found[joint.b].append(joint)
+        return found
+
+    def _drop_spinner(self) -> bool:
+        """Unite one body that only spins about its own axis with what it is held by; False where there is none."""
+        of = self._of()
+        members = {root: self._clusters.members(root) for root in of}
+        for root in sorted(of, key=lambda r: (self._survey.total_volume(members[r]), r)):
+            joints = of[root]
+            if any(j.hinge.drives for j in joints) or not self._spins(members[root], joints[0].axis):
+                continue
+            if len(joints) >= 2 and len(of) > 2 and all(j.axis.same(joints[0].axis) for j in joints):
+                victim = min(joints, key=self._hold)
+            elif len(joints) == 1 and len(self.joints) > 1 and not self._is_wheel(members[root], joints[0]):
+                if joints[0].hinge.type not in (JointKind.REVOLUTE, JointKind.UNIVERSAL):
+                    continue
+                victim = joints[0]
+            else:
+                continue
+            if self._unite(victim, root, victim.other(root)):
+                return True
+        return False
+
+    def _unite(self, gone: Link, one: int, two: int) -> bool:
+        """Make two clusters one instead of joining them."""
+        self._clusters.allow(one, two)
+        self.joints = [j for j in self.joints if j is not gone]
+        if not self._clusters.join(one, two):
+            return False
+        for j in self.joints:
+            j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
+        self.joints = [j for j in self.joints if j.a != j.b]
+        return True
+
+    def _unite_two_sides(self) -> bool:
+        """Two bodies that turn on a third about one axis are one, where one of them hangs on nothing else."""
+        of = self._of()
+        for hub in sorted(of):
+            turning = [j for j in of[hub] if j.hinge.type == JointKind.REVOLUTE]
+            for m, j in enumerate(turning):
+                for k in turning[m + 1 :]:
+                    one, two = j.other(hub), k.other(hub)
+                    if (
+                        one == two
+                        or not j.axis.same(k.axis, _SAME_CENTRE)
+                        or self._has_wheel(one)
+                        or self._has_wheel(two)
+                    ):
+                        continue
+                    if len(of[one]) > 1 and len(of[two]) > 1:
+                        continue
+                    first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.hinge.score < k.hinge.score)
+                    gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
+                    members = self._clusters.members(leaf)
+                    if not self._unite(gone, one, two):
+                        continue
+                    self._made.guess(members, "turns about the same axis as what it is put with")
+                    if gone.hinge.drives and not kept.hinge.drives:
+                        kept.hinge.drives, kept.hinge.why = True, gone.hinge.why
+                        kept.hinge.score = max(kept.hinge.score, gone.hinge.score)
+                    kept.hinge.review = kept.hinge.review or "two bodies that turn about it were taken for one"
+                    return True
+        return False
+
+    def _hold(self, joint: Link) -> tuple[float, ...]:
+        """How loosely a spinning body is held on one side: the tightest side is no joint."""
+        h, r = joint.hinge, joint.hinge.relation
+        clearance = min((f.clearance for f in r.shafts), default=1.0) if r is not None else 1.0
+        length = r.length if r is not None else 0.0
+        return not self._structure.are_together(h.a, h.b), round(clearance, 7), h.score, -length
+
+    def _spins(self, members: Sequence[int], axis: Axis) -> bool:
+        """Whether a body is small and even about an axis."""
+        volume = self._survey.total_volume(members)
+        if axis.direction is None or not 0.0 < volume <= _SPINNER * self._survey.volume:
+            return False
+        parts = [self._survey.parts[i] for i in members]
+        return all(part.is_balanced(axis) for part in parts if part.volume > _TRIFLE * volume)
+
+    def _is_wheel(self, members: Sequence[int], joint: Link) -> bool:
+        if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
+            return True
+        across = self._structure.are_across(joint.hinge.a, joint.hinge.b)
+        return across and self._survey.size_of(members) > _WHEEL * self._survey.extent
+
+    def _has_wheel(self, root: int) -> bool:
+        return any(Role.WHEEL in self._survey.parts[i].roles for i in self._clusters.members(root))
+
+
+def _same_joint(one: Hinge, two: Hinge) -> bool:
+    if one.type == two.type == JointKind.PRISMATIC:
+        return are_parallel(one.axis.d, two.axis.d)
+    if {one.type, two.type} & {JointKind.UNIVERSAL, JointKind.BALL}:
+        return one.type != two.type or float(np.linalg.norm(one.axis.point - two.axis.point)) < _SAME_CENTRE
+    return one.axis.same(two.axis, _SAME_AXIS)

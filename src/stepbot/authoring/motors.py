@@ -1,0 +1,121 @@
+"""Motors as units: one part, or a subassembly of case, output and screws; by name, else by how equal parts are used."""
+
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+
+from .axis import Axis
+from .names import Role, roles
+from .part import largest
+from .parts import spoken_names
+from .relations import Via
+from .survey import Survey
+
+_LARGEST = 0.6
+"""Share of the assembly's size from which a subassembly is more than a motor."""
+_BLOCK = 0.35
+"""Share of its box that a motor fills; a bracket is a folded sheet."""
+_SAME_AXIS = 5e-5
+"""Distance [m] within which axes of equal parts agree."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motor:
+    """A motor."""
+
+    name: str
+    parts: tuple[int, ...]
+    case: int
+    outputs: tuple[int, ...] = ()
+    """Parts that are named a horn or an idler."""
+    is_named: bool = True
+    """Whether its name says that it is a motor; else only its use does."""
+
+
+def find_motors(survey: Survey) -> list[Motor]:
+    """All motors; by their use only where no name says so."""
+    by_name = _named_motors(survey) if survey.sources.names else []
+    return by_name or _motors_by_use(survey)
+
+
+def _named_motors(survey: Survey) -> list[Motor]:
+    """Each at the highest component that is one motor and not a folder of them."""
+    assembly, parts = survey.assembly, survey.parts
+    named = {c.index for c in assembly.components[1:] if _is_named_motor(spoken_names(c))}
+    taken: set[int] = set()
+    motors = []
+    for c in assembly.components[1:]:
+        if c.index not in named or c.index in taken or _is_folder(survey, c.index, named):
+            continue
+        below = assembly.subtree(c.index)
+        members = tuple(i for i in below if i in parts)
+        if not members or (survey.size_of(members) > _LARGEST * survey.extent and len(parts) > len(members)):
+            continue
+        taken.update(below)
+        case = largest([parts[i] for i in members]).index
+        outputs = tuple(
+            i for i in members if i != case and Role.HORN in parts[i].roles and Role.FASTENER not in parts[i].roles
+        )
+        motors.append(Motor(c.product or c.occurrence, members, case, outputs))
+    return motors
+
+
+def _is_named_motor(names: list[str]) -> bool:
+    """Whether the first role is a motor's: a screw of a motor is a screw."""
+    found = [role for name in names for role in roles(name)]
+    return bool(found) and found[0] == Role.MOTOR
+
+
+def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
+    """Whether a component holds motors rather than being one: assemblies of their own, or several of one product."""
+    assembly = survey.assembly
+    motors = [i for i in assembly.children[index] if i in named]
+    if any(assembly.components[j].product for i in motors for j in assembly.children[i]):
+        return True
+    return any(n > 1 for n in Counter(assembly.components[i].product for i in motors).values())
+
+
+def _motors_by_use(survey: Survey) -> list[Motor]:
+    """Equal blocks that are held off an axis and drive on it, again and again the same axis of theirs."""
+    equal: dict[int, list[int]] = defaultdict(list)
+    for i, part in survey.parts.items():
+        if not part.is_small and _fill(survey, i) > _BLOCK:
+            equal[part.definition].append(i)
+    motors = []
+    for members in equal.values():
+        if len(members) >= 2 and _is_used_like_motors(survey, members):
+            motors += [Motor(survey.parts[i].name or survey.parts[i].path, (i,), i, is_named=False) for i in members]
+    return motors
+
+
+def _fill(survey: Survey, part: int) -> float:
+    """Share of its box that a part fills, along its own axes."""
+    faces = survey.scene.body(part).faces
+    if not faces:
+        return 0.0
+    extent = np.ptp(np.array([face.box for face in faces]).reshape(-1, 3), axis=0)
+    return survey.parts[part].volume / max(float(np.prod(extent)), 1e-18)
+
+
+def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
+    votes: list[tuple[Axis, set[int]]] = []
+    held = 0
+    for i in members:
+        X = survey.scene.component(i).X_WC.inverse()
+        others = [
+            (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
+        ]
+        on = [r.axis for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
+        off = any(r.is_rigid and r.via == Via.NOTHING for _, r in others)
+        held += off and bool(on)
+        for axis in on:
+            local = Axis(X.apply(axis.point), X.turn(axis.d))
+            for vote, voters in votes:
+                if vote.same(local, _SAME_AXIS):
+                    voters.add(i)
+                    break
+            else:
+                votes.append((local, {i}))
+    most = max((len(voters) for _, voters in votes), default=0)
+    return most >= 2 and held >= 2 and 2 * most >= len(members)

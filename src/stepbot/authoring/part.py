@@ -1,0 +1,73 @@
+"""One part: what it is for, its size, and where its mass is."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.spatial import Array, perpendicular_frame
+from .axis import Axis
+from .names import SMALL_PARTS, Role
+
+_OFF_AXIS = 0.01
+"""Share of its size by which the centre of a turned part may lie off its axis."""
+_TILT, _UNEVEN = 0.02, 0.03
+"""Shares of its moments by which a turned part's inertia may be tilted and uneven about its axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A component with a body."""
+
+    index: int
+    path: str
+    name: str
+    """Its own, or that of the product whose body it is."""
+    roles: tuple[Role, ...]
+    role: Role | None
+    """The first of ``roles``, or what the shape says."""
+    definition: int
+    volume: float
+    """[m^3]; 0 where it encloses none."""
+    size: float
+    """Diagonal of its box [m]."""
+    box: Array
+    """Shape (2, 3) [m], in the assembly."""
+    com: Array
+    """Shape (3,) [m], in the assembly."""
+    inertia: Array
+    """Shape (3, 3), of density 1, about the centroid along the axes of the assembly."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether it is a fastener or a seal."""
+        return self.role in SMALL_PARTS
+
+    def is_balanced(self, axis: Axis) -> bool:
+        """Whether its mass lies evenly about an axis, as that of a turned part does."""
+        if not self.volume or axis.distance(self.com) > _OFF_AXIS * self.size:
+            return False
+        tilt = float(np.linalg.norm(np.cross(self.inertia @ axis.d, axis.d)))
+        if tilt > _TILT * float(np.trace(self.inertia)):
+            return False
+        across = perpendicular_frame(axis.d)[:, :2]
+        small, large = np.linalg.eigvalsh(across.T @ self.inertia @ across).tolist()
+        return bool(large - small < _UNEVEN * large)
+
+
+def joint_box(parts: Iterable[Part]) -> Array:
+    """The box (2, 3) [m] around several parts."""
+    boxes = np.array([part.box for part in parts if part.size])
+    if not len(boxes):
+        return np.zeros((2, 3))
+    return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def box_gap(one: Array, two: Array) -> float:
+    """Distance [m] between two boxes (2, 3); 0 where they meet."""
+    return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - two[1], two[0] - one[1]))))
+
+
+def largest(parts: Sequence[Part]) -> Part:
+    """The part with the most volume; of equal ones the first."""
+    return max(parts, key=lambda part: (part.volume, -part.index))

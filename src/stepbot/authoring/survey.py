@@ -1,0 +1,131 @@
+"""All that is known of an assembly before anything is decided: parts, contacts, relations, subassemblies, motors."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..geometry.spatial import Array
+from ..step.assembly import Assembly
+from .axis import Axis
+from .clusters import Clusters
+from .contacts import Contacts, Pair
+from .fits import find_fits
+from .names import Role, roles
+from .part import joint_box
+from .parts import read_parts, spoken_names
+from .patches import find_patches
+from .relations import Relation, Via, find_relations, neighbours, turned_lines
+from .scene import Scene
+from .sockets import find_sockets
+
+_SMALL_SHARE = 0.35
+"""Share of the assembly's size from which a part is no fastener, whatever it is called."""
+_SCREW_REACH = 4e-3
+"""Distance [m] of a screw's box within which it clamps."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What inference may look at besides the geometry."""
+
+    names: bool = True
+    tree: bool = True
+    """Whether subassemblies count."""
+
+
+ALL_SOURCES = Sources()
+
+
+class Survey:
+    """The facts that all evidence is drawn from."""
+
+    def __init__(self, assembly: Assembly, sources: Sources) -> None:
+        self.assembly, self.sources = assembly, sources
+        self.scene = Scene(assembly)
+        self.contacts = find_contacts(self.scene)
+        self.relations = find_relations(self.contacts)
+        self.near = neighbours(self.relations)
+        self.turned = turned_lines(self.contacts)
+        self.parts = read_parts(self.scene, self.contacts, use_names=sources.names)
+        self.box = joint_box(self.parts.values())
+        self.extent = float(np.linalg.norm(self.box[1] - self.box[0]))
+        self.volume = sum(part.volume for part in self.parts.values()) or 1.0
+        self.small = {i for i, p in self.parts.items() if p.is_small and p.size < _SMALL_SHARE * self.extent}
+
+    def relation(self, a: int, b: int) -> Relation | None:
+        """The relation of two parts; None where they do not touch."""
+        return self.relations.get((min(a, b), max(a, b)))
+
+    def around(self, part: int) -> Iterator[tuple[int, Relation]]:
+        """The larger parts that a part touches, with the relation."""
+        for relation in self.near.get(part, ()):
+            other = relation.other(part)
+            if other not in self.small:
+                yield other, relation
+
+    def pairs(self) -> Iterator[tuple[Pair, Relation]]:
+        """Relations between larger parts."""
+        for pair, relation in self.relations.items():
+            if not self.small.intersection(pair):
+                yield pair, relation
+
+    def holders(self, part: int) -> set[int]:
+        """What a part is fastened to."""
+        return {other for other, r in self.around(part) if r.is_rigid or r.via == Via.RING}
+
+    def node_roles(self, component: int) -> set[Role]:
+        """What the names of a component hint at."""
+        if not self.sources.names:
+            return set()
+        return {role for name in spoken_names(self.assembly.components[component]) for role in roles(name)}
+
+    def has_screw_at(self, axis: Axis) -> bool:
+        """Whether a screw lies on a line, near the place that stands for it."""
+        return any(
+            axis.same(line)
+            and bool(np.all(axis.point > box[0] - _SCREW_REACH) and np.all(axis.point < box[1] + _SCREW_REACH))
+            for line, box in self._screws
+        )
+
+    def islands(self, members: Iterable[int]) -> list[list[int]]:
+        """Parts in groups that touch each other."""
+        inside = set(members)
+        groups = Clusters(sorted(inside))
+        for i in inside:
+            for r in self.near.get(i, ()):
+                if r.other(i) in inside:
+                    groups.join(i, r.other(i))
+        return list(groups.groups().values())
+
+    def total_volume(self, members: Iterable[int]) -> float:
+        """[m^3]."""
+        return sum(self.parts[i].volume for i in members)
+
+    def box_of(self, members: Iterable[int]) -> Array:
+        """The box (2, 3) [m] around parts."""
+        return joint_box(self.parts[i] for i in members)
+
+    def size_of(self, members: Iterable[int]) -> float:
+        """Diagonal of the box around parts [m]."""
+        low, high = self.box_of(members)
+        return float(np.linalg.norm(high - low)) or 1.0
+
+    @cached_property
+    def _screws(self) -> list[tuple[Axis, Array]]:
+        return [
+            (line.axis, self.parts[part].box)
+            for line in self.contacts.lines
+            for part in line.faces
+            if part in self.small
+        ]
+
+
+def find_contacts(scene: Scene) -> Contacts:
+    """All contacts between the parts of an assembly."""
+    found = Contacts()
+    find_fits(scene, found)
+    find_patches(scene, found)
+    find_sockets(scene, found)
+    return found

@@ -1,0 +1,64 @@
+"""Areas in the plane by their outlines, and what two have in common: Clipper2, by way of manifold3d."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..spatial import Array
+
+_SCALE = 1e3
+"""The library keeps six digits after the point: millimetres instead of metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """What two areas have in common."""
+
+    area: float
+    """[m^2]."""
+    centroid: Array
+    """Shape (2,) [m]."""
+    hull: Array
+    """Shape (n, 2) [m]: convex outline, anticlockwise."""
+    rings: tuple[Array, ...]
+    """Outlines, each (n, 2) [m]: anticlockwise, holes clockwise."""
+
+
+class Region:
+    """An area bounded by closed rings (n, 2) [m]; a point is inside where an odd number of them goes round it."""
+
+    def __init__(self, rings: Sequence[Array]) -> None:
+        import manifold3d
+
+        contours = [np.ascontiguousarray(ring * _SCALE) for ring in rings if len(ring) >= 3]
+        self._section: Any = manifold3d.CrossSection(contours, manifold3d.FillRule.EvenOdd)
+
+    @property
+    def area(self) -> float:
+        """[m^2]."""
+        return float(self._section.area()) / _SCALE**2
+
+    def shared(self, other: "Region", least: float) -> Shared | None:
+        """What this area and another one have in common; None where it is less than ``least`` [m^2]."""
+        common = self._section ^ other._section
+        area = float(common.area()) / _SCALE**2
+        if area < least:
+            return None
+        rings = tuple(np.asarray(ring, dtype=np.float64) / _SCALE for ring in common.to_polygons())
+        (hull,) = common.hull().to_polygons()
+        return Shared(area, _centroid(rings), np.asarray(hull, dtype=np.float64) / _SCALE, rings)
+
+
+def _centroid(rings: Sequence[Array]) -> Array:
+    """Centroid of the area within rings whose direction tells holes apart."""
+    total, moment = 0.0, np.zeros(2)
+    origin = rings[0][0]
+    for ring in rings:
+        x, y = (ring - origin).T
+        nx, ny = np.roll(x, -1), np.roll(y, -1)
+        twice = x * ny - nx * y
+        total += float(twice.sum())
+        moment += [float(((x + nx) * twice).sum()), float(((y + ny) * twice).sum())]
+    return np.asarray(origin + moment / (3.0 * total))
