@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.spatial import Array
+from stepbot.geometry.spatial import Array
 
 SAME_LINE = 2e-5
 """Distance [m] within which axes are one: twice the tolerance of coaxial faces."""

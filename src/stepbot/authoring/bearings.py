@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .evidence import Evidence, Hinge
 from .names import Role
 from .relations import Relation, Via

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..geometry.spatial import Array, perpendicular_frame
+from stepbot.geometry.spatial import Array, perpendicular_frame
 
 _FEWEST = 12
 """Points that an outline needs to be a circle and no polygon."""

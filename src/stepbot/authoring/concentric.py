@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ..geometry.spatial import Array
+from stepbot.geometry.spatial import Array
+
 from .axis import SAME_LINE, Axis, are_parallel
 from .circles import fitted_circle
 from .contacts import Fit, FitKind, Patch

@@ -4,7 +4,8 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from ..geometry.spatial import Array
+from stepbot.geometry.spatial import Array
+
 from .axis import Axis
 
 Pair = tuple[int, int]

@@ -6,7 +6,8 @@ Scores are ranks, not probabilities. From 0.8 a joint stands, from 0.5 it is dra
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .axis import Axis
 from .draft import CHOSEN
 from .relations import Relation

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..step.faces import FaceKind
-from ..step.features.coaxial import Rays, coaxial, signed
+from stepbot.step.faces import FaceKind
+from stepbot.step.features.coaxial import Rays, coaxial, signed
+
 from .axis import Axis
 from .contacts import CoaxialLine, Contacts, Fit, FitKind, LineFace
 from .scene import PlacedFace, Scene

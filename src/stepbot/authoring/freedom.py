@@ -10,8 +10,9 @@ from enum import StrEnum
 
 import numpy as np
 
-from ..geometry.spatial import Array, cross_matrix, perpendicular_frame, unit
-from ..step.features.coaxial import signed
+from stepbot.geometry.spatial import Array, cross_matrix, perpendicular_frame, unit
+from stepbot.step.features.coaxial import signed
+
 from .contacts import Fit, FitKind, Patch, Socket
 
 

@@ -4,7 +4,8 @@ from itertools import combinations
 
 import numpy as np
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .axis import Axis, are_parallel
 from .evidence import Evidence, Hinge
 from .freedom import FreedomKind

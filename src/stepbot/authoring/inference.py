@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..step.assembly import Assembly
+from stepbot.step.assembly import Assembly
+
 from .bearings import bearing_evidence
 from .decision import Decision, decide
 from .draft import CHOSEN

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.spatial import Array
-from ..robot.model import JointKind
+from stepbot.geometry.spatial import Array
+from stepbot.robot.model import JointKind
+
 from .clusters import Clusters
 from .evidence import Hinge
 from .freedom import FreedomKind

@@ -4,9 +4,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ..geometry.spatial import Array
-from ..robot.model import JointKind
-from ..step.faces import FaceKind
+from stepbot.geometry.spatial import Array
+from stepbot.robot.model import JointKind
+from stepbot.step.faces import FaceKind
+
 from .axis import Axis
 from .clusters import Clusters
 from .decision import Decision, nearest

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .axis import Axis, are_parallel
 from .decision import Decision
 from .evidence import Fate, Hinge

@@ -4,7 +4,8 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .clusters import Clusters
 from .evidence import Evidence, Hinge
 from .motor_axes import SAME_AXIS, Output, OutputAxes, hidden_outputs, lies_on

@@ -1,6 +1,7 @@
 """What two touching parts say by themselves: by what they could move, and how likely each of that is meant."""
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .evidence import Evidence, Hinge
 from .freedom import FreedomKind
 from .motors import Motor

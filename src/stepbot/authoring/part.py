@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.spatial import Array, perpendicular_frame
+from stepbot.geometry.spatial import Array, perpendicular_frame
+
 from .axis import Axis
 from .names import SMALL_PARTS, Role
 

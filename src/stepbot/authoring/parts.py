@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry.spatial import turn_inertia
-from ..step.assembly import Component
+from stepbot.geometry.spatial import turn_inertia
+from stepbot.step.assembly import Component
+
 from .contacts import Contacts
 from .names import Role, is_spoken, roles
 from .part import Part

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.solids.outlines import Region, Shared
-from ..geometry.spatial import Array, perpendicular_frame
-from ..step.faces import FaceKind
-from ..step.features.coaxial import signed
+from stepbot.geometry.solids.outlines import Region, Shared
+from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.step.faces import FaceKind
+from stepbot.step.features.coaxial import signed
+
 from .contacts import Contacts, Patch
 from .scene import PlacedFace, Scene
 

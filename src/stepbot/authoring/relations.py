@@ -9,7 +9,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from ..geometry.spatial import Array
+from stepbot.geometry.spatial import Array
+
 from .axis import SAME_LINE, Axis
 from .concentric import concentric_axis
 from .contacts import Contacts, Fit, FitKind, Pair, Patch, Socket

@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry.spatial import Array
-from ..step.assembly import Assembly, Body, Component
-from ..step.faces import Face, FaceKind
+from stepbot.geometry.spatial import Array
+from stepbot.step.assembly import Assembly, Body, Component
+from stepbot.step.faces import Face, FaceKind
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,8 @@ from itertools import combinations
 
 import numpy as np
 
-from ..step.faces import Face, FaceKind
+from stepbot.step.faces import Face, FaceKind
+
 from .contacts import CoaxialLine, LineFace
 from .fits import HALF_ROUND
 from .part import Part

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.spatial import Array
-from ..robot.model import JointKind
-from ..step.faces import FaceKind
-from ..step.features.coaxial import Rays, coaxial, signed
+from stepbot.geometry.spatial import Array
+from stepbot.robot.model import JointKind
+from stepbot.step.faces import FaceKind
+from stepbot.step.features.coaxial import Rays, coaxial, signed
+
 from .axis import Axis
 from .circles import fitted_circle
 from .clusters import Clusters

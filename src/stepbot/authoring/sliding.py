@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from ..robot.model import JointKind
+from stepbot.robot.model import JointKind
+
 from .loops import Arc, loop_motions
 from .survey import Survey
 

@@ -4,8 +4,9 @@ from collections import defaultdict
 
 import numpy as np
 
-from ..geometry.spatial import Array
-from ..step.faces import FaceKind
+from stepbot.geometry.spatial import Array
+from stepbot.step.faces import FaceKind
+
 from .contacts import Contacts, Socket
 from .scene import PlacedFace, Scene
 

@@ -6,8 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry.spatial import Array
-from ..step.assembly import Assembly
+from stepbot.geometry.spatial import Array
+from stepbot.step.assembly import Assembly
+
 from .axis import Axis
 from .clusters import Clusters
 from .contacts import Contacts, Pair

@@ -1,0 +1,58 @@
+"""Which paths claim the parts of each link: whole subassemblies where they can, since the nearest claim wins."""
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+
+from stepbot.step.assembly import Assembly
+
+from .names import is_spoken, plain
+from .part import Part, largest
+
+
+class LinkClaims:
+    """Claims and names of links given as lists of parts."""
+
+    def __init__(self, assembly: Assembly, links: Sequence[Sequence[int]], root: int) -> None:
+        self._assembly, self._root = assembly, root
+        self._link_of = {i: n for n, members in enumerate(links) for i in members}
+        self._below: dict[int, Counter[int]] = defaultdict(Counter)
+        for part, link in self._link_of.items():
+            node = part
+            while node >= 0:
+                self._below[node][link] += 1
+                node = assembly.components[node].parent
+        self._claims: dict[int, list[str]] = defaultdict(list)
+        self._visit(0, root)
+
+    def paths(self, link: int) -> tuple[str, ...]:
+        """What claims a link; the root claims the rest, and needs a path only within what others claim."""
+        return tuple(self._claims[link])
+
+    def _visit(self, node: int, above: int) -> None:
+        """Claim what is at and below a component, ``above`` being the link that claims it so far."""
+        here = self._below.get(node)
+        if not here or set(here) == {above}:
+            return
+        if node:
+            most = next(iter(here)) if len(here) == 1 else max(sorted(here), key=lambda n: (here[n], n == above))
+            own = self._link_of.get(node, most)
+            if own != above:
+                self._claims[own].append(self._assembly.components[node].path)
+                above = own
+        for child in self._assembly.children[node]:
+            self._visit(child, above)
+
+    def name(self, parts: Sequence[Part]) -> str:
+        """What a link is called: its largest part, or the subassembly that is all of it."""
+        inside = {part.index for part in parts}
+        own = [part for part in parts if not part.is_small] or list(parts)
+        node = largest(own).index
+        components = self._assembly.components
+        while components[node].parent > 0:
+            above = components[node].parent
+            if not all(i in inside for i in self._assembly.subtree(above) if i in self._link_of):
+                break
+            node = above
+        component = components[node]
+        spoken = [n for n in (component.product, component.occurrence) if is_spoken(n)]
+        return plain(spoken[0]).strip() if spoken else largest(own).name or "link"

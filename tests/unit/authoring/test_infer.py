@@ -1,0 +1,81 @@
+"""Drafts of robots whose joints are known, from their STEP files alone."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.authoring.draft import Draft, OriginForm
+from stepbot.authoring.infer import infer
+from stepbot.authoring.survey import Sources
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
+from stepbot.step.reader import read_assembly
+
+LIBRARY = Path(__file__).parents[3] / "robot_library"
+
+
+@cache
+def assembly(folder: str) -> Assembly:
+    """A robot of the library with its faces."""
+    (step,) = (LIBRARY / folder).glob("*.step")
+    found = Diagnostics()
+    options = ReadOptions(faces=True, tolerance=MeshTolerance(relative=0.05, angle=0.8))
+    read = read_assembly(step, options, found)
+    assert read is not None, list(found)
+    return read
+
+
+@pytest.fixture(scope="session")
+def drafted() -> Callable[[str], Draft]:
+    """Drafts a robot of the library."""
+    return cache(lambda folder: infer(assembly(folder), folder))
+
+
+def test_four_bar_is_a_loop_of_four_hinges(drafted: Callable[[str], Draft]) -> None:
+    """Three hinges make the tree and one closes the loop; all four axes are parallel."""
+    draft = drafted("stepbot_four_bar")
+    kinds = [j.type for j in (*draft.joints, *draft.closures)]
+    assert (len(draft.links), len(draft.joints), len(draft.closures)) == (4, 3, 1)
+    assert set(kinds) == {JointKind.REVOLUTE}
+    directions = np.array([j.direction for j in (*draft.joints, *draft.closures)])
+    assert np.linalg.norm(np.cross(directions, directions[0]), axis=1).max() < 1e-9
+
+
+def test_slider_crank_has_one_slide(drafted: Callable[[str], Draft]) -> None:
+    """The loop allows the piston to slide and not to turn."""
+    draft = drafted("stepbot_slider_crank")
+    assert sorted(j.type for j in (*draft.joints, *draft.closures)) == ["prismatic", "revolute", "revolute", "revolute"]
+
+
+def test_every_part_is_claimed_by_one_link(drafted: Callable[[str], Draft]) -> None:
+    """All components with a body are in exactly one link, and one link takes the rest."""
+    for folder in ("stepbot_four_bar", "stepbot_quadruped"):
+        draft = drafted(folder)
+        bodies = [c.index for c in assembly(folder).components if c.body >= 0]
+        assert sorted(i for link in draft.links for i in link.components) == bodies
+        assert [link.name for link in draft.links if link.rest] == [draft.root]
+
+
+def test_joints_are_mates_where_the_drawing_has_them(drafted: Callable[[str], Draft]) -> None:
+    """A pin in its bore is written as the mate of both parts, and the axis is that of the frame."""
+    for joint in drafted("stepbot_four_bar").joints:
+        assert joint.origin.form == OriginForm.MATE
+        assert joint.axis == "z"
+
+
+def test_evidence_stands_with_every_joint(drafted: Callable[[str], Draft]) -> None:
+    """Each joint names a fact, and each that is not sure carries a mark."""
+    for joint in drafted("stepbot_quadruped").joints:
+        assert joint.confidence.evidence
+        assert joint.is_reviewed or joint.confidence.score >= 0.8
+
+
+@pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
+def test_same_assembly_same_draft(sources: Sources) -> None:
+    """Two runs agree in every number and every word."""
+    folder = "stepbot_slider_crank"
+    assert infer(assembly(folder), "robot", sources) == infer(assembly(folder), "robot", sources)
