@@ -1,3 +1,10 @@
 """A sidecar of two megabytes."""
 
-CONTENT = b"version: 1\n" + b"# padding\n" * 200_000
+from pathlib import Path
+
+import pytest
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Write it."""
+    Path("robot.robot.yaml").write_bytes(b"version: 1\n" + b"# padding\n" * 200_000)

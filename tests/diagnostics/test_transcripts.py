@@ -1,0 +1,50 @@
+"""Each diagnostic code: an input that causes it, and all that is reported about it, as text and as JSON."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.diagnostics.codes import mechanism, sidecar
+from tests.diagnostics.transcripts import folders, missing_engines, transcript
+
+FOLDERS = folders()
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_reports_what_is_expected(folder: Path, tmp_path: Path) -> None:
+    """The input of a folder causes its code; all that is reported, and the exit code, is as expected."""
+    if missing := missing_engines(folder):
+        pytest.skip("; ".join(missing))
+    now = transcript(folder, tmp_path)
+    assert folder.name[:5] in now.codes
+    assert now.diagnostics == json.loads((folder / "expected.json").read_text(encoding="utf-8"))
+    assert now.text == (folder / "expected.txt").read_text(encoding="utf-8")
+    if now.exit_code is not None:
+        assert now.exit_code == exit_code_of(now.diagnostics)
+
+
+def exit_code_of(diagnostics: list[dict[str, str]]) -> int:
+    """The exit code that a list of diagnostics demands."""
+    found = Diagnostics()
+    found.extend(Diagnostic(one["code"], one["severity"], one["message"], Span("file")) for one in diagnostics)
+    return found.exit_code
+
+
+def test_each_code_has_a_folder() -> None:
+    """No code is without an input that causes it, but for those that no input can cause."""
+    wanted = {code.id for code in (*sidecar.CODES, *mechanism.CODES)} - {"SB142"}
+    assert wanted - {folder.name[:5] for folder in FOLDERS} == set()
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_places_are_in_the_file(folder: Path) -> None:
+    """Every place within an input file of a folder exists, and its columns mark a part of the line."""
+    for one in json.loads((folder / "expected.json").read_text(encoding="utf-8")):
+        source = folder / one["file"]
+        if not one["line"] or not source.is_file():
+            continue
+        lines = source.read_bytes().decode("utf-8", "replace").splitlines()
+        assert 1 <= one["line"] <= len(lines)
+        assert 1 <= one["column"] <= len(lines[one["line"] - 1]) + 1

@@ -1,0 +1,165 @@
+"""What ``stepbot`` reports about the input of a folder, as JSON and as text, the same on every machine.
+
+A folder ``SBnnn_slug`` holds an input that causes the diagnostic SBnnn and what comes out:
+
+- ``command``: the arguments of ``stepbot``; ``check robot.robot.yaml`` where the file is missing.
+- ``make.py``, where the input is not text: ``make(patch)`` writes it to the current folder, and may change the
+  environment with ``patch``, a ``pytest.MonkeyPatch``. Where no command can cause the diagnostic, ``find(found)`` calls
+  the library in place of a command.
+- ``engines``, where the diagnostic needs engines beside :data:`CORE`: their names. Without them the folder is skipped.
+- all other files: input, copied to the folder that the command runs in.
+- ``expected.json``: the diagnostics, as ``--json`` prints them; ``expected.txt``: the same, as ``--verbose`` does.
+
+``python -m tests.diagnostics.update [SBnnn...]`` writes the expected files again; review the difference.
+"""
+
+import io
+import json
+import os
+import re
+import runpy
+import shlex
+import shutil
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import stepbot
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.engines import engine_of, engines
+from stepbot_cli import main
+from stepbot_cli.render import full, plain
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+NOT_INPUT = ("command", "engines", "expected.json", "expected.txt", "make.py", "__pycache__")
+CORE = ("extensions", "mujoco", "reader", "yourdfpy")
+"""Engines that every installation has; the others are as if they were not installed, unless a folder names them."""
+Plain = dict[str, Any]
+"""A diagnostic as ``--json`` prints it."""
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """What came out of a command."""
+
+    diagnostics: list[Plain]
+    text: str
+    exit_code: int | None
+    """None where no command ran."""
+
+    @property
+    def codes(self) -> set[str]:
+        """The codes of the diagnostics."""
+        return {one["code"] for one in self.diagnostics}
+
+    @property
+    def json(self) -> str:
+        """Content of ``expected.json``."""
+        return json.dumps(self.diagnostics, indent=2, ensure_ascii=False) + "\n"
+
+
+def folders() -> list[Path]:
+    """The folders of all transcripts, by name."""
+    return sorted(path for path in HERE.glob("SB[0-9][0-9][0-9]_*") if path.is_dir())
+
+
+def arguments(folder: Path) -> list[str]:
+    """The arguments of ``stepbot`` in a folder; none where the library is called."""
+    command = folder / "command"
+    if command.exists():
+        return shlex.split(command.read_text(encoding="utf-8"))
+    return [] if "find" in _made(folder) else ["check", "robot.robot.yaml"]
+
+
+def missing_engines(folder: Path) -> list[str]:
+    """Engines that a folder needs and that are not installed, each with the reason."""
+    reasons = ((name, engine_of(name).available()) for name in (*CORE, *_more_engines(folder)))
+    return [f"{name}: {reason}" for name, reason in reasons if reason is not None]
+
+
+def transcript(folder: Path, scratch: Path) -> Transcript:
+    """Run the command of a folder in an empty folder ``scratch``."""
+    for path in folder.iterdir():
+        if path.name not in NOT_INPUT:
+            (shutil.copytree if path.is_dir() else shutil.copyfile)(path, scratch / path.name)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(scratch)
+        patch.setenv("STEPBOT_NO_CACHE", "1")
+        patch.delenv("COLUMNS", raising=False)
+        for engine in engines():
+            if engine.NAME not in (*CORE, *_more_engines(folder)):
+                patch.setattr(engine, "available", lambda name=engine.NAME: f"{name} is not installed")
+        made = _made(folder)
+        if "make" in made:
+            made["make"](patch)
+        if "find" in made:
+            found = Diagnostics()
+            made["find"](found)
+            diagnostics, exit_code = [plain(one) for one in found], None
+        else:
+            diagnostics, exit_code = _run([*arguments(folder), "--json"])
+        same = [_same_everywhere(one, scratch) for one in diagnostics]
+        text = full([_diagnostic(one) for one in same])
+    return Transcript(same, _normalised(text, scratch) + "\n", exit_code)
+
+
+def _made(folder: Path) -> dict[str, Any]:
+    path = folder / "make.py"
+    return runpy.run_path(str(path)) if path.exists() else {}
+
+
+def _more_engines(folder: Path) -> list[str]:
+    path = folder / "engines"
+    return path.read_text(encoding="utf-8").split() if path.exists() else []
+
+
+def _run(command: list[str]) -> tuple[list[Plain], int]:
+    """Run ``stepbot`` in this process."""
+    out = io.StringIO()
+    with redirect_stdout(out), redirect_stderr(io.StringIO()):
+        exit_code = main(command)
+    document = json.loads(out.getvalue())
+    assert document["exit_code"] == exit_code
+    return document["diagnostics"], exit_code
+
+
+def _diagnostic(one: Plain) -> Diagnostic:
+    span = Span(one["file"], one["line"], one["column"], one["end_column"])
+    return Diagnostic(one["code"], one["severity"], one["message"], span, tuple(one["help"]), tuple(one["notes"]))
+
+
+# What differs between machines and versions. This is the one place that hides it.
+
+_NORMALISED: tuple[tuple[str, str], ...] = (
+    (re.escape(stepbot.__version__), "VERSION"),
+    (r"\bCPython \d+\.\d+\.\d+|\bPython \d+\.\d+(\.\d+)?", "PYTHON"),
+    (r"\b(MuJoCo|mujoco|PyBullet|pybullet|yourdfpy|lxml|numpy) \d+(\.\d+)+", r"\1 VERSION"),
+    (r"0x[0-9a-f]{6,}", "ADDRESS"),
+    (r"\bpid \d+", "pid NUMBER"),
+    # Digits that depend on the version of the kernel or an engine: below 1e-9, and all after the third of six or more.
+    (r"(?<![\w.])-?\d(\.\d+)?e-(1[0-9]|[2-9]\d)\b", "TINY"),
+    (r"(?<![\w.])(-?0\.0*[1-9]\d\d)\d{3,}(e[-+]\d+)?(?!\w)", r"\1…\2"),
+    (r"(?<![\w.])(-?[1-9]\d*\.\d\d)\d{4,}(e[-+]\d+)?(?!\w)", r"\1…\2"),
+)
+
+
+def _normalised(text: str, scratch: Path) -> str:
+    """``text`` without this machine's folders, versions, addresses, and digits that depend on them."""
+    for path, name in ((scratch.resolve(), "FOLDER"), (scratch, "FOLDER"), (ROOT, "CHECKOUT")):
+        text = text.replace(path.as_posix(), name).replace(str(path), name)
+    text = text.replace(os.path.expanduser("~") + os.sep, "HOME/")  # noqa: PTH111 - a prefix of a text
+    for pattern, replacement in _NORMALISED:
+        text = re.sub(pattern, replacement, text)
+    return text
+
+
+def _same_everywhere(one: Plain, scratch: Path) -> Plain:
+    """A diagnostic with normalised texts; its place stays, so that the text can show the line."""
+    texts = {key: _normalised(one[key], scratch) for key in ("message",)}
+    lists = {key: [_normalised(text, scratch) for text in one[key]] for key in ("help", "notes")}
+    file = one["file"] if not Path(one["file"]).is_absolute() else _normalised(one["file"], scratch)
+    return {**one, **texts, **lists, "file": file}

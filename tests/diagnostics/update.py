@@ -1,0 +1,32 @@
+"""``python -m tests.diagnostics.update [SBnnn...]`` writes what transcripts expect again, of some codes or all."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from tests.diagnostics.transcripts import folders, missing_engines, transcript
+
+
+def update(codes: list[str]) -> Iterator[str]:
+    """Write what is expected of the folders of some codes; yields a line for each that changed or was skipped."""
+    for folder in folders():
+        if codes and folder.name[:5] not in codes and folder.name not in codes:
+            continue
+        if missing := missing_engines(folder):
+            yield f"{folder.name}: skipped, {'; '.join(missing)}"
+            continue
+        with TemporaryDirectory(prefix="stepbot-transcript-") as scratch:
+            now = transcript(folder, Path(scratch))
+        for name, text in (("expected.json", now.json), ("expected.txt", now.text)):
+            path = folder / name
+            if not path.exists() or path.read_text(encoding="utf-8") != text:
+                path.write_text(text, encoding="utf-8", newline="\n")
+                yield f"{folder.name}/{name}: written"
+        if folder.name[:5] not in now.codes:
+            yield f"{folder.name}: does not cause {folder.name[:5]}, but {', '.join(sorted(now.codes)) or 'nothing'}"
+
+
+if __name__ == "__main__":
+    for line in update(sys.argv[1:]):
+        print(line, flush=True)  # noqa: T201
