@@ -16,6 +16,7 @@ from .command import Group
 from .failures import show_exception, show_usage_error
 
 COMMANDS = (
+    "init",
     "convert",
     "batch",
     "inspect",

@@ -20,7 +20,7 @@ def test_convert_a_step_with_a_mechanism(
         shutil.copy(source / file, tmp_path)
     add_mechanism(tmp_path / "four_bar.step")
     inspected = stepbot("inspect", "four_bar.step", cwd=tmp_path)
-    assert "1, not read: joints are those of the sidecar" in inspected.out + inspected.err
+    assert "1; `stepbot init` drafts joints from them" in inspected.out + inspected.err
     run = stepbot("convert", "four_bar.robot.yaml", "-o", "out", "--json", cwd=tmp_path)
     assert run.code == 0, run.err
     plain = convert_once(tmp_path_factory, "four_bar", source / "four_bar.robot.yaml")

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.authoring.draft import Confidence, Draft, DraftLink
+from stepbot.authoring.sidecar_text import sidecar_text
 from stepbot.diagnostics import Diagnostics
 from stepbot.sidecar.load import parse_sidecar
-from stepbot.sidecar.starter import starter_name, starter_sidecar
+from stepbot.sidecar.starter import starter_name
 
 from .conftest import Stepbot
 
@@ -45,7 +47,7 @@ def test_usage_errors_are_json_where_json_was_asked_for(
 
 def test_unknown_command_without_neighbours_lists_all(stepbot: Stepbot) -> None:
     """A word that is like no command gets the list of them."""
-    assert "there are convert, batch, inspect" in stepbot("xyzzy").err
+    assert "there are init, convert, batch, inspect" in stepbot("xyzzy").err
 
 
 @pytest.mark.parametrize("value", ["abc", "0", "-1", "nan", "inf", "5 min"])
@@ -80,22 +82,16 @@ def test_unknown_format_in_a_list(stepbot: Stepbot) -> None:
     assert "no format 'udrf'; did you mean 'urdf'?" in run.err
 
 
-@pytest.mark.parametrize("command", ["convert", "check", "uptodate"])
+@pytest.mark.parametrize("command", ["convert", "check"])
 def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -> None:
-    """A STEP gets the smallest sidecar that names it, ready to paste, and a pointer to inspect; pasted, it works."""
+    """A STEP gets the command that drafts a sidecar for it, and a pointer to inspect; the draft passes the check."""
     run = stepbot(command, "arm2.step", "--json")
     assert run.code == 1
     (found,) = json.loads(run.out)["diagnostics"]
     assert found["code"] == "SB109"
-    paste, inspect = found["help"]
+    init, inspect = found["help"]
+    assert "`stepbot init arm2.step`" in init
     assert "`stepbot inspect arm2.step`" in inspect
-    first, _, text = paste.partition("\n")
-    assert "`arm2.robot.yaml`" in first
-    assert "step: arm2.step\n" in text
-    (arm / "pasted.robot.yaml").write_text(text, encoding="utf-8")
-    pasted = stepbot("check", "--step", "--json", "pasted.robot.yaml")
-    assert pasted.code == 0
-    assert {one["severity"] for one in json.loads(pasted.out)["diagnostics"]} <= {"note"}
 
 
 @pytest.mark.parametrize(
@@ -116,10 +112,11 @@ def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -
         "x" * 200 + ".step",
     ],
 )
-def test_smallest_sidecar_of_any_file_name(name: str) -> None:
+def test_draft_of_any_file_name(name: str) -> None:
     """Whatever the STEP is called, the sidecar is valid and names it."""
     found = Diagnostics()
-    sidecar = parse_sidecar(starter_sidecar(Path("folder") / name), Path(starter_name(Path(name))), found)
+    draft = Draft(Path(name).stem, "base", (DraftLink("base", (), Confidence(1.0), rest=True),))
+    sidecar = parse_sidecar(sidecar_text(draft, name), Path(starter_name(Path(name))), found)
     assert list(found) == []
     assert sidecar is not None
     assert sidecar.document.step == name

@@ -54,7 +54,7 @@ def draft_of_mechanism(mechanism: Mechanism, assembly: Assembly, robot: str) -> 
         joints.append(_joint(pair, parent, child, members, names, assembly, scale))
     joints += [_held(link, root, members, names, assembly) for link in apart]
     loops = [_closure(pair, members, names, assembly, scale) for pair in closures]
-    notes = [f"joints are the kinematic pairs of the STEP ({len(mechanism.pairs)} of them)"]
+    notes = [f"joints are the kinematic pairs that the STEP states ({len(mechanism.pairs)})"]
     if mechanism.unread:
         notes.append(f"pairs without a joint of this kind: {', '.join(mechanism.unread)}")
     links = [

@@ -1,4 +1,4 @@
-"""The smallest sidecar of a STEP file, for who has none yet."""
+"""What a new sidecar is called, and how texts are written in it."""
 
 import json
 import re
@@ -12,20 +12,6 @@ _NOT_TEXTS = frozenset(("true", "false", "null", "inf", "nan"))
 def starter_name(step: Path) -> str:
     """What to call the sidecar of a STEP file: ``arm.step`` has ``arm.robot.yaml``."""
     return f"{step.stem}.robot.yaml"
-
-
-def starter_sidecar(step: Path) -> str:
-    """A sidecar that makes one rigid link of all parts of a STEP file, to be divided by joints."""
-    return "\n".join(
-        (
-            "version: 1",
-            f"robot: {scalar(robot_name(step.stem))}",
-            f"step: {scalar(step.name)}",
-            "defaults: {density: 1000 kg/m^3}  # of parts without a material",
-            "links:",
-            "  base: {rest: true}  # everything; name the parts of other links below",
-        )
-    )
 
 
 def robot_name(stem: str) -> str:

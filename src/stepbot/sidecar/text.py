@@ -5,8 +5,6 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
-from .starter import starter_name, starter_sidecar
-
 LARGEST_FILE = 1 << 20
 """Bytes of the largest file that is read."""
 
@@ -34,9 +32,8 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         return None
     if content.lstrip()[:12] == b"ISO-10303-21":
         help = [
-            f"write a sidecar beside it, `{starter_name(path)}`, say, and name that; the smallest one:\n"
-            + starter_sidecar(path),
-            f"`stepbot inspect {path.as_posix()}` shows the parts to make links of; docs/sidecar.md has all keys",
+            f"`stepbot init {path.as_posix()}` drafts a sidecar for it, with the joints that it finds; name that one",
+            f"`stepbot inspect {path.as_posix()}` shows its parts; docs/sidecar.md has all keys of a sidecar",
         ]
         found.add("SB109", "sidecar: this is a STEP file", whole, help=help)
         return None

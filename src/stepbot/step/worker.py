@@ -181,7 +181,7 @@ def _facts(part21: Part21, content: _Content) -> dict[str, str]:
         "written": header.time_stamp,
         "preprocessor": header.preprocessor,
         "further units": ", ".join(content.unit.others),
-        "mechanisms": f"{content.mechanisms}, not read: joints are those of the sidecar" if content.mechanisms else "",
+        "mechanisms": f"{content.mechanisms}; `stepbot init` drafts joints from them" if content.mechanisms else "",
     }
     return {name: value for name, value in facts.items() if value}
 

@@ -102,4 +102,12 @@ CODES = (
         "those of one: a later run would not remove its old meshes.",
         "Convert into one folder at a time, or give each robot a folder of its own with `-o`.",
     ),
+    Code(
+        "SB012",
+        "error",
+        "sidecar exists already",
+        "`stepbot init` would write a file that exists.",
+        "A sidecar holds decisions that no file can restore: `init` overwrites none unless it is asked to.",
+        "Name another file with `-o`, or overwrite this one with `--force`.",
+    ),
 )

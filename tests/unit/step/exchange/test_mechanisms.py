@@ -46,4 +46,4 @@ def test_file_with_a_mechanism_is_read(tmp_path: Path) -> None:
     assert [component.density for component in assembly.components] == [one.density for one in plain.components]
     assert [len(body.mesh.faces) for body in assembly.bodies] == [len(body.mesh.faces) for body in plain.bodies]
     assert "mechanisms" not in plain.facts
-    assert assembly.facts["mechanisms"] == "1, not read: joints are those of the sidecar"
+    assert assembly.facts["mechanisms"].startswith("1; `stepbot init` drafts joints from them")

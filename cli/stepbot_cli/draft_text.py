@@ -1,0 +1,117 @@
+"""A draft as ``stepbot init`` prints it: what was found, on what evidence, and what to do next."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .render import printable
+
+if TYPE_CHECKING:
+    from stepbot.authoring.draft import Draft, DraftClosure, DraftJoint
+
+_LONGEST_FACTS = 96
+"""Columns of evidence; -v prints all of it."""
+
+
+def draft_text(draft: "Draft", sidecar: Path, *, verbose: bool = False) -> str:
+    """The summary of a draft that was written."""
+    from stepbot.authoring.draft_names import names_of
+
+    names = names_of(draft)
+    lines = [f"{printable(sidecar.as_posix())}: {_counts(draft)}; '{names.links[draft.root]}' stands"]
+    for joint, name in zip(draft.joints, names.joints, strict=True):
+        ends = f"{names.links[joint.parent]} -> {names.links[joint.child]}"
+        lines += _connection(joint, name, ends, verbose=verbose)
+    for closure, name in zip(draft.closures, names.closures, strict=True):
+        ends = f"{names.links[closure.link_a]} - {names.links[closure.link_b]}, closes a loop"
+        lines += _connection(closure, name, ends, verbose=verbose)
+    lines += [f"  {printable(note)}" for note in draft.notes]
+    return "\n".join([*lines, *_next(draft, sidecar)])
+
+
+def draft_document(draft: "Draft") -> dict[str, Any]:
+    """A draft as JSON."""
+    from stepbot.authoring.draft_names import names_of
+
+    names = names_of(draft)
+    links = [
+        {"name": names.links[link.name], "parts": list(link.parts), "rest": link.rest, **_confidence(link)}
+        for link in draft.links
+    ]
+    joints = [
+        {
+            "name": name,
+            "type": joint.type.value,
+            "parent": names.links[joint.parent],
+            "child": names.links[joint.child],
+            **_geometry(joint),
+        }
+        for joint, name in zip(draft.joints, names.joints, strict=True)
+    ]
+    closures = [
+        {
+            "name": name,
+            "type": closure.type.value,
+            "link_a": names.links[closure.link_a],
+            "link_b": names.links[closure.link_b],
+            **_geometry(closure),
+        }
+        for closure, name in zip(draft.closures, names.closures, strict=True)
+    ]
+    return {
+        "root": names.links[draft.root],
+        "links": links,
+        "joints": joints,
+        "closures": closures,
+        "review": _reviews(draft),
+        "limits_to_fill_in": _todo(draft),
+        "notes": list(draft.notes),
+    }
+
+
+def _confidence(one: Any) -> dict[str, Any]:
+    return {"score": one.confidence.score, "evidence": list(one.confidence.evidence)}
+
+
+def _geometry(one: "DraftJoint | DraftClosure") -> dict[str, Any]:
+    direction = None if one.direction is None else list(one.direction)
+    return {"point": list(one.point), "direction": direction, **_confidence(one), "review": one.is_reviewed}
+
+
+def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbose: bool) -> list[str]:
+    mark = "  REVIEW" if one.is_reviewed else ""
+    facts = "; ".join((*([one.review] if one.review else []), *one.confidence.evidence))
+    if not verbose and len(facts) > _LONGEST_FACTS:
+        facts = f"{facts[: _LONGEST_FACTS - 1].rstrip()}…"
+    lines = [f"  {printable(name)}: {one.type}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]
+    return [*lines, f"    {printable(facts)}"] if facts else lines
+
+
+def _counts(draft: "Draft") -> str:
+    counts = [(len(draft.links), "link"), (len(draft.joints), "joint"), (len(draft.closures), "closure")]
+    return ", ".join(
+        f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count or noun != "closure"
+    )
+
+
+def _reviews(draft: "Draft") -> int:
+    """Links, joints, closures and densities that carry a mark."""
+    links = sum(not link.confidence.is_sure for link in draft.links)
+    connections = sum(one.is_reviewed for one in (*draft.joints, *draft.closures))
+    return links + connections + len(draft.without_density) + (draft.equal_density > 0.0)
+
+
+def _todo(draft: "Draft") -> int:
+    return sum(
+        joint.limits is None and joint.type in ("revolute", "prismatic") and joint.confidence.is_chosen
+        for joint in draft.joints
+    )
+
+
+def _next(draft: "Draft", sidecar: Path) -> list[str]:
+    path, reviews, todo = printable(sidecar.as_posix()), _reviews(draft), _todo(draft)
+    edits = [
+        *([f"look at {reviews} REVIEW mark{'' if reviews == 1 else 's'}"] if reviews else []),
+        *([f"fill in {todo} `limits: todo`"] if todo else []),
+    ]
+    lines = [f"edit {path}: {', '.join(edits)}"] if edits else []
+    return ["next:", *(f"  {line}" for line in (*lines, f"stepbot check --step {path}", f"stepbot convert {path}"))]

@@ -1,0 +1,118 @@
+"""``stepbot init``: a first sidecar, drafted from a STEP file."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .caching import say_trouble
+from .command import Command, display_options, json_option
+from .progress import progress_bar
+from .reading import reading_options
+from .terminal import Display, show_diagnostics, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.authoring.draft import Draft
+    from stepbot.pipeline.conversion import Options
+
+
+@click.command(
+    cls=Command,
+    short_help="Draft a sidecar from a STEP file.",
+    epilog="Example: stepbot init arm.step",
+)
+@click.argument("step", metavar="STEP", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="The sidecar to write.  [default: STEP's name with .robot.yaml, beside it]",
+)
+@click.option("--force", is_flag=True, help="Overwrite a sidecar that exists.")
+@click.option("-i", "--interactive", is_flag=True, help="Ask which link stands, and how doubtful joints move.")
+@reading_options
+@json_option
+@display_options
+def command(
+    options: "Options",
+    step: Path,
+    output: Path | None,
+    force: bool,
+    interactive: bool,
+    as_json: bool,
+    display: Display,
+) -> int:
+    """Draft a sidecar: links, joints and densities of STEP, each guess with its evidence.
+
+    Joints are the kinematic pairs that STEP states, else what its shapes and names suggest. What is doubtful is marked
+    REVIEW; limits are `todo`, since no drawing has them. The result passes `check --step` and converts as it is.
+    """
+    from stepbot.pipeline.drafting import draft_step
+
+    if interactive and as_json:
+        raise click.UsageError("--interactive asks questions, which --json has no place for; leave one of them out")
+    sidecar = output or _beside(step)
+    found = Diagnostics()
+    if sidecar.exists() and not force:
+        help = ["write another file with -o, or overwrite it with --force"]
+        found.add("SB012", "exists already, and was not overwritten", Span(sidecar.as_posix()), help=help)
+        return _told(None, sidecar, step, found, as_json=as_json, display=display)
+    with progress_bar(("read",)) as progress:
+        progress("read")
+        drafting = draft_step(step, options)
+    found.extend(drafting.diagnostics)
+    draft = drafting.draft
+    if draft is not None:
+        if interactive:
+            from .questions import asked
+
+            draft = asked(draft)
+        _write(draft, sidecar, step, found)
+    say_trouble(options.cache, found)
+    return _told(draft, sidecar, step, found, as_json=as_json, display=display)
+
+
+def _beside(step: Path) -> Path:
+    from stepbot.sidecar.starter import starter_name
+
+    return step.with_name(starter_name(step))
+
+
+def _write(draft: "Draft", sidecar: Path, step: Path, found: Diagnostics) -> None:
+    """Write the sidecar, and the schema for editors where there is none yet."""
+    from stepbot.authoring.sidecar_text import SCHEMA_FILE, sidecar_text
+    from stepbot.authoring.step_path import relative_step
+    from stepbot.runtime.file import write_file
+    from stepbot.sidecar.schema import schema_text
+
+    text = sidecar_text(draft, relative_step(step, sidecar))
+    schema = sidecar.with_name(SCHEMA_FILE)
+    write_file(sidecar, text.encode("utf-8"), found)
+    if not found.has_errors and not schema.exists():
+        write_file(schema, schema_text().encode("utf-8"), found)
+
+
+def _told(
+    draft: "Draft | None", sidecar: Path, step: Path, found: Diagnostics, *, as_json: bool, display: Display
+) -> int:
+    if as_json:
+        write_json(_document(draft, sidecar, step, found))
+        return found.exit_code
+    show_diagnostics(found, display)
+    if draft is not None and not found.has_errors and not (display.quiet or display.concise):
+        from .draft_text import draft_text
+
+        write_result(draft_text(draft, sidecar, verbose=display.verbose))
+    return found.exit_code
+
+
+def _document(draft: "Draft | None", sidecar: Path, step: Path, found: Diagnostics) -> dict[str, Any]:
+    document: dict[str, Any] = {"step": step.as_posix(), "sidecar": sidecar.as_posix()}
+    if draft is not None:
+        from .draft_text import draft_document
+
+        document |= {"written": not found.has_errors, **draft_document(draft)}
+    return {**document, "diagnostics": found, "exit_code": found.exit_code}

@@ -1,0 +1,53 @@
+"""The questions of ``stepbot init --interactive``: what decides most of a draft, and only its owner knows."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from .render import printable
+
+if TYPE_CHECKING:
+    from stepbot.authoring.draft import Draft, DraftJoint
+
+
+def asked(draft: "Draft") -> "Draft":
+    """The draft after its owner's answers; Enter keeps what was drafted."""
+    from stepbot.authoring.answers import chosen, confirmed, fixed, rerooted
+
+    root = _root(draft)
+    if root != draft.root:
+        draft = rerooted(draft, root)
+    for joint in [one for one in draft.joints if one.is_reviewed]:
+        answer = _motion(joint)
+        if answer == 0:
+            draft = confirmed(draft, joint.name)
+        elif answer <= len(joint.alternatives):
+            draft = chosen(draft, joint.name, joint.alternatives[answer - 1])
+        elif answer == len(joint.alternatives) + 1:
+            draft = fixed(draft, joint.name)
+    return draft
+
+
+def _root(draft: "Draft") -> str:
+    """Which link stands."""
+    if len(draft.links) == 1:
+        return draft.root
+    click.echo("Which link stands (the base)?", err=True)
+    return draft.links[_choice([link.name for link in draft.links])].name
+
+
+def _motion(joint: "DraftJoint") -> int:
+    """How a joint moves: 0 as drafted, then its alternatives, then fixed, then unknown."""
+    what = f"{joint.name}: how do '{joint.parts[0]}' and '{joint.parts[1]}' move ({joint.parent} -> {joint.child})?"
+    click.echo(printable(what), err=True)
+    options = [f"{joint.type} (drafted, score {joint.confidence.score:.2f})"]
+    options += [f"{one.type} (score {one.confidence.score:.2f})" for one in joint.alternatives]
+    options += ["they move as one", "leave the mark, I do not know"]
+    return _choice(options, default=len(options) - 1)
+
+
+def _choice(options: list[str], default: int = 0) -> int:
+    for number, option in enumerate(options, 1):
+        click.echo(f"  {number}  {printable(option)}", err=True)
+    answer: int = click.prompt("number", type=click.IntRange(1, len(options)), default=default + 1, err=True)
+    return answer - 1

@@ -1,0 +1,119 @@
+"""A draft corrected by what its owner says of it: which link stands, how a joint moves, that it does not."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from stepbot.geometry.spatial import Vector3
+from stepbot.robot.model import JointKind
+
+from .draft import Alternative, Confidence, Draft, DraftJoint, OriginForm, OriginSnippet
+from .origin_text import z_along
+
+STATED = "stated by the owner"
+
+
+def rerooted(draft: Draft, root: str) -> Draft:
+    """The same robot standing on another link: joints between the two are turned round, with the same positions.
+
+    Raises:
+        KeyError: There is no such link.
+    """
+    by_name = {link.name: link for link in draft.links}
+    chosen = by_name.pop(root)
+    above = {joint.child: joint for joint in draft.joints}
+    turned: dict[str, DraftJoint] = {}
+    at = root
+    while at in above:
+        joint = above[at]
+        turned[joint.name] = _turned_round(joint)
+        at = joint.parent
+    joints = tuple(_ordered(root, tuple(turned.get(joint.name, joint) for joint in draft.joints)))
+    return replace(draft, root=root, links=(chosen, *by_name.values()), joints=joints)
+
+
+def chosen(draft: Draft, joint: str, alternative: Alternative) -> Draft:
+    """The draft with another reading of a joint in its place, which needs no review any more."""
+
+    def pick(one: DraftJoint) -> DraftJoint:
+        if one.name != joint:
+            return one
+        sure = Confidence(1.0, (STATED, *alternative.confidence.evidence))
+        others = tuple(other for other in one.alternatives if other is not alternative)
+        picked = replace(one, type=alternative.type, confidence=sure, alternatives=others, review="", limits=None)
+        if alternative.point is None or (alternative.point, alternative.direction) == (one.point, one.direction):
+            return picked
+        rpy = (0.0, 0.0, 0.0) if alternative.direction is None else z_along(alternative.direction)
+        return replace(
+            picked,
+            origin=OriginSnippet(OriginForm.XYZ, xyz=alternative.point, rpy=rpy),
+            axis="z",
+            point=alternative.point,
+            direction=alternative.direction,
+        )
+
+    return replace(draft, joints=tuple(pick(one) for one in draft.joints))
+
+
+def confirmed(draft: Draft, joint: str) -> Draft:
+    """The draft with a joint that its owner agrees with."""
+
+    def sure(one: DraftJoint) -> DraftJoint:
+        if one.name != joint:
+            return one
+        return replace(one, confidence=Confidence(1.0, (STATED, *one.confidence.evidence)), review="")
+
+    return replace(draft, joints=tuple(sure(one) for one in draft.joints))
+
+
+def fixed(draft: Draft, joint: str) -> Draft:
+    """The draft with a joint that does not move; what was taken for its motion stays as an alternative."""
+
+    def still(one: DraftJoint) -> DraftJoint:
+        if one.name != joint:
+            return one
+        other = Alternative(one.type, *one.parts, one.confidence, one.point, one.direction)
+        return replace(
+            one,
+            type=JointKind.FIXED,
+            confidence=Confidence(1.0, (STATED,)),
+            alternatives=(other, *one.alternatives),
+            review="",
+            limits=None,
+        )
+
+    return replace(draft, joints=tuple(still(one) for one in draft.joints))
+
+
+def _turned_round(joint: DraftJoint) -> DraftJoint:
+    """The same motion with parent and child exchanged: the same positions, about the opposite axis."""
+    direction = None if joint.direction is None else _opposite(joint.direction)
+    axis2 = None if joint.axis2 is None else _opposite_axis(joint.axis2)
+    direction2 = None if joint.direction2 is None else _opposite(joint.direction2)
+    turned = replace(
+        joint, parent=joint.child, child=joint.parent, axis=_opposite_axis(joint.axis), direction=direction
+    )
+    if joint.type is JointKind.UNIVERSAL and axis2 is not None and turned.direction is not None:
+        # Seen from the other side, the second axis comes first.
+        return replace(turned, axis=axis2, axis2=turned.axis, direction=direction2, direction2=turned.direction)
+    return turned
+
+
+def _opposite_axis(axis: str | Vector3) -> str | Vector3:
+    if isinstance(axis, str):
+        return axis.removeprefix("-") if axis.startswith("-") else f"-{axis}"
+    return _opposite(axis)
+
+
+def _opposite(v: Vector3) -> Vector3:
+    return (0.0 - v[0], 0.0 - v[1], 0.0 - v[2])
+
+
+def _ordered(root: str, joints: tuple[DraftJoint, ...]) -> Iterator[DraftJoint]:
+    """Joints from the root down, a parent's before those of its children."""
+    waiting = [root]
+    while waiting:
+        at = waiting.pop(0)
+        for joint in joints:
+            if joint.parent == at:
+                yield joint
+                waiting.append(joint.child)

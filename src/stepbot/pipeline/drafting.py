@@ -1,0 +1,66 @@
+"""A sidecar drafted from a STEP file: joints that the file states, else joints inferred from its shapes."""
+
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stepbot.authoring.densities_of import equal_density, without_density
+from stepbot.authoring.draft import Confidence, Draft, DraftLink
+from stepbot.authoring.stated_joints import draft_of_mechanism
+from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.exchange.mechanisms import Mechanism, read_mechanism
+from stepbot.step.exchange.part21 import check_step
+
+from .conversion import Options
+from .loading import Loading
+
+
+@dataclass(frozen=True, eq=False)
+class Drafting:
+    """What came of a STEP file."""
+
+    diagnostics: Diagnostics
+    draft: Draft | None = None
+    """None where errors say why."""
+    stated: bool = False
+    """Whether the joints are kinematic pairs of the file."""
+
+
+def draft_step(step: Path, options: Options) -> Drafting:
+    """Read a STEP file and draft links and joints; nothing is written.
+
+    Args:
+        step: The STEP file.
+        options: Code page, limits and cache.
+    """
+    found = Diagnostics()
+    try:
+        what = ReadOptions(encoding=options.encoding)
+        with closing(Loading(step, what, options, found)) as loading:
+            assembly = loading.assembly(found)
+            mechanism = _mechanism(step, options)
+        found.raise_if_errors()
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return Drafting(found)
+    stated = draft_of_mechanism(mechanism, assembly, step.stem) if mechanism is not None else None
+    draft = stated or _one_link(assembly, step.stem)
+    if mechanism is not None and stated is None:
+        note = "the STEP states kinematic pairs between links that are no components of it: they were not used"
+        draft = replace(draft, notes=(*draft.notes, note))
+    draft = replace(draft, without_density=without_density(assembly), equal_density=equal_density(assembly))
+    return Drafting(found, draft, stated is not None)
+
+
+def _mechanism(step: Path, options: Options) -> Mechanism | None:
+    """The kinematic pairs of a file that has been read."""
+    part21 = check_step(step, str(step), Diagnostics(), options.encoding)
+    return read_mechanism(step, part21.encoding) if part21 is not None else None
+
+
+def _one_link(assembly: Assembly, robot: str) -> Draft:
+    """A rigid robot, where nothing is known to move."""
+    count = sum(component.body >= 0 for component in assembly.components)
+    link = DraftLink("base", (), Confidence(1.0, (f"all {count} bodies",)), rest=True)
+    return Draft(robot, "base", (link,), notes=("no joint was found: all parts are one rigid link",))

@@ -1,0 +1,21 @@
+"""Writes one file: all of it or nothing."""
+
+import os
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+
+
+def write_file(path: Path, content: bytes, found: Diagnostics) -> None:
+    """Write a file, or leave what was there; an error in ``found`` (SB004) says why."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with part.open("xb") as file:
+                file.write(content)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        found.add("SB004", f"cannot be written: {error.strerror or error}", Span(path.as_posix()))

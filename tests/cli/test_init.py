@@ -1,0 +1,103 @@
+"""``stepbot init``: a drafted sidecar, what is printed of it, and what it does not overwrite."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests import parts
+from tests.unit.step.exchange.test_mechanisms import add_mechanism
+
+from .conftest import Stepbot
+
+
+@pytest.fixture
+def slider(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with a STEP file of a slider that states its kinematic pair."""
+    parts.write_slider(tmp_path / "slider.step")
+    add_mechanism(tmp_path / "slider.step")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_draft_passes_the_check_and_converts(slider: Path, stepbot: Stepbot) -> None:
+    """A pair that the STEP states becomes a joint; the sidecar passes `check --step` and converts as it is."""
+    run = stepbot("init", "slider.step")
+    assert run.code == 0, run.err
+    assert run.out.startswith("slider.robot.yaml: 2 links, 1 joint; 'holder' stands\n")
+    assert "  slide: prismatic, holder -> block, score 1.00\n" in run.out
+    assert "stepbot check --step slider.robot.yaml" in run.out
+    assert (slider / "robot-1.schema.json").read_bytes() == (stepbot("schema").out).encode()
+    checked = stepbot("check", "--step", "slider.robot.yaml", "--json")
+    assert checked.code == 0, checked.out
+    assert stepbot("convert", "slider.robot.yaml", "--no-verify").code == 0
+
+
+def test_nothing_is_overwritten_without_force(slider: Path, stepbot: Stepbot) -> None:
+    """A sidecar that is there stays, with SB012 and exit code 1, unless --force is given; a schema always stays."""
+    sidecar, schema = slider / "slider.robot.yaml", slider / "robot-1.schema.json"
+    for mine in (sidecar, schema):
+        mine.write_text("mine", encoding="utf-8")
+    run = stepbot("init", "slider.step")
+    assert run.code == 1
+    assert "error[SB012]" in run.err
+    assert sidecar.read_text(encoding="utf-8") == "mine"
+    assert stepbot("init", "slider.step", "--force").code == 0
+    assert sidecar.read_text(encoding="utf-8").startswith("# yaml-language-server")
+    assert schema.read_text(encoding="utf-8") == "mine"
+
+
+def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Stepbot) -> None:
+    """-o makes its folder, and `step` is relative to it; the same input gives the same bytes."""
+    for name in ("first", "second"):
+        assert stepbot("init", "slider.step", "-o", f"{name}/a.robot.yaml").code == 0
+    text = (slider / "first" / "a.robot.yaml").read_bytes()
+    assert b"step: ../slider.step\n" in text or b'step: "../slider.step"\n' in text
+    assert text == (slider / "second" / "a.robot.yaml").read_bytes()
+    assert stepbot("check", "--step", "first/a.robot.yaml").code == 0
+
+
+@pytest.mark.usefixtures("slider")
+def test_json_has_links_joints_and_what_is_left_to_do(stepbot: Stepbot) -> None:
+    """A script gets the draft with scores and evidence, and how much of it is open."""
+    run = stepbot("init", "slider.step", "--json")
+    document = json.loads(run.out)
+    assert (run.code, document["exit_code"], document["written"]) == (0, 0, True)
+    (joint,) = document["joints"]
+    assert (joint["type"], joint["parent"], joint["child"], joint["score"]) == ("prismatic", "holder", "block", 1.0)
+    assert document["limits_to_fill_in"] == 1
+    assert document["root"] == "holder"
+
+
+@pytest.mark.parametrize("step", ["nowhere.step", "notes.step"])
+def test_file_that_is_no_step_writes_nothing(
+    step: str, tmp_path: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A missing file and a text are findings, and no sidecar is left behind."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "notes.step").write_text("hello", encoding="utf-8")
+    run = stepbot("init", step)
+    assert run.code in (1, 2)
+    assert "error[SB" in run.err
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.step"]
+
+
+def test_folder_that_cannot_be_written_is_a_finding(slider: Path, stepbot: Stepbot) -> None:
+    """Where a file takes the place of the folder, SB004 says so."""
+    (slider / "file").write_text("", encoding="utf-8")
+    run = stepbot("init", "slider.step", "-o", "file/a.robot.yaml")
+    assert run.code in (1, 2)
+    assert "error[SB004]" in run.err
+
+
+def test_interactive_asks_which_link_stands(slider: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The answer turns the tree round; questions go to standard error and Enter keeps the draft."""
+    import io
+
+    monkeypatch.setattr("sys.stdin", io.StringIO("2\n"))
+    run = stepbot("init", "slider.step", "--interactive")
+    assert run.code == 0, run.err
+    assert "Which link stands" in run.err
+    assert "  slide: prismatic, block -> holder, score 1.00\n" in run.out
+    assert stepbot("check", "--step", "slider.robot.yaml").code == 0
+    assert stepbot("init", "slider.step", "-i", "--json").code == 2
