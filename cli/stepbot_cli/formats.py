@@ -28,19 +28,19 @@ def command(as_json: bool) -> int:
         aliases = f", also called {', '.join(writer.ALIASES)}" if writer.ALIASES else ""
         write_result(f"{name:<6} {writer.TITLE}, <robot>{writer.SUFFIX}{aliases}")
         for level, title in ((Level.LOWERED, "said by other means"), (Level.REPORTED, "left out, and reported")):
-            notions = [notion.value for notion, support in writer.EXPRESSES.items() if support.level is level]
-            if notions:
-                write_result(f"       {title}: {'; '.join(notions)}")
+            features = [feature.value for feature, support in writer.EXPRESSES.items() if support.level is level]
+            if features:
+                write_result(f"       {title}: {'; '.join(features)}")
     return 0
 
 
 def _described(writer: "Writer") -> dict[str, object]:
     """A format as JSON."""
-    notions = {notion.value: {"level": s.level.value, "how": s.how} for notion, s in writer.EXPRESSES.items()}
+    features = {feature.value: {"level": s.level.value, "how": s.how} for feature, s in writer.EXPRESSES.items()}
     return {
         "name": writer.NAME,
         "title": writer.TITLE,
         "suffix": writer.SUFFIX,
         "aliases": list(writer.ALIASES),
-        "notions": notions,
+        "notions": features,
     }

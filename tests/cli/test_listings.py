@@ -19,7 +19,7 @@ def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
 
 
 def test_formats_as_json(stepbot: Stepbot) -> None:
-    """Scripts get every notion with its level."""
+    """Scripts get every feature with its level."""
     document = json.loads(stepbot("formats", "--json").out)
     (urdf,) = [one for one in document["formats"] if one["name"] == "urdf"]
     assert urdf["suffix"] == ".urdf"

@@ -10,7 +10,7 @@ from lxml import etree
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS, render
 from stepbot.formats.lowering import lower
-from stepbot.formats.lowering.rerooted_loops import recut_loops
+from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import link_poses
 from tests.robots import ROBOTS
@@ -38,7 +38,7 @@ def _constraints(top: Any) -> list[tuple[str, list[float], str, list[float]]]:
 @pytest.mark.parametrize("name", LOOPS)
 def test_constraints_hold_wherever_the_loops_close(name: str) -> None:
     """Both points of every constraint are in one place over the whole range; there are as many as each kind takes."""
-    robot = recut_loops(lower(ROBOTS[name](), FORMATS["sdf"], Diagnostics()))
+    robot = reroot_loops(lower(ROBOTS[name](), FORMATS["sdf"], Diagnostics()))
     top = etree.fromstring(_files(name)[f"{robot.name}.drake.sdf"])
     constraints = _constraints(top)
     assert len(constraints) == sum(POINTS[closure.kind] for closure in robot.closures)

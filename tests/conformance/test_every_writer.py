@@ -91,7 +91,7 @@ def test_every_name_is_in_the_file(name: str, format_: str) -> None:
     said |= {closure.name for closure in robot.closures}
     if format_ != "sdf":  # its plugins know drives by their joints
         said |= {actuator.name for actuator in robot.actuators}
-    if format_ == "mjcf":  # names no fixed joint, and all that a joint of several freedoms consists of
+    if format_ == "mjcf":  # names no fixed joint, and all that a multi-dof joint consists of
         said |= {step.name for steps in steps_by_child(robot).values() for step in steps if step.kind != "fixed"}
     else:
         said |= {joint.name for joint in robot.joints}

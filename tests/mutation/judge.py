@@ -133,8 +133,8 @@ class Judge:
         except Exception as error:  # noqa: BLE001 - in verify, too, an engine that fails fails its check
             return f"fails: {type(error).__name__}: {str(error)[:100]}"
         for one in compare(self._expected, observation):
-            if one.gauge.failures and not one.not_run:
-                return f"{one.quantity.value}: {str(one.gauge.failures[0])[:100]}"
+            if one.deviations.failures and not one.not_run:
+                return f"{one.quantity.value}: {str(one.deviations.failures[0])[:100]}"
         return ""
 
 

@@ -20,7 +20,7 @@ from stepbot.engines.workers import Fate, Outcome
 from stepbot.robot.model import Robot
 from stepbot.verification.compare import compare
 from stepbot.verification.files import ask, judge
-from stepbot.verification.probe import Scout
+from stepbot.verification.probe import Probe
 from tests.simulators.conftest import Folder, write
 
 from .changes import Change, changes
@@ -102,7 +102,7 @@ class Siblings:
         """The first error that `stepbot verify` reports of the files, where some are others; empty where none."""
         formats = {changed.get(name, path): name for name, path in self.files.items()}
         found = Diagnostics()
-        asked = ask(formats, Scout(self._scouted), count=CONFIGURATIONS, seconds=0.0)
+        asked = ask(formats, Probe(self._probed), count=CONFIGURATIONS, seconds=0.0)
         outcomes = [
             self._outcome(key, engine, request)
             for key, request in asked.requests.items()
@@ -119,8 +119,8 @@ class Siblings:
             if outcome.fate in (Fate.REFUSED, Fate.BROKEN):
                 return f"{engine.NAME}: {outcome.fate}"
             for one in compare(self._expected[written_in], outcome.observation) if outcome.observation else ():
-                if one.gauge.failures and not one.not_run:
-                    return f"{engine.NAME}: {one.quantity.value}: {str(one.gauge.failures[0])[:200]}"
+                if one.deviations.failures and not one.not_run:
+                    return f"{engine.NAME}: {one.quantity.value}: {str(one.deviations.failures[0])[:200]}"
         return ""
 
     def _outcome(self, key: str, engine: Engine, request: Request) -> Outcome:
@@ -138,7 +138,7 @@ class Siblings:
         except Exception as error:  # noqa: BLE001 - in verify, too, an engine that fails fails its check
             return outcome(Fate.BROKEN, reason=f"{type(error).__name__}: {error}")
 
-    def _scouted(self, engine: Engine, request: Request) -> Observation | None:
+    def _probed(self, engine: Engine, request: Request) -> Observation | None:
         return self._outcome("", engine, request).observation
 
     def _observe(self, engine: Engine, request: Request) -> Observation:

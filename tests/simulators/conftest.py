@@ -74,4 +74,4 @@ def look(engine: str, request: Request) -> Observation:
 
 def failures(expected: Observation, observed: Observation) -> set[Quantity]:
     """The quantities in which an observation is not what is expected."""
-    return {one.quantity for one in compare(expected, observed) if one.gauge.failures and not one.not_run}
+    return {one.quantity for one in compare(expected, observed) if one.deviations.failures and not one.not_run}

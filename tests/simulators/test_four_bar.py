@@ -107,7 +107,7 @@ def test_a_loop_without_its_constraint_does_not_follow(folder: Folder, tmp_path:
     request = folder.request("mjcf")
     observed = look("mujoco", Request(**{**request.__dict__, "file": str(path)}))
     results = {str(one.quantity): one for one in compare(folder.expected("mjcf"), observed)}
-    assert [str(failure) for failure in results["closures"].gauge.failures] == ["closure 'rocker_pin' is missing"]
+    assert [str(failure) for failure in results["closures"].deviations.failures] == ["closure 'rocker_pin' is missing"]
 
 
 def test_the_loop_closes_in_the_reference_too() -> None:

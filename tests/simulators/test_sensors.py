@@ -107,7 +107,7 @@ def test_a_camera_looks_along_x_with_z_up(tmp_path: Path) -> None:
     "name", [name for name in ("ball", "universal", "screw", "floating", "planar") if name in ROBOTS]
 )
 def test_joints_of_every_kind_can_be_measured(name: str, tmp_path: Path) -> None:
-    """A sensor on a joint of several freedoms is read back as one, on that joint."""
+    """A sensor on a multi-dof joint is read back as one, on that joint."""
     robot = ROBOTS[name]()
     moving = [joint for joint in robot.joints if joint.kind.value == name]
     sensors = tuple(Sensor(f"encoder_{i}", SensorKind.JOINT, j.child, Pose(), j.name) for i, j in enumerate(moving))

@@ -1,11 +1,15 @@
 """Assembly and sidecar become a robot, free of any format.
 
-matter    what each component is made of        frames    where each origin is, as drawn
-claims    which link each component is in       evidence  what speaks for a line that was found
-                                                joints    joints, closures, the table of both
-weigh     whose volume, com and inertia counts  devices   named frames, drives, sensors
-masses    what each component weighs            links     mass properties, visuals, collisions
-                                                overlaps  what is weighed twice
+material_assignment  density, colour and collision of each component
+claims               the link of each component
+weigh                mass properties of each body: exact or from its mesh
+masses               mass of each component
+overlaps             mass that overlapping solids count twice
+frames               origin of each joint and frame, as drawn
+evidence             the faces that an origin was found by
+joints               joints, closures, the joint table
+devices              named frames, actuators, sensors
+links                mass properties, visuals, collisions
 """
 
 from collections.abc import Callable, Sequence
@@ -28,7 +32,7 @@ from .frames import Frames
 from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
 from .masses import masses
-from .material_assignment import matters
+from .material_assignment import assign_materials
 from .unsupported import report_unsupported
 from .weigh import Weighing, report_weighing, report_weightless, weigh
 
@@ -67,8 +71,8 @@ def build_robot(
     binder = Binder(assembly, sidecar, found)
     report_unsupported(binder)
     root, order = tree_order(document)
-    matter = matters(binder)
-    claims = claim(binder, matter.of)
+    materials = assign_materials(binder)
+    claims = claim(binder, materials.of)
     frames = Frames(binder, claims, root)
     joints = build_joints(binder, frames, order)
     closures = build_closures(binder, frames)
@@ -76,8 +80,8 @@ def build_robot(
     sensors = build_sensors(binder, frames)
 
     weighings = weigh(assembly, measures(), document.mass)
-    weighed = masses(binder, matter, weighings)
-    links = Links(binder, claims, matter.of, weighed, weighings)
+    weighed = masses(binder, materials, weighings)
+    links = Links(binder, claims, materials.of, weighed, weighings)
     links.report_unknown_masses()
     _report_bodies(binder, claims, weighings)
     binder.report_fragile()
@@ -107,7 +111,7 @@ def build_robot(
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
     """For each link the indices of the components whose bodies it has; what does not bind is reported in ``found``."""
     binder = Binder(assembly, sidecar, found)
-    claims = claim(binder, matters(binder).of)
+    claims = claim(binder, assign_materials(binder).of)
     return {link: claims.parts_of(link) for link in sidecar.document.links}
 
 

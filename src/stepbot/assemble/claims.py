@@ -12,7 +12,7 @@ from stepbot.step.assembly import BodyKind
 from stepbot.step.structure.paths import inherited, quoted
 
 from .binder import Binder, listed
-from .material_assignment import Matter
+from .material_assignment import MaterialAssignment
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Claims:
         return tuple(index for index, name in enumerate(self.link_of) if name == link)
 
 
-def claim(binder: Binder, of: Sequence[Matter]) -> Claims:
+def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
     """Give every component with a body to a link, and report what goes to none or to two."""
     components, document = binder.assembly.components, binder.document
     claimed, named, incomplete = _named_by_links(binder)
@@ -37,7 +37,8 @@ def claim(binder: Binder, of: Sequence[Matter]) -> Claims:
     nearest = inherited(components, claimed, rest)
     takeable = [_can_be_taken(binder, index) for index in range(len(components))]
     link_of = tuple(
-        name if takes and not matter.ignored else "" for name, takes, matter in zip(nearest, takeable, of, strict=True)
+        name if takes and not assignment.ignored else ""
+        for name, takes, assignment in zip(nearest, takeable, of, strict=True)
     )
     for (link, position), indices in named.items():
         below = binder.paths.below(indices)
@@ -85,7 +86,9 @@ def _can_be_taken(binder: Binder, index: int) -> bool:
     return body >= 0 and binder.assembly.bodies[body].kind is not BodyKind.WIRE
 
 
-def _report_empty_claim(binder: Binder, link: str, position: int, below: list[int], of: Sequence[Matter]) -> None:
+def _report_empty_claim(
+    binder: Binder, link: str, position: int, below: list[int], of: Sequence[MaterialAssignment]
+) -> None:
     bodies = [index for index in below if _can_be_taken(binder, index)]
     if not bodies:
         why = "it holds no body"

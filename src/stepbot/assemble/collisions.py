@@ -19,7 +19,7 @@ from stepbot.step.structure.paths import quoted
 from .assets import MeshAssets
 from .binder import Binder, listed
 from .enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
-from .material_assignment import Matter
+from .material_assignment import MaterialAssignment
 
 _Placed = tuple[Geometry, Pose]
 
@@ -29,7 +29,7 @@ class Placed:
     """A component of a link."""
 
     index: int
-    matter: Matter
+    material: MaterialAssignment
     X_LC: Pose
 
 
@@ -49,7 +49,7 @@ class Collisions:
         placed: list[_Placed] = []
         whole: list[Placed] = []
         for part in parts:
-            own = part.matter.collision or shape
+            own = part.material.collision or shape
             if own is None:
                 whole.append(part)
             else:

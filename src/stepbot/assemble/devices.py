@@ -1,4 +1,4 @@
-"""What is mounted on the robot: named frames, drives and sensors."""
+"""What is mounted on the robot: named frames, actuators and sensors."""
 
 from math import inf, pi
 
@@ -28,7 +28,7 @@ def build_frames(binder: Binder, frames: Frames) -> tuple[Frame, ...] | None:
 
 
 def build_actuators(document: Document) -> tuple[Actuator, ...]:
-    """The drives in the sidecar's order."""
+    """The actuators in the sidecar's order."""
     return tuple(
         Actuator(name, drive.joint, drive.kind, drive.kp.value, drive.kv.value, drive.gear, limit=_limit(drive.limits))
         for name, drive in document.actuators.items()

@@ -17,7 +17,7 @@ from .claims import Claims
 from .collisions import Collisions, Placed
 from .joints import tidy
 from .masses import PartMass
-from .material_assignment import Matter
+from .material_assignment import MaterialAssignment
 from .visuals import visuals
 from .weigh import Weighing
 
@@ -29,7 +29,7 @@ class Links:
         self,
         binder: Binder,
         claims: Claims,
-        of: Sequence[Matter],
+        of: Sequence[MaterialAssignment],
         masses: Mapping[int, PartMass],
         weighings: Sequence[Weighing],
     ) -> None:

@@ -13,7 +13,7 @@ from stepbot.geometry.sums import exact_sum
 from stepbot.step.structure.paths import subtree_ends
 
 from .binder import Binder
-from .material_assignment import GivenMass, Matters
+from .material_assignment import GivenMass, MaterialAssignments
 from .weigh import Weighing
 
 _EQUAL = 1e-9
@@ -33,28 +33,28 @@ class PartMass:
     """For people: ``parts rule '**/M3*'``, ``STEP``, ``defaults``; empty where the mass is not known."""
 
 
-def masses(binder: Binder, matters: Matters, weighings: Sequence[Weighing]) -> dict[int, PartMass]:
+def masses(binder: Binder, materials: MaterialAssignments, weighings: Sequence[Weighing]) -> dict[int, PartMass]:
     """Mass of every component that has a volume and is not ignored, by index."""
     computed: dict[int, PartMass] = {}
     for component in binder.assembly.components:
-        matter = matters.of[component.index]
+        assignment = materials.of[component.index]
         properties = weighings[component.body].properties if component.body >= 0 else None
-        if properties is not None and not matter.ignored:
-            mass = matter.density * properties.volume
-            computed[component.index] = PartMass(mass, matter.density, properties.volume, matter.density_origin)
-    return _Sharing(binder, matters, computed).settle()
+        if properties is not None and not assignment.ignored:
+            mass = assignment.density * properties.volume
+            computed[component.index] = PartMass(mass, assignment.density, properties.volume, assignment.density_origin)
+    return _Sharing(binder, materials, computed).settle()
 
 
 class _Sharing:
     """Shares given masses among the components below them."""
 
-    def __init__(self, binder: Binder, matters: Matters, computed: dict[int, PartMass]) -> None:
+    def __init__(self, binder: Binder, materials: MaterialAssignments, computed: dict[int, PartMass]) -> None:
         self._binder = binder
-        self._matters = matters
+        self._materials = materials
         self._computed = computed
         self._ends = subtree_ends(binder.assembly.components)
         self._empty: dict[str, int] = {}
-        self._given = {index: given for index, given in sorted(matters.given.items()) if self._has_volume(index)}
+        self._given = {index: given for index, given in sorted(materials.given.items()) if self._has_volume(index)}
         self._indices = list(self._given)
         self._result = dict(computed)
 
@@ -101,15 +101,15 @@ class _Sharing:
         below = range(index, self._ends[index])
         if any(i in self._computed for i in below):
             return True
-        if any(self._binder.assembly.components[i].body >= 0 and not self._matters.of[i].ignored for i in below):
-            pattern = self._matters.given[index].pattern
+        if any(self._binder.assembly.components[i].body >= 0 and not self._materials.of[i].ignored for i in below):
+            pattern = self._materials.given[index].pattern
             if index < self._empty.get(pattern, 0):
                 return False  # it was told of what holds this one
             self._empty[pattern] = self._ends[index]
             self._binder.report(
                 "SB503",
                 ("parts", pattern, "mass"),
-                f"'{self._binder.path(index)}' has no volume that could weigh {self._matters.given[index].mass:g} kg",
+                f"'{self._binder.path(index)}' has no volume that could weigh {self._materials.given[index].mass:g} kg",
                 help=(
                     "give its link an `inertial` with mass, com and inertia, or the mass to a component with solids",
                 ),

@@ -19,7 +19,7 @@ from .binder import Binder, listed
 
 
 @dataclass(frozen=True)
-class Matter:
+class MaterialAssignment:
     """What is known of one component."""
 
     ignored: bool = False
@@ -46,16 +46,16 @@ class GivenMass:
 
 
 @dataclass(frozen=True)
-class Matters:
+class MaterialAssignments:
     """What the sidecar says of all components."""
 
-    of: tuple[Matter, ...]
+    of: tuple[MaterialAssignment, ...]
     """One for each component."""
     given: dict[int, GivenMass]
     """Masses by component; one may lie below another."""
 
 
-def matters(binder: Binder) -> Matters:
+def assign_materials(binder: Binder) -> MaterialAssignments:
     """Apply every rule of ``parts`` to the components that it names."""
     document, components = binder.document, binder.assembly.components
     rules = list(document.parts.items())
@@ -72,7 +72,7 @@ def matters(binder: Binder) -> Matters:
             for index in named:
                 given.setdefault(index, GivenMass(rule.mass, pattern))
     found = tuple(
-        _matter(
+        _assignment(
             component,
             {field: rules[row[component.index]] for field, row in first.items() if row[component.index] >= 0},
             document,
@@ -81,7 +81,7 @@ def matters(binder: Binder) -> Matters:
     )
     _warn_of_uniform_density(binder, found)
     _note_unlisted_materials(binder, found)
-    return Matters(found, given)
+    return MaterialAssignments(found, given)
 
 
 def default_color(document: Document) -> Rgba | None:
@@ -110,10 +110,10 @@ _SETS: dict[str, Callable[[PartRule, Document], bool]] = {
 }
 
 
-def _matter(component: Component, rules: dict[str, tuple[str, PartRule]], document: Document) -> Matter:
-    """Matter of a component, from the rule that counts for each field."""
+def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], document: Document) -> MaterialAssignment:
+    """MaterialAssignment of a component, from the rule that counts for each field."""
     density, origin = _density(component, rules.get("density"), document)
-    return Matter(
+    return MaterialAssignment(
         ignored="ignore" in rules and rules["ignore"][1].ignore,
         density=density,
         density_origin=origin,
@@ -137,7 +137,7 @@ def _density(component: Component, named: tuple[str, PartRule] | None, document:
     return (default, "defaults") if default is not None else (0.0, "")
 
 
-def _warn_of_uniform_density(binder: Binder, found: tuple[Matter, ...]) -> None:
+def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:
     """Warn where the STEP's density is used and is the same on every definition."""
     assembly = binder.assembly
     solids = [c for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind is not BodyKind.SURFACE]
@@ -155,7 +155,7 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[Matter, ...]) -> None:
         )
 
 
-def _note_unlisted_materials(binder: Binder, found: tuple[Matter, ...]) -> None:
+def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:
     """Tell of materials in the STEP whose parts weigh what the defaults say, because nothing gives their density."""
     document, components = binder.document, binder.assembly.components
     unlisted: dict[str, list[int]] = {}

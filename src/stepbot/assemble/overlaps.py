@@ -13,7 +13,7 @@ from stepbot.geometry.solids.box_pairs import box_pairs, moved_boxes
 from stepbot.geometry.solids.manifolds import TOUCHING
 from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
 from stepbot.geometry.spatial import Pose
-from stepbot.runtime.cache import Cache, Digest, Shelf, environment
+from stepbot.runtime.cache import Cache, Digest, TypedCache, environment
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
 from stepbot.step.assembly import Assembly
 
@@ -61,9 +61,9 @@ class OverlapSearch:
         bodies = {index: assembly.bodies[assembly.components[index].body] for index in masses}
         seen = {index for index, body in bodies.items() if len(body.mesh.faces)}  # SB601 says which have none
         weighed = {link: [index for index in indices if index in seen] for link, indices in parts.items()}
-        self._shelf = Shelf(cache, FoundOverlaps)
+        self._results = TypedCache(cache, FoundOverlaps)
         self._key = _key(assembly, weighed, masses, max_faces) if cache is not None else ""
-        self._known = self._shelf.get(self._key) if self._key else None
+        self._known = self._results.get(self._key) if self._key else None
         self._process: Worker | None = None
         if self._known is None:
             self._search = _search(assembly, weighed, masses, max_faces)
@@ -79,7 +79,7 @@ class OverlapSearch:
         if self._known is None:
             found = overlaps_of(self._search) if self._process is None else self._process.result(timeout)
             self._known = FoundOverlaps(found)
-            self._shelf.put(self._key, self._known)
+            self._results.put(self._key, self._known)
         return self._known.by_link
 
 

@@ -24,11 +24,11 @@ def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Place
     found = []
     for part in parts:
         component = assembly.components[part.index]
-        if part.matter.visual is False or (part.matter.visual is None and not drawn):
+        if part.material.visual is False or (part.material.visual is None and not drawn):
             continue
         if not len(assembly.bodies[component.body].mesh.faces):
             continue
-        groups = assets.by_color(component.body, component, part.matter.color, default)
+        groups = assets.by_color(component.body, component, part.material.color, default)
         found += [(group, part.X_LC) for group in groups]
     return tuple(
         Visual(f"{link}_visual_{i}", group.geometry, X_LG, group.rgba) for i, (group, X_LG) in enumerate(found, start=1)

@@ -1,8 +1,8 @@
 """A draft from the kinematic pairs that a STEP file states: no joint is inferred, and each has score 1.
 
-What a file may leave open is marked: which components a link is made of, and which way a pair moves whose freedoms are
-not written. A pair's placements are in the frames of its links' components; files that give them in the frame of the
-assembly are told by both placements having one axis there.
+What a file leaves open is marked: the components of a link, and the degrees of freedom of a pair. A pair's placements
+are in the frames of its links' components; in files that give them in the frame of the assembly, both placements have
+one axis there.
 """
 
 from collections.abc import Iterable, Sequence
@@ -228,7 +228,7 @@ def _placed(
 
 
 _SURE_WITHOUT_FLAGS = ("REVOLUTE_PAIR", "SPHERICAL_PAIR", "CYLINDRICAL_PAIR", "SCREW_PAIR", "FULLY_CONSTRAINED_PAIR")
-"""Kinds whose freedoms need no flags: about z, and along it, or all of them or none."""
+"""Kinds whose degrees of freedom need no flags: about z, and along it, or all of them or none."""
 
 
 def _agree(first: Pose, second: Pose, axis: Array) -> bool:
@@ -242,9 +242,9 @@ def _agree(first: Pose, second: Pose, axis: Array) -> bool:
 
 
 def _kind(pair: KinematicPair) -> tuple[JointKind, Array, Array]:
-    """The kind of joint that some freedoms make, with its axis and second axis in the placement."""
-    slides = [f for f in pair.freedoms if f < 3]
-    turns = [f - 3 for f in pair.freedoms if f >= 3]
+    """The kind of joint that some degrees of freedom make, with its axis and second axis in the placement."""
+    slides = [f for f in pair.dofs if f < 3]
+    turns = [f - 3 for f in pair.dofs if f >= 3]
     none = np.zeros(3)
     z = np.eye(3)[2]
     if pair.kind == "SCREW_PAIR":

@@ -173,10 +173,10 @@ class ObservedClosure:
 
 @dataclass(frozen=True)
 class ObservedActuator:
-    """A drive as an engine or parser sees it; bounds are infinite where there are none, None where it does not tell."""
+    """An actuator as an engine or parser reports it; bounds are infinite where there are none, None if not reported."""
 
     name: str
-    """Empty where the format has no names for drives."""
+    """Empty where the format has no names for actuators."""
     joint: str
     kind: str
     """An :class:`stepbot.robot.model.ActuatorKind` value, or other words for anything else."""
@@ -185,14 +185,14 @@ class ObservedActuator:
     gear: float | None = 1.0
     """None where the format has no gears: gains and bounds are those at the joint."""
     control: tuple[float, float] | None = None
-    """Lowest and highest input, at the drive."""
+    """Lowest and highest input, at the actuator."""
     force: tuple[float, float] | None = None
-    """Lowest and highest force [N m or N], at the drive."""
+    """Lowest and highest force [N m or N], at the actuator."""
 
 
 @dataclass(frozen=True)
 class ObservedSensor:
-    """A sensor as an engine or parser sees it; None where it does not tell, or the kind of sensor has none."""
+    """A sensor as an engine or parser reports it; None if not reported, or if the kind of sensor has none."""
 
     name: str
     """Empty where the format has no names for such sensors."""
@@ -241,7 +241,7 @@ class Observation:
     sensors: tuple[ObservedSensor, ...] | None = None
     initial: Mapping[str, float] | None = None
     """The pose [rad], [m] in which the file says that the robot starts."""
-    untouching: tuple[tuple[str, str], ...] | None = None
+    excluded_pairs: tuple[tuple[str, str], ...] | None = None
     """Pairs of links that have something to touch with, and never touch each other; sorted."""
     missing_meshes: tuple[str, ...] = ()
     simulation_finite: bool | None = None

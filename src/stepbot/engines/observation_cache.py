@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stepbot.runtime.cache import Cache, Digest, Shelf, codec_of, environment
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 
 from . import Engine
 from .observation import Observation, Request
@@ -20,18 +20,18 @@ class Memory:
             contents: For each file, by the caller's name for it, a hash of its bytes and of all that it refers to.
         """
         self.cache = cache
-        self._shelf, self._contents = Shelf(cache, Observation), dict(contents)
+        self._results, self._contents = TypedCache(cache, Observation), dict(contents)
 
     def recall(self, key: str, engine: Engine, request: Request) -> Observation | None:
         """What this engine saw, in this version of it; None where it did not look yet."""
         entry = self._key(key, engine, request)
-        return self._shelf.get(entry) if entry is not None else None
+        return self._results.get(entry) if entry is not None else None
 
     def keep(self, key: str, engine: Engine, request: Request, observation: Observation) -> None:
         """Remember what an engine saw."""
         entry = self._key(key, engine, request)
         if entry is not None:
-            self._shelf.put(entry, observation)
+            self._results.put(entry, observation)
 
     def _key(self, key: str, engine: Engine, request: Request) -> str | None:
         if self.cache is None or key not in self._contents:

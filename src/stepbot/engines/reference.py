@@ -67,7 +67,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
         sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
         initial=initial_configuration(robot),
-        untouching=_untouching(robot),
+        excluded_pairs=_excluded_pairs(robot),
     )
 
 
@@ -92,7 +92,7 @@ def _link(robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
     )
 
 
-def _untouching(robot: Robot) -> tuple[tuple[str, str], ...]:
+def _excluded_pairs(robot: Robot) -> tuple[tuple[str, str], ...]:
     touching = {link.name for link in robot.links if link.collisions}
     return tuple(sorted((min(pair), max(pair)) for pair in neighbours(robot) if pair <= touching))
 

@@ -1,8 +1,8 @@
-"""The table of notions and formats that people read, made from what the writers declare."""
+"""The table of features and formats that people read, made from what the writers declare."""
 
 from stepbot.diagnostics.codes import CODES
 
-from .lowering import Format, Level, Notion
+from .lowering import Feature, Format, Level
 
 _HEAD = """\
 # What each format says
@@ -26,12 +26,14 @@ def mapping_page() -> str:
 
     formats = FORMATS.values()
     lines = ["| | " + " | ".join(written.TITLE for written in formats) + " |", "| --- |" + " --- |" * len(formats)]
-    lines += [f"| {notion} | " + " | ".join(_cell(written, notion) for written in formats) + " |" for notion in Notion]
+    lines += [
+        f"| {feature} | " + " | ".join(_cell(written, feature) for written in formats) + " |" for feature in Feature
+    ]
     return _HEAD + "\n" + "\n".join(lines) + "\n"
 
 
-def _cell(written: Format, notion: Notion) -> str:
-    support = written.EXPRESSES[notion]
+def _cell(written: Format, feature: Feature) -> str:
+    support = written.EXPRESSES[feature]
     if support.level is Level.EXACT:
         return f"exact: {support.how}"
     return f"**{support.level}**: {support.how} ({CODES[support.code].severity} {support.code})"

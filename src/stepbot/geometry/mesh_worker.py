@@ -15,7 +15,7 @@ from .mass_properties import measured_all
 from .solids import manifolds
 from .solids.overlapping import overlaps_of
 
-MESHWORK = "stepbot.geometry.mesh_worker:compute"
+MESH_WORKER = "stepbot.geometry.mesh_worker:compute"
 """The function that runs there; it answers one call after the other."""
 
 _TASKS: dict[str, Callable[[Any], Any]] = {"measures": measured_all, "overlaps": overlaps_of}

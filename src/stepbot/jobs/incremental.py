@@ -13,7 +13,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Options, write
 from stepbot.pipeline.prestart import started_kernel, started_server
-from stepbot.runtime.cache import Cache, Digest, Shelf, environment, file_digest, own_code
+from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, own_code
 from stepbot.runtime.output import check_writable
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
@@ -82,7 +82,7 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
     geometry = file_digest(step) if step is not None else None
     if step is None or geometry is None:
         return None
-    return Shelf(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
+    return TypedCache(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
 
 
 def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, options: Options) -> str:
@@ -103,7 +103,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
     cache = options.cache
     key = _check_key(sidecar, options, open_step)
-    kept = Shelf(cache, _Findings).get(key) if key else None
+    kept = TypedCache(cache, _Findings).get(key) if key else None
     if kept is not None:
         found.extend(kept.diagnostics)
         found.add_ignored(kept.ignored)
@@ -117,12 +117,12 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if not before or before != _content(sidecar, cache):
         return checked
     if checked.named:
-        Shelf(cache, str).put(_name_key(before), checked.named)
+        TypedCache(cache, str).put(_name_key(before), checked.named)
     # Of a sidecar on its own all that is said comes from its text; the kernel may fail for reasons that pass.
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            Shelf(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
+            TypedCache(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
     return checked
 
 
@@ -138,7 +138,7 @@ def _conversion_of(record: Record) -> Conversion:
 
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
     if conversion.named:
-        Shelf(options.cache, str).put(_name_key(content), conversion.named)
+        TypedCache(options.cache, str).put(_name_key(content), conversion.named)
     report, found = conversion.report, conversion.diagnostics
     if not conversion.geometry or report is None or found.has_errors or any(one.code == _NEVER_KEPT for one in found):
         return
@@ -148,7 +148,7 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     encoded = codec_of(Report).encode(replace(report, robot=None))
     step = options.step or sidecar.parent / conversion.named
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
-    Shelf(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded))
+    TypedCache(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded))
 
 
 def _content(sidecar: Path, cache: Cache | None) -> str:
@@ -158,7 +158,7 @@ def _content(sidecar: Path, cache: Cache | None) -> str:
 
 def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:
     """The STEP that a sidecar names, if it was read before."""
-    named = Shelf(cache, str).get(_name_key(content)) if content else None
+    named = TypedCache(cache, str).get(_name_key(content)) if content else None
     return sidecar.parent / named if named else None
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
-from stepbot.geometry.mesh_worker import MESHWORK, report_death
+from stepbot.geometry.mesh_worker import MESH_WORKER, report_death
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.runtime.cache import Cache, Digest, Shelf, codec_of, environment, file_digest
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment, file_digest
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.step.assembly import Assembly, ReadOptions
 from stepbot.step.reader import Reading, start_reading
@@ -54,7 +54,7 @@ class Loading:
         self._memory = _Memory(options.cache, step, what)
         self._known = self._memory.recall()
         self._reading: Reading | None = None
-        self._meshwork: Worker | None = None
+        self._mesh_worker: Worker | None = None
         if self._known is not None:
             self._told.extend(self._known.diagnostics)
         else:
@@ -63,7 +63,7 @@ class Loading:
                 self._reading.finish(found)
                 found.raise_if_errors()
             # It imports while the kernel works; this process needs no trimesh at all.
-            self._meshwork = Worker(MESHWORK, memory_limit=options.memory_limit)
+            self._mesh_worker = Worker(MESH_WORKER, memory_limit=options.memory_limit)
 
     def assembly(self, found: Diagnostics) -> Assembly:
         """Wait for the assembly, whose bodies are measured from then on; what there is to say goes to ``found``.
@@ -84,9 +84,9 @@ class Loading:
         return self._known.measures
 
     @property
-    def meshwork(self) -> Worker | None:
+    def mesh_worker(self) -> Worker | None:
         """The process that has measured, for other work on meshes; None where the geometry was known."""
-        return self._meshwork
+        return self._mesh_worker
 
     @property
     def content(self) -> str:
@@ -95,23 +95,23 @@ class Loading:
 
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
-        for running in (self._reading, self._meshwork):
+        for running in (self._reading, self._mesh_worker):
             if running is not None:
                 running.close()
 
     def _read(self) -> Assembly | None:
         assert self._reading is not None  # else the geometry is known
-        assert self._meshwork is not None
+        assert self._mesh_worker is not None
         self._assembly = self._reading.finish(self._told, timeout=self._timeout)
         if self._assembly is not None:
-            self._meshwork.submit("measures", tuple(body.mesh for body in self._assembly.bodies), more=True)
+            self._mesh_worker.submit("measures", tuple(body.mesh for body in self._assembly.bodies), more=True)
         return self._assembly
 
     def _measured(self, found: Diagnostics) -> Geometry:
-        assert self._meshwork is not None  # else the geometry is known
+        assert self._mesh_worker is not None  # else the geometry is known
         assert self._assembly is not None  # it was waited for
         try:
-            geometry = Geometry(self._assembly, self._meshwork.result(self._timeout), tuple(self._told))
+            geometry = Geometry(self._assembly, self._mesh_worker.result(self._timeout), tuple(self._told))
         except WorkerDied as death:
             report_death(death, "measures the meshes", Span(str(self._step)), found)
             return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._told))
@@ -123,7 +123,7 @@ class _Memory:
     """What is kept of one file, read in one way."""
 
     def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
-        self._cache, self._shelf, self._step = cache, Shelf(cache, Geometry), step
+        self._cache, self._results, self._step = cache, TypedCache(cache, Geometry), step
         self._state = _state(step)
         self._content = file_digest(step) or ""
         asked = codec_of(ReadOptions).encode(what)
@@ -134,13 +134,13 @@ class _Memory:
         return self._content if _state(self._step) == self._state else ""
 
     def recall(self) -> Geometry | None:
-        kept = self._shelf.get(self._key) if self._key else None
+        kept = self._results.get(self._key) if self._key else None
         return _named(kept, "", str(self._step)) if kept is not None else None
 
     def keep(self, geometry: Geometry) -> None:
         """Keep it, unless the file was written to meanwhile: then nobody knows which of the two was read."""
         if self.content:
-            self._shelf.put(self._key, _named(geometry, str(self._step), ""))
+            self._results.put(self._key, _named(geometry, str(self._step), ""))
             note_read(self._cache, self._content)
 
 

@@ -113,7 +113,7 @@ def _produce(
 
         progress("build")
         measures = partial(loading.measures, found)
-        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.meshwork)
+        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker)
         found.raise_if_errors()
         assert built is not None  # no robot without an error
         robot = share_meshes(built.robot)
@@ -165,7 +165,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             source = options.step or _named_step(loaded, found)
             with closing(Loading(source, _what(loaded, options), options, found)) as loading:
                 assembly, measures = loading.assembly(found), partial(loading.measures, found)
-                built = build_robot(assembly, loaded, measures, found, options.cache, loading.meshwork)
+                built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker)
                 if built is not None:
                     checked = replace(checked, joint_table=built.joint_table)
                     check_robot(share_meshes(built.robot), found, loaded.span(), assembly.unit)

@@ -1,6 +1,6 @@
-"""What the input and the force of a drive are bounded by: its own limits, and those of the joint that it drives.
+"""Bounds of an actuator's input and force: its own limits and those of the joint that it drives.
 
-Limits are given at the joint. A gear multiplies positions and velocities on the way to the drive, and divides forces.
+Limits are given at the joint. A gear multiplies positions and velocities from joint to actuator, and divides forces.
 """
 
 from .model import Actuator, ActuatorKind, Joint, Limit
@@ -8,15 +8,15 @@ from .model import Actuator, ActuatorKind, Joint, Limit
 Bounds = tuple[float, float]
 
 
-def drive_limit(actuator: Actuator, joint: Joint) -> Limit:
-    """The narrower of the drive's and the joint's limits, at the joint."""
+def actuator_limit(actuator: Actuator, joint: Joint) -> Limit:
+    """The narrower of the actuator's and the joint's limits, at the joint."""
     a, b = actuator.limit, joint.limit
     return Limit(max(a.lower, b.lower), min(a.upper, b.upper), min(a.velocity, b.velocity), min(a.effort, b.effort))
 
 
 def joint_range(actuator: Actuator, joint: Joint) -> Bounds:
     """Lowest and highest input as the joint sees it, behind the gear; infinite where there is no limit."""
-    limit = drive_limit(actuator, joint)
+    limit = actuator_limit(actuator, joint)
     match actuator.kind:
         case ActuatorKind.POSITION:
             return limit.lower, limit.upper
@@ -27,13 +27,13 @@ def joint_range(actuator: Actuator, joint: Joint) -> Bounds:
 
 
 def control_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest input at the drive: a position, a velocity or an effort; infinite where there is no limit."""
+    """Lowest and highest input at the actuator: position, velocity or effort; infinite where there is no limit."""
     scale = 1.0 / actuator.gear if actuator.kind is ActuatorKind.MOTOR else actuator.gear
     low, high = sorted(scale * bound for bound in joint_range(actuator, joint))
     return low, high
 
 
 def force_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest force at the drive [N m or N]; infinite where there is no limit."""
-    effort = drive_limit(actuator, joint).effort / abs(actuator.gear)
+    """Lowest and highest force at the actuator [N m or N]; infinite where there is no limit."""
+    effort = actuator_limit(actuator, joint).effort / abs(actuator.gear)
     return -effort, effort

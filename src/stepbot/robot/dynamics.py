@@ -1,9 +1,9 @@
 """Mass matrix, gravity forces and inverse dynamics of a robot, from the Jacobians of its links: the reference.
 
 The base stands still, loops are open, and a mimicking joint is a coordinate like any other: that is what engines
-compute too. The inertia of drives (armature) is left out, because URDF and SDFormat cannot say it; it is compared as a
-number of its own. The formulas are the plain sums over links (Murray, Li, Sastry 1994, eq. 4.19 and 4.24) and not a
-recursion, so that they share no step with the algorithms of the engines that they judge.
+compute too. The inertia of actuators (armature) is left out, because URDF and SDFormat cannot express it; it is
+compared as a number of its own. The formulas are the plain sums over links (Murray, Li, Sastry 1994, eq. 4.19 and
+4.24) and not a recursion, so that they share no step with the algorithms of the engines that they judge.
 """
 
 from collections.abc import Mapping

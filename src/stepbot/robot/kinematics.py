@@ -2,7 +2,7 @@
 
 A configuration maps names of coordinates to positions [rad] or [m]. The root link's frame is the world's. A joint of
 one degree of freedom is its own coordinate: revolute and continuous ones turn about their axis, prismatic ones slide
-along it, screws do both. Joints of several freedoms have those of the chain that they unfold to
+along it, screws do both. Multi-dof joints have those of the chain that they unfold to
 (:mod:`stepbot.robot.multi_dof`).
 """
 
@@ -87,7 +87,7 @@ class Tree:
     """A robot's tree laid out in arrays: built once, then asked at many configurations.
 
     Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. Chains that
-    joints of several freedoms unfold to have links of their own in :attr:`links`.
+    multi-dof joints unfold to have links of their own in :attr:`links`.
     """
 
     def __init__(self, robot: Robot) -> None:

@@ -190,7 +190,7 @@ class JointDynamics:
     spring_reference: float = 0.0
     """Position [rad] or [m] where the spring is at rest."""
     armature: float = 0.0
-    """Inertia [kg m^2] or mass [kg] of the drive, seen at the joint."""
+    """Inertia [kg m^2] or mass [kg] of the actuator, seen at the joint."""
 
 
 @dataclass(frozen=True)
@@ -262,7 +262,7 @@ class ActuatorKind(StrEnum):
 
 @dataclass(frozen=True)
 class Actuator:
-    """A drive on a joint."""
+    """An actuator on a joint."""
 
     name: str
     joint: str
@@ -272,7 +272,7 @@ class Actuator:
     kv: float = 0.0
     """Velocity gain [N m s/rad] or [N s/m]."""
     gear: float = 1.0
-    """How many times the position of the joint the drive's position is."""
+    """Motor position / joint position."""
     limit: Limit = Limit()
     """Bounds of its own, at the joint, beside those of the joint."""
 

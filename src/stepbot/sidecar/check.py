@@ -4,7 +4,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .connections import check_connections
-from .device_rules import check_drives, check_sensors
+from .device_rules import check_actuators, check_sensors
 from .ignored import check_ignored
 from .joint_rules import check_joints
 from .located import Sidecar
@@ -21,7 +21,7 @@ _CHECKS = (
     check_joints,
     check_mimics,
     check_closures,
-    check_drives,
+    check_actuators,
     check_sensors,
     check_magnitudes,
     check_densities,

@@ -30,7 +30,7 @@ _KINDS_WITH: dict[str, tuple[SensorKind, ...]] = {
 }
 
 
-def check_drives(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_actuators(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report, actuator by actuator, SB121, SB125, SB137, SB138, SB456 and SB459."""
     document = sidecar.document
     driven: dict[tuple[str, ActuatorKind], str] = {}

@@ -2,7 +2,7 @@
 
 URDF says a ball joint by three joints that turn, with two links between that weigh nothing; MJCF says it by one joint,
 and a universal joint by two in one body. What is between two links that both files have is an *edge* of either file,
-and as a *chain* of freedoms it can be compared.
+and as a *chain* of single-axis joints it can be compared.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -104,10 +104,10 @@ def _below(observation: Observation, link: str) -> set[str]:
 
 def coordinates(edge: Edge, naming: Naming) -> list[str]:
     """Names of the coordinates of an edge, from the parent on."""
-    return [name for _, names, _, _ in _freedoms(edge, naming) for name in names]
+    return [name for _, names, _, _ in _dofs(edge, naming) for name in names]
 
 
-def _freedoms(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], ObservedJoint, bool]]:
+def _dofs(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], ObservedJoint, bool]]:
     """Kind, coordinates, and what the file says of each joint of an edge, and whether it names it.
 
     Joints that no engine moves by coordinates are left out; see :func:`is_known`.
@@ -143,7 +143,7 @@ def chain(edge: Edge, naming: Naming, poses: Mapping[str, Pose], X_PC: Pose) -> 
     """
     back = X_PC.inverse()
     steps = []
-    for kind, names, told, named in _freedoms(edge, naming):
+    for kind, names, told, named in _dofs(edge, naming):
         twists = np.array([twist_of(poses[name] @ back) for name in names])
         steps.append(Step(kind, names, twists, told, named))
     return Chain(edge, X_PC, tuple(_with_screws(_slides_first(steps))))

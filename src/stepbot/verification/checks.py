@@ -57,7 +57,7 @@ class Subject:
 
 def check_of(subject: Subject, compared: Compared) -> Check:
     """The check that a comparison makes."""
-    worst, quantity = compared.gauge.worst, compared.quantity.value
+    worst, quantity = compared.deviations.worst, compared.quantity.value
     if compared.not_run or worst is None:
         return Check(
             subject.file,
@@ -68,9 +68,9 @@ def check_of(subject: Subject, compared: Compared) -> Check:
             why=compared.not_run,
             against=subject.against,
         )
-    failures = compared.gauge.failures
+    failures = compared.deviations.failures
     shown = failures[0] if failures else worst
-    untold = ", ".join(dict.fromkeys(compared.gauge.untold))
+    untold = ", ".join(dict.fromkeys(compared.deviations.untold))
     why = "; ".join(str(deviation) for deviation in failures[:2]) if failures else (untold and f"not told: {untold}")
     return Check(
         subject.file,
@@ -89,7 +89,7 @@ def check_of(subject: Subject, compared: Compared) -> Check:
 
 def report_failure(subject: Subject, compared: Compared, warning_code: str, found: Diagnostics) -> None:
     """A diagnostic for a comparison that failed; its first line is complete, the rest are notes."""
-    failures = compared.gauge.failures
+    failures = compared.deviations.failures
     if not failures or compared.not_run:
         return
     code = warning_code if compared.quantity is Quantity.WARNINGS else CODES[compared.quantity]

@@ -13,14 +13,14 @@ import numpy as np
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from stepbot.geometry.spatial import Array, angle_between
 
-from .deviation import Gauge
+from .deviation import Deviations
 from .devices import compare_actuators, compare_sensors
 from .links import link_pairs
 from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
 from .shapes import compare_contacts, compare_meshes, compare_shapes
 from .tolerances import tolerance
 
-Comparison = Callable[[Gauge, Observation, Observation], None]
+Comparison = Callable[[Deviations, Observation, Observation], None]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Compared:
     """What came of comparing one quantity."""
 
     quantity: Quantity
-    gauge: Gauge
+    deviations: Deviations
     not_run: str = ""
     """Why nothing was compared; empty where something was."""
 
@@ -43,34 +43,36 @@ def compare(reference: Observation, observed: Observation) -> tuple[Compared, ..
         has = _HAS.get(quantity)
         if has and not (has(reference) or has(observed)):
             continue
-        gauge = Gauge(tolerance((reference.engine, observed.engine), quantity))
+        deviations = Deviations(tolerance((reference.engine, observed.engine), quantity))
         reason = observed.not_run.get(quantity) or reference.not_run.get(quantity) or ""
         if not reason:
-            comparison(gauge, reference, observed)
-            if not gauge.deviations and has and (quantity in _OPTIONAL or not has(reference)):
+            comparison(deviations, reference, observed)
+            if not deviations.deviations and has and (quantity in _OPTIONAL or not has(reference)):
                 continue
-            if not gauge.deviations:
+            if not deviations.deviations:
                 reason = f"{observed.engine} does not tell"
-        results.append(Compared(quantity, gauge, reason))
+        results.append(Compared(quantity, deviations, reason))
     return tuple(results)
 
 
-def _compare_load(gauge: Gauge, _reference: Observation, _observed: Observation) -> None:
-    gauge.equal(True, "")
+def _compare_load(deviations: Deviations, _reference: Observation, _observed: Observation) -> None:
+    deviations.equal(True, "")
 
 
-def _compare_names(gauge: Gauge, what: str, reference: Sequence[str], observed: Sequence[str]) -> None:
+def _compare_names(deviations: Deviations, what: str, reference: Sequence[str], observed: Sequence[str]) -> None:
     """Every name on one side must be on the other, as often."""
     for name in dict.fromkeys([*reference, *observed]):
         expected, found = reference.count(name), observed.count(name)
         wrong = "is missing" if found < expected else "is not in the robot"
-        gauge.equal(expected == found, f"{what} '{name}' {wrong}")
+        deviations.equal(expected == found, f"{what} '{name}' {wrong}")
 
 
-def _compare_links(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_links(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     if reference.name is not None and observed.name is not None:
-        gauge.equal(reference.name == observed.name, f"robot is named '{observed.name}', '{reference.name}' expected")
-    _compare_names(gauge, "link", [link.name for link in reference.links], [link.name for link in observed.links])
+        deviations.equal(
+            reference.name == observed.name, f"robot is named '{observed.name}', '{reference.name}' expected"
+        )
+    _compare_names(deviations, "link", [link.name for link in reference.links], [link.name for link in observed.links])
 
 
 def _kind(joint: ObservedJoint) -> str:
@@ -79,23 +81,25 @@ def _kind(joint: ObservedJoint) -> str:
     return "continuous" if joint.kind == "revolute" and unlimited else joint.kind
 
 
-def _compare_joints(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_joints(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     ours, theirs = _by_child(reference), _by_child(observed)
-    gauge.equal(len(ours) == len(theirs), f"{len(observed.joints)} joints, {len(reference.joints)} expected")
+    deviations.equal(len(ours) == len(theirs), f"{len(observed.joints)} joints, {len(reference.joints)} expected")
     for child in dict.fromkeys([*ours, *theirs]):
         a, b = ours.get(child), theirs.get(child)
         if a is None or b is None:
             joint = a or b
             assert joint is not None
             wrong = "is missing" if b is None else "is not in the robot"
-            gauge.equal(False, f"joint '{joint.name}' above link '{child}' {wrong}")
+            deviations.equal(False, f"joint '{joint.name}' above link '{child}' {wrong}")
             continue
         known = a.name and b.name
-        gauge.equal(not known or a.name == b.name, f"joint above link '{child}': named '{b.name}', '{a.name}' expected")
-        gauge.equal(_kind(a) == _kind(b), f"joint '{a.name}': {_kind(b)}, {_kind(a)} expected")
-        gauge.equal(a.parent == b.parent, f"joint '{a.name}': parent '{b.parent}', '{a.parent}' expected")
+        deviations.equal(
+            not known or a.name == b.name, f"joint above link '{child}': named '{b.name}', '{a.name}' expected"
+        )
+        deviations.equal(_kind(a) == _kind(b), f"joint '{a.name}': {_kind(b)}, {_kind(a)} expected")
+        deviations.equal(a.parent == b.parent, f"joint '{a.name}': parent '{b.parent}', '{a.parent}' expected")
     if reference.base is not None and observed.base is not None:
-        gauge.equal(reference.base == observed.base, f"base: {observed.base}, {reference.base} expected")
+        deviations.equal(reference.base == observed.base, f"base: {observed.base}, {reference.base} expected")
 
 
 def _by_child(observation: Observation) -> dict[str, ObservedJoint]:
@@ -109,25 +113,25 @@ def _moving_pairs(reference: Observation, observed: Observation) -> list[tuple[O
     return [(a, b) for a, b in pairs if a.kind != "fixed" and b.kind != "fixed"]
 
 
-def _compare_axes(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_axes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in _moving_pairs(reference, observed):
         for words, expected, found in (("axis", a.axis, b.axis), ("second axis", a.axis2, b.axis2)):
             if expected is not None and found is not None:
-                gauge.off(angle_between(expected, found), f"{words} of joint '{a.name}'", "rad")
+                deviations.off(angle_between(expected, found), f"{words} of joint '{a.name}'", "rad")
         if a.pitch is not None and b.pitch is not None:
-            gauge.near(b.pitch, a.pitch, f"pitch of joint '{a.name}'", "m/rad", abs(a.pitch))
+            deviations.near(b.pitch, a.pitch, f"pitch of joint '{a.name}'", "m/rad", abs(a.pitch))
 
 
-def _compare_limits(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_limits(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in _moving_pairs(reference, observed):
         if a.limit is None or b.limit is None:
             continue
         for name in a.limit_fields:
             if name in b.limit_fields:
                 expected, found = getattr(a.limit, name), getattr(b.limit, name)
-                gauge.near(found, expected, f"{name} limit of joint '{a.name}'", _unit(a, name), _size(expected))
+                deviations.near(found, expected, f"{name} limit of joint '{a.name}'", _unit(a, name), _size(expected))
             else:
-                gauge.untold.append(name)
+                deviations.untold.append(name)
 
 
 def _unit(joint: ObservedJoint, name: str) -> str:
@@ -141,7 +145,7 @@ def _size(value: float) -> float:
     return abs(value) if isfinite(value) else 0.0
 
 
-def _compare_dynamics(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_dynamics(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in _moving_pairs(reference, observed):
         if a.dynamics is None or b.dynamics is None:
             continue
@@ -149,37 +153,39 @@ def _compare_dynamics(gauge: Gauge, reference: Observation, observed: Observatio
             expected = getattr(a.dynamics, name)
             if name in b.dynamics_fields:
                 words = f"{name.replace('_', ' ')} of joint '{a.name}'"
-                gauge.near(getattr(b.dynamics, name), expected, words, "SI", _size(expected))
+                deviations.near(getattr(b.dynamics, name), expected, words, "SI", _size(expected))
             elif expected:
-                gauge.untold.append(name.replace("_", " "))
+                deviations.untold.append(name.replace("_", " "))
 
 
-def _compare_mimic(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_mimic(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in _moving_pairs(reference, observed):
         if not (a.mimic_read and b.mimic_read and (a.mimic or b.mimic)):
             continue
         if a.mimic is None or b.mimic is None:
-            gauge.equal(False, f"joint '{a.name}': " + ("does not mimic" if a.mimic else "mimics another"))
+            deviations.equal(False, f"joint '{a.name}': " + ("does not mimic" if a.mimic else "mimics another"))
             continue
         leader = f"joint '{a.name}': mimics '{b.mimic.joint}', '{a.mimic.joint}' expected"
-        gauge.equal(a.mimic.joint == b.mimic.joint, leader)
+        deviations.equal(a.mimic.joint == b.mimic.joint, leader)
         for name in ("multiplier", "offset"):
             expected = getattr(a.mimic, name)
-            gauge.near(getattr(b.mimic, name), expected, f"mimic {name} of joint '{a.name}'", "SI", _size(expected))
+            deviations.near(
+                getattr(b.mimic, name), expected, f"mimic {name} of joint '{a.name}'", "SI", _size(expected)
+            )
 
 
-def _compare_mass(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_mass(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in link_pairs(reference, observed):
         if a.mass is not None and b.mass is not None:
-            gauge.near(b.mass, a.mass, f"mass of link '{a.name}'", "kg", a.mass)
+            deviations.near(b.mass, a.mass, f"mass of link '{a.name}'", "kg", a.mass)
 
 
-def _compare_com(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_com(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in link_pairs(reference, observed):
         if a.com is None or b.com is None or not (a.mass or b.mass):  # without mass there is no centre of it
             continue
         off = float(np.linalg.norm(np.subtract(b.com, a.com)))
-        gauge.off(off, f"centre of mass of link '{a.name}'", "m", max(_gyration(a), float(np.linalg.norm(a.com))))
+        deviations.off(off, f"centre of mass of link '{a.name}'", "m", max(_gyration(a), float(np.linalg.norm(a.com))))
 
 
 def _gyration(link: ObservedLink) -> float:
@@ -189,49 +195,49 @@ def _gyration(link: ObservedLink) -> float:
     return float(np.sqrt(max(np.trace(np.array(link.inertia)), 0.0) / (2.0 * link.mass)))
 
 
-def _compare_inertia(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_inertia(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in link_pairs(reference, observed):
         if a.inertia is not None and b.inertia is not None:
             expected: Array = np.array(a.inertia)
             off = float(np.abs(np.array(b.inertia) - expected).max())
-            gauge.off(off, f"inertia of link '{a.name}'", "kg m^2", float(np.abs(expected).max()))
+            deviations.off(off, f"inertia of link '{a.name}'", "kg m^2", float(np.abs(expected).max()))
 
 
-def _compare_frames(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_frames(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     if reference.frames is None or observed.frames is None:
         return
     loops = {closure.name for closure in reference.closures or ()}
     # MuJoCo's sites mark the ends of closures as well, as <closure>/a.
     extra = [name for name in observed.frames if name not in reference.frames and name.split("/")[0] not in loops]
     for name in extra:
-        gauge.equal(False, f"frame '{name}' is not in the robot")
+        deviations.equal(False, f"frame '{name}' is not in the robot")
     for name, (link, X_LF) in reference.frames.items():
         if name not in observed.frames:
-            gauge.equal(False, f"frame '{name}' is missing")
+            deviations.equal(False, f"frame '{name}' is missing")
             continue
         found, Y_LF = observed.frames[name]
-        gauge.equal(link == found, f"frame '{name}': on link '{found}', '{link}' expected")
+        deviations.equal(link == found, f"frame '{name}': on link '{found}', '{link}' expected")
         distance, angle = X_LF.distance_to(Y_LF)
-        gauge.off(distance, f"frame '{name}'", "m")
-        gauge.off(angle, f"frame '{name}'", "rad")
+        deviations.off(distance, f"frame '{name}'", "m")
+        deviations.off(angle, f"frame '{name}'", "rad")
 
 
-def _compare_initial(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def _compare_initial(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     if reference.initial is None or observed.initial is None:
         return
     for name, position in reference.initial.items():
-        gauge.near(observed.initial.get(name, nan), position, f"initial position of joint '{name}'", "rad or m")
+        deviations.near(observed.initial.get(name, nan), position, f"initial position of joint '{name}'", "rad or m")
 
 
-def _compare_simulation(gauge: Gauge, _reference: Observation, observed: Observation) -> None:
+def _compare_simulation(deviations: Deviations, _reference: Observation, observed: Observation) -> None:
     if observed.simulation_finite is not None:
-        gauge.equal(observed.simulation_finite, "the robot flies apart when it is let go")
+        deviations.equal(observed.simulation_finite, "the robot flies apart when it is let go")
 
 
-def _compare_warnings(gauge: Gauge, _reference: Observation, observed: Observation) -> None:
-    gauge.equal(True, "")
+def _compare_warnings(deviations: Deviations, _reference: Observation, observed: Observation) -> None:
+    deviations.equal(True, "")
     for warning in observed.warnings:
-        gauge.equal(False, warning)
+        deviations.equal(False, warning)
 
 
 _COMPARISONS: Mapping[Quantity, Comparison] = {
@@ -287,7 +293,7 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.CLOSURES: lambda observation: bool(observation.closures),
     Quantity.MESHES: _has_shapes,
     Quantity.SHAPES: _has_shapes,
-    Quantity.CONTACTS: lambda observation: bool(observation.untouching),
+    Quantity.CONTACTS: lambda observation: bool(observation.excluded_pairs),
     Quantity.FRAMES: lambda observation: bool(observation.frames),
     Quantity.ACTUATORS: lambda observation: bool(observation.actuators),
     Quantity.SENSORS: lambda observation: bool(observation.sensors),

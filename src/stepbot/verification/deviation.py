@@ -38,13 +38,13 @@ class Deviation:
 
 
 @dataclass
-class Gauge:
+class Deviations:
     """All deviations of one quantity."""
 
     tolerance: Tolerance
     deviations: list[Deviation] = field(default_factory=list)
     untold: list[str] = field(default_factory=list)
-    """What belongs to the quantity but was not told by the engine."""
+    """Values of the quantity that the engine does not report."""
 
     def near(self, a: float, b: float, where: str, unit: str, scale: float = 0.0) -> None:
         """Compare two numbers; equal infinities are equal."""

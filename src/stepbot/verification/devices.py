@@ -8,31 +8,31 @@ from typing import TypeVar
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedSensor
 from stepbot.formats.lowering import UNLIMITED
 
-from .deviation import Gauge
+from .deviation import Deviations
 
 Device = TypeVar("Device", ObservedActuator, ObservedSensor)
 
 _UNITS = {"rate": "Hz", "fov": "rad", "columns": "pixels", "rows": "pixels", "nearest": "m", "farthest": "m"}
 
 
-def compare_actuators(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_actuators(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Joint, kind, gear, gains, and the bounds of input and force."""
     if reference.actuators is not None and observed.actuators is not None:
-        _compare_devices(gauge, "actuator", reference.actuators, observed.actuators, _compare_actuator)
+        _compare_devices(deviations, "actuator", reference.actuators, observed.actuators, _compare_actuator)
 
 
-def compare_sensors(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_sensors(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Kind, link, joint, pose, rate, and what is seen."""
     if reference.sensors is not None and observed.sensors is not None:
-        _compare_devices(gauge, "sensor", reference.sensors, observed.sensors, _compare_sensor)
+        _compare_devices(deviations, "sensor", reference.sensors, observed.sensors, _compare_sensor)
 
 
 def _compare_devices(
-    gauge: Gauge,
+    deviations: Deviations,
     what: str,
     reference: Sequence[Device],
     observed: Sequence[Device],
-    compare: Callable[[Gauge, Device, Device], None],
+    compare: Callable[[Deviations, Device, Device], None],
 ) -> None:
     """Compare pairs; whatever is on one side only is wrong."""
     ours: list[Device] = _named(reference, observed)
@@ -41,10 +41,10 @@ def _compare_devices(
     for name in dict.fromkeys(device.name for device in (*ours, *theirs)):
         expected, found = _count(ours, name), _count(theirs, name)
         wrong = "is missing" if found < expected else "is not in the robot"
-        gauge.equal(expected == found, f"{what} '{name}' {wrong}")
+        deviations.equal(expected == found, f"{what} '{name}' {wrong}")
     for device in theirs:
         if device.name in pairs:
-            compare(gauge, pairs[device.name], device)
+            compare(deviations, pairs[device.name], device)
 
 
 def _count(devices: Sequence[Device], name: str) -> int:
@@ -64,22 +64,22 @@ def _named(devices: Sequence[Device], others: Sequence[Device]) -> list[Device]:
     return named
 
 
-def _compare_actuator(gauge: Gauge, a: ObservedActuator, b: ObservedActuator) -> None:
+def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedActuator) -> None:
     who = f"actuator '{a.name}'"
-    gauge.equal(a.joint == b.joint, f"{who}: on joint '{b.joint}', '{a.joint}' expected")
-    gauge.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
+    deviations.equal(a.joint == b.joint, f"{who}: on joint '{b.joint}', '{a.joint}' expected")
+    deviations.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
     for name in ("gear", "kp", "kv"):
         expected, seen = getattr(a, name), getattr(b, name)
         if expected is not None and seen is not None:
-            gauge.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
+            deviations.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
     for name in ("control", "force"):
         bounds, found = getattr(a, name), getattr(b, name)
         if bounds is None or found is None:
             if bounds is not None and any(map(isfinite, bounds)):
-                gauge.untold.append(f"{name} range")
+                deviations.untold.append(f"{name} range")
             continue
         for side, wanted, given in zip(("lowest", "highest"), _both_or_none(bounds), _both_or_none(found), strict=True):
-            gauge.near(given, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
+            deviations.near(given, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
 
 
 def _both_or_none(bounds: tuple[float, float]) -> tuple[float, float]:
@@ -87,20 +87,20 @@ def _both_or_none(bounds: tuple[float, float]) -> tuple[float, float]:
     return bounds if all(abs(bound) < UNLIMITED for bound in bounds) else (-inf, inf)
 
 
-def _compare_sensor(gauge: Gauge, a: ObservedSensor, b: ObservedSensor) -> None:
+def _compare_sensor(deviations: Deviations, a: ObservedSensor, b: ObservedSensor) -> None:
     who = f"sensor '{a.name}'"
-    gauge.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
+    deviations.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
     for name in ("link", "joint"):
         expected, found = getattr(a, name), getattr(b, name)
         if expected is not None and found is not None:
-            gauge.equal(expected == found, f"{who}: on {name} '{found}', '{expected}' expected")
+            deviations.equal(expected == found, f"{who}: on {name} '{found}', '{expected}' expected")
     if a.X_LS is not None and b.X_LS is not None:
         distance, angle = a.X_LS.distance_to(b.X_LS)
-        gauge.off(distance, f"place of {who}", "m")
-        gauge.off(angle, f"place of {who}", "rad")
+        deviations.off(distance, f"place of {who}", "m")
+        deviations.off(angle, f"place of {who}", "rad")
     for name, unit in _UNITS.items():
         expected, found = getattr(a, name), getattr(b, name)
         if expected is not None and found is not None:
-            gauge.near(found, expected, f"{name} of {who}", unit, abs(expected) if isfinite(expected) else 0.0)
+            deviations.near(found, expected, f"{name} of {who}", unit, abs(expected) if isfinite(expected) else 0.0)
         elif expected:
-            gauge.untold.append(name)
+            deviations.untold.append(name)

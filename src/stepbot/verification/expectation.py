@@ -25,7 +25,7 @@ SECONDS = 1.0
 
 
 def mechanism(robot: Robot, lowered: Robot) -> Robot:
-    """The lowered robot with the loops and the drives that its format may have left out, under its own joint names."""
+    """The lowered robot with the loops and actuators that its format left out, under the lowered joint names."""
     closures = lowered.closures or robot.closures
     renamed = {joint.child: joint.name for joint in lowered.joints}
     name_of = {joint.name: renamed[joint.child] for joint in robot.joints if joint.child in renamed}

@@ -31,9 +31,9 @@ from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .joint_rows import joint_rows
 from .merged_observation import Gathered, gather
 from .naming import Naming, moved
-from .normalized import alike
-from .probe import Scout, in_a_process
-from .restated import told_alike
+from .normalized import normalized
+from .probe import Probe, in_a_process
+from .restated import normalized_joints
 
 ENGINE_WARNING = "SB813"
 
@@ -83,7 +83,7 @@ def verify_files(
         formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
-        asked = ask(formats, Scout(in_a_process(timeout, memory_limit, start)))  # while the engines start
+        asked = ask(formats, Probe(in_a_process(timeout, memory_limit, start)))  # while the engines start
         engines.submit(asked.requests)
         outcomes = engines.results(timeout)
     check_started(required, outcomes, found)
@@ -134,26 +134,26 @@ class Asked:
     """The joints of the first file that an engine can load."""
 
 
-def ask(formats: Mapping[Path, str], scout: Scout, *, count: int = CONFIGURATIONS, seconds: float = SECONDS) -> Asked:
+def ask(formats: Mapping[Path, str], probe: Probe, *, count: int = CONFIGURATIONS, seconds: float = SECONDS) -> Asked:
     """The same poses and motions for all files, in the coordinates of each.
 
     What to ask depends on the joints: one engine per file is asked for them before.
 
     Args:
         formats: The files, and what each is written in.
-        scout: Asks that engine.
+        probe: Asks that engine.
         count: Number of random configurations.
         seconds: Length [s] of the passive simulation.
     """
-    scouted = {path: seen for path, name in formats.items() if (seen := scout.look(path, name))}
-    by = {path: scout.correspondence(next(iter(scouted.values())), other) for path, other in list(scouted.items())[1:]}
-    joints = moved(one.naming for one in scouted.values())
+    probed = {path: seen for path, name in formats.items() if (seen := probe.look(path, name))}
+    by = {path: probe.correspondence(next(iter(probed.values())), other) for path, other in list(probed.items())[1:]}
+    joints = moved(one.naming for one in probed.values())
     drawn = _clear_of_locks(configurations(joints, count, SEED), by.values())
     moving = [(_followed(v, by.values()), _followed(a, by.values())) for v, a in rates(joints, count, SEED)]
     requests = {}
     for path, name in formats.items():
         corresponds = by.get(path, Correspondence(()))
-        names = scouted[path].naming if path in scouted else Naming(Robot("", (Link(""),), ()))
+        names = probed[path].naming if path in probed else Naming(Robot("", (Link(""),), ()))
         requests[_key(path)] = Request(
             str(openable(path)),
             name,
@@ -163,7 +163,7 @@ def ask(formats: Mapping[Path, str], scout: Scout, *, count: int = CONFIGURATION
             balls=names.balls,
             universals=names.universals,
         )
-    table = next((joint_rows(one.seen) for one in scouted.values()), ())
+    table = next((joint_rows(one.seen) for one in probed.values()), ())
     return Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
 
 
@@ -235,7 +235,7 @@ def _checks_within(
             continue
         assert reference is not None
         assert reference.observation is not None
-        pair = alike(reference.observation, outcome.observation)
+        pair = normalized(reference.observation, outcome.observation)
         results = [one for one in compare(*pair) if not alone or one.quantity in _OWN]
         yield from _reported(subject, results, found)
 
@@ -262,8 +262,8 @@ def _compared_across(ours: Gathered, theirs: Gathered, asked: Asked, *, first: b
     pair = ours.observation, theirs.observation
     if first:
         by = asked.correspondences.get(theirs.key, Correspondence(()))
-        pair = told_alike(*pair, by, asked.configurations)
-    return compare(*alike(*pair))
+        pair = normalized_joints(*pair, by, asked.configurations)
+    return compare(*normalized(*pair))
 
 
 def _reported(subject: Subject, results: Iterable[Compared], found: Diagnostics) -> Iterator[Check]:

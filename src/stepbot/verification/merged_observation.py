@@ -13,7 +13,7 @@ _WHOLE: Mapping[str, Quantity] = {
     "actuators": Quantity.ACTUATORS,
     "sensors": Quantity.SENSORS,
     "initial": Quantity.INITIAL,
-    "untouching": Quantity.CONTACTS,
+    "excluded_pairs": Quantity.CONTACTS,
 }
 """Fields of an observation that one engine tells of as a whole."""
 

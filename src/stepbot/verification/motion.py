@@ -9,29 +9,29 @@ from stepbot.geometry.spatial import Array, angle_between, vector3
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.dynamics import GRAVITY
 
-from .deviation import Gauge
+from .deviation import Deviations
 from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
 
 NO_GRAVITY = 1e-6
 """Share of weight times reach below which gravity forces count as zero: planar mechanisms feel none."""
 
 
-def compare_poses(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_poses(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Every link at every configuration, with respect to the root link."""
     for number, (ours, theirs) in enumerate(zip(reference.poses, observed.poses, strict=False), start=1):
         for link in (link for link in ours if link in theirs):
             distance, angle = ours[link].distance_to(theirs[link])
             where = f"link '{link}' at configuration {number}"
-            gauge.off(distance, where, "m")
-            gauge.off(angle, where, "rad")
+            deviations.off(distance, where, "m")
+            deviations.off(angle, where, "rad")
     missing = len(reference.poses) - len(observed.poses)
     if observed.poses and missing:
-        gauge.equal(False, f"{missing} of {len(reference.poses)} configurations were not observed")
+        deviations.equal(False, f"{missing} of {len(reference.poses)} configurations were not observed")
 
 
-def compare_mass_matrix(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_mass_matrix(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """M(q) at every configuration, relative to its largest entry."""
-    order = _order(gauge, reference, observed)
+    order = _order(deviations, reference, observed)
     if order is None:
         return
     for number, (ours, theirs) in enumerate(zip(reference.dynamics, observed.dynamics, strict=False), start=1):
@@ -41,21 +41,23 @@ def compare_mass_matrix(gauge: Gauge, reference: Observation, observed: Observat
         row, column = np.unravel_index(int(off.argmax()), off.shape)
         names = f"'{reference.coordinates[row]}', '{reference.coordinates[column]}'"
         scale = float(np.abs(ours.mass_matrix).max())
-        gauge.off(float(off.max()), f"mass matrix of {names} at configuration {number}", "SI", scale)
+        deviations.off(float(off.max()), f"mass matrix of {names} at configuration {number}", "SI", scale)
 
 
-def compare_gravity(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_gravity(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Gravity forces at every configuration, relative to their largest entry at any of them."""
-    _compare_efforts(gauge, reference, observed, "gravity", "gravity force on")
+    _compare_efforts(deviations, reference, observed, "gravity", "gravity force on")
 
 
-def compare_inverse_dynamics(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_inverse_dynamics(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Efforts of a motion at every configuration, relative to their largest entry at any of them."""
-    _compare_efforts(gauge, reference, observed, "inverse", "effort of")
+    _compare_efforts(deviations, reference, observed, "inverse", "effort of")
 
 
-def _compare_efforts(gauge: Gauge, reference: Observation, observed: Observation, which: str, words: str) -> None:
-    order = _order(gauge, reference, observed)
+def _compare_efforts(
+    deviations: Deviations, reference: Observation, observed: Observation, which: str, words: str
+) -> None:
+    order = _order(deviations, reference, observed)
     known = [efforts for dynamics in reference.dynamics if (efforts := getattr(dynamics, which)) is not None]
     if order is None or not known:
         return
@@ -66,17 +68,17 @@ def _compare_efforts(gauge: Gauge, reference: Observation, observed: Observation
             continue
         off = np.abs(theirs[order] - ours)
         name = reference.coordinates[int(off.argmax())]
-        gauge.off(float(off.max()), f"{words} joint '{name}' at configuration {number}", "SI", scale)
+        deviations.off(float(off.max()), f"{words} joint '{name}' at configuration {number}", "SI", scale)
 
 
-def _order(gauge: Gauge, reference: Observation, observed: Observation) -> list[int] | None:
+def _order(deviations: Deviations, reference: Observation, observed: Observation) -> list[int] | None:
     """Where the coordinates of the reference are among the observed ones; None where there is nothing to compare."""
     if not reference.dynamics or not observed.dynamics:
         return None
     missing = [name for name in reference.coordinates if name not in observed.coordinates]
     extra = [name for name in observed.coordinates if name not in reference.coordinates]
     for name in (*missing, *extra):
-        gauge.equal(False, f"joint '{name}' is a coordinate of one side only")
+        deviations.equal(False, f"joint '{name}' is a coordinate of one side only")
     if missing or extra or not reference.coordinates:
         return None
     return [observed.coordinates.index(name) for name in reference.coordinates]
@@ -89,7 +91,7 @@ def _weight_times_reach(observation: Observation) -> float:
     return weight * float(np.linalg.norm(positions, axis=1).max(initial=0.0))
 
 
-def compare_closures(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_closures(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Closures by name: what they hold together, where, and how far they open over the mechanism's range."""
     if reference.closures is None or observed.closures is None:
         return
@@ -97,18 +99,18 @@ def compare_closures(gauge: Gauge, reference: Observation, observed: Observation
     known = {closure.name for closure in reference.closures}
     for name in theirs:  # MuJoCo holds the axis of a closure by a second constraint, <closure>/axis
         if name.split("/")[0] not in known:
-            gauge.equal(False, f"closure '{name}' is not in the robot")
+            deviations.equal(False, f"closure '{name}' is not in the robot")
     for ours in reference.closures:
         if ours.name not in theirs:
-            gauge.equal(False, f"closure '{ours.name}' is missing")
+            deviations.equal(False, f"closure '{ours.name}' is missing")
             continue
         found = theirs[ours.name]
         if (found.link_a, found.link_b) == (ours.link_b, ours.link_a):
             found = _turned(found)
         links = (found.link_a, found.link_b) == (ours.link_a, ours.link_b)
-        gauge.equal(links, f"closure '{ours.name}' holds '{found.link_a}' to '{found.link_b}'")
+        deviations.equal(links, f"closure '{ours.name}' holds '{found.link_a}' to '{found.link_b}'")
         several = SEVERAL_LOOPS.get(observed.engine) if len(reference.closures) > 1 else None
-        _compare_closure(gauge, ours, found, observed.engine, several or gauge.tolerance)
+        _compare_closure(deviations, ours, found, observed.engine, several or deviations.tolerance)
 
 
 def _turned(closure: ObservedClosure) -> ObservedClosure:
@@ -125,41 +127,41 @@ def _turned(closure: ObservedClosure) -> ObservedClosure:
 
 
 def _compare_closure(
-    gauge: Gauge, ours: ObservedClosure, found: ObservedClosure, engine: str, open_by: Tolerance
+    deviations: Deviations, ours: ObservedClosure, found: ObservedClosure, engine: str, open_by: Tolerance
 ) -> None:
     name = f"closure '{ours.name}'"
     for side, X, Y in (("a", ours.X_AF, found.X_AF), ("b", ours.X_BF, found.X_BF)):
         if X is None or Y is None:
             continue
-        gauge.equal(ours.kind == found.kind, f"{name}: {found.kind}, {ours.kind} expected")
-        gauge.off(float(np.linalg.norm(X.p - Y.p)), f"{name}, frame on link {side}", "m")
-        gauge.off(X.distance_to(Y)[1], f"{name}, frame on link {side}", "rad")
+        deviations.equal(ours.kind == found.kind, f"{name}: {found.kind}, {ours.kind} expected")
+        deviations.off(float(np.linalg.norm(X.p - Y.p)), f"{name}, frame on link {side}", "m")
+        deviations.off(X.distance_to(Y)[1], f"{name}, frame on link {side}", "rad")
     if ours.axis is not None and found.axis is not None:
-        gauge.off(float(np.linalg.norm(np.subtract(ours.axis, found.axis))), f"axis of {name}", "rad")
-    _compare_held(gauge, name, ours, found)
+        deviations.off(float(np.linalg.norm(np.subtract(ours.axis, found.axis))), f"axis of {name}", "rad")
+    _compare_held(deviations, name, ours, found)
     # A loop that the CAD cannot close has no exact answer, and each solver spreads the gap in its own way.
     own = ours.residual or 0.0
     reach = max((float(np.linalg.norm(X.p)) for X in (ours.X_AF, ours.X_BF) if X is not None), default=0.0)
     if found.residual is not None:
-        gauge.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
+        deviations.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
     if found.angle_error is not None:
-        allowed = Tolerance(DRIVEN_ANGLE.get(engine, gauge.tolerance.absolute), relative=10.0)
+        allowed = Tolerance(DRIVEN_ANGLE.get(engine, deviations.tolerance.absolute), relative=10.0)
         where = f"following joints of {name}"
-        gauge.off(found.angle_error, where, "rad or m", own / (reach or 1.0), tolerance=allowed)
+        deviations.off(found.angle_error, where, "rad or m", own / (reach or 1.0), tolerance=allowed)
 
 
-def _compare_held(gauge: Gauge, name: str, ours: ObservedClosure, found: ObservedClosure) -> None:
+def _compare_held(deviations: Deviations, name: str, ours: ObservedClosure, found: ObservedClosure) -> None:
     """The points and the axes that a closure holds together; which way along it an axis points makes no other one."""
     if ours.points is None or found.points is None:
         return
     for side, expected, seen in zip("ab", ours.points, found.points, strict=True):
-        gauge.off(float(np.linalg.norm(np.subtract(seen, expected))), f"{name}, point on link {side}", "m")
+        deviations.off(float(np.linalg.norm(np.subtract(seen, expected))), f"{name}, point on link {side}", "m")
     wrong = f"{name} holds " + ("no axis" if ours.axes else "an axis that is not in the robot")
-    gauge.equal((ours.axes is None) == (found.axes is None), wrong)
+    deviations.equal((ours.axes is None) == (found.axes is None), wrong)
     if ours.axes is None or found.axes is None:
         return
     lengths = [np.linalg.norm(axes[0]) / np.linalg.norm(axes[1]) for axes in (ours.axes, found.axes)]
-    gauge.off(abs(float(lengths[1] - lengths[0])), f"{name}, points on its axis", "of their distance")
+    deviations.off(abs(float(lengths[1] - lengths[0])), f"{name}, points on its axis", "of their distance")
     way = 1.0 if np.dot(ours.axes[0], found.axes[0]) > 0.0 else -1.0
     for side, axis, other in zip("ab", ours.axes, found.axes, strict=True):
-        gauge.off(angle_between(axis, vector3(way * np.array(other))), f"{name}, axis on link {side}", "rad")
+        deviations.off(angle_between(axis, vector3(way * np.array(other))), f"{name}, axis on link {side}", "rad")

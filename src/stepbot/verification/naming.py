@@ -1,4 +1,4 @@
-"""The coordinates of a file's joints: their own names, or those that stand for a joint of several freedoms."""
+"""The coordinates of a file's joints: their own names, or those that stand for a multi-dof joint."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace

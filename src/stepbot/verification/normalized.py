@@ -16,13 +16,13 @@ WORLD = "world"
 """Name of the link that stands for the world in many a URDF."""
 
 
-def alike(a: Observation, b: Observation) -> tuple[Observation, Observation]:
+def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation]:
     """Both observations, told in the same way as far as they can be.
 
     A massless link called ``world`` is the world. A link that is nothing but a frame is a frame where the other side
     has no link of that name. Mimics are resolved to the joint that leads. Only frames and shapes that both name are
     kept: formats mark different places and cut shapes up in different ways, and that makes no other robot. Nor does
-    what the robot is called, or a colour that one file does not give. Drives are told at their joints where a format
+    what the robot is called, or a colour that one file does not give. Actuators are told at their joints where a format
     has no gears. A file without any velocity limit is taken to say nothing of them: MJCF has no word for them.
     Numbers that stand for no limit are none.
     """
@@ -127,13 +127,13 @@ Shapes = tuple[ObservedShape, ...] | None
 
 def _common_shapes(a: Shapes, b: Shapes) -> tuple[Shapes, Shapes]:
     ours, theirs = ({plain_name(shape.name): shape for shape in side or () if shape.name} for side in (a, b))
-    pairs = [_looking_alike(ours[name], theirs[name]) for name in ours if name in theirs]
+    pairs = [_same_looks(ours[name], theirs[name]) for name in ours if name in theirs]
     if not pairs:
         return None, None
     return tuple(one for one, _ in pairs), tuple(other for _, other in pairs)
 
 
-def _looking_alike(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, ObservedShape]:
+def _same_looks(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, ObservedShape]:
     shapes = [
         replace(shape, name=plain_name(shape.name or ""), rgba=shape.rgba or None, ambient=shape.ambient or shape.rgba)
         for shape in (a, b)
@@ -144,7 +144,7 @@ def _looking_alike(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, O
 
 
 def _with_common_gears(a: Observation, b: Observation) -> tuple[Observation, Observation]:
-    """Both with drives at their joints, where one of the formats has no gears."""
+    """Both with actuators at their joints, where one of the formats has no gears."""
     sides = a, b
     if all(drive.gear is not None for side in sides for drive in side.actuators or ()):
         return sides
@@ -171,7 +171,7 @@ def _with_common_views(a: Observation, b: Observation) -> tuple[Observation, Obs
 
 
 def _at_joint(drive: ObservedActuator) -> ObservedActuator:
-    """A drive with its gains and bounds as the joint feels them."""
+    """An actuator with its gains and bounds as the joint feels them."""
     gear = drive.gear
     if gear is None or not gear:
         return drive

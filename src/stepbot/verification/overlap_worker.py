@@ -1,7 +1,7 @@
 """The process that looks for links that overlap; of a robot that it saw before it is not asked again."""
 
 from stepbot.robot.model import Robot
-from stepbot.runtime.cache import Cache, Digest, Shelf, codec_of, environment
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import Start, Worker
 
 from .self_collision import Overlap, without_visuals
@@ -14,7 +14,7 @@ class Collider:
 
     def __init__(self, memory_limit: int | None = None, start: Start | None = None) -> None:
         self._worker = Worker("stepbot.verification.self_collision:overlaps", memory_limit=memory_limit, start=start)
-        self._shelf: Shelf[_Overlaps] = Shelf(None, _Overlaps)
+        self._results: TypedCache[_Overlaps] = TypedCache(None, _Overlaps)
         self._key = ""
         self._known: _Overlaps | None = None
 
@@ -22,9 +22,9 @@ class Collider:
         """Hand over the robot, unless the cache knows it; returns at once."""
         subject = without_visuals(robot)
         if cache is not None:
-            self._shelf = Shelf(cache, _Overlaps)
+            self._results = TypedCache(cache, _Overlaps)
             self._key = Digest("overlaps").add(environment(), codec_of(Robot).encode(subject)).key
-            self._known = self._shelf.get(self._key)
+            self._known = self._results.get(self._key)
         if self._known is None:
             self._worker.submit(subject)
         else:
@@ -40,7 +40,7 @@ class Collider:
         if self._known is None:
             self._known = self._worker.result(timeout)
             if self._key:
-                self._shelf.put(self._key, self._known)
+                self._results.put(self._key, self._known)
         return self._known
 
     def close(self) -> None:

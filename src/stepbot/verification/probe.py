@@ -15,7 +15,7 @@ from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_
 from .correspondence import Correspondence, match
 from .naming import Naming, naming
 
-_SCOUTS = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
+_PROBES = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
 """Engines in the order in which they are asked for the joints: those that read mimics first."""
 
 
@@ -44,7 +44,7 @@ def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) 
 
 
 @dataclass(frozen=True, eq=False)
-class Scouted:
+class Probed:
     """What the first engine sees of a file that can load it; what the others say of it is asked later."""
 
     seen: Observation
@@ -55,12 +55,12 @@ class Scouted:
 
 
 @dataclass(frozen=True)
-class Scout:
+class Probe:
     """Asks one engine about a file."""
 
     observe: Observe
 
-    def look(self, path: Path, written_in: str) -> Scouted | None:
+    def look(self, path: Path, written_in: str) -> Probed | None:
         """What there is in a file; None where no engine can tell."""
         asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
         for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
@@ -68,10 +68,10 @@ class Scout:
                 seen = self.observe(engine, asked)
                 if seen is not None:
                     seen = without_stand_ins(seen)
-                    return Scouted(seen, asked, naming(seen), engine)
+                    return Probed(seen, asked, naming(seen), engine)
         return None
 
-    def correspondence(self, first: Scouted, other: Scouted) -> Correspondence:
+    def correspondence(self, first: Probed, other: Probed) -> Correspondence:
         """How the joints of a file correspond to those of another, where the two say them differently."""
         pairs = [
             (a, b)
@@ -86,20 +86,20 @@ class Scout:
             return Correspondence(())
         return Correspondence(tuple(match(a, b) for a, b in zip(ours, theirs, strict=True)))
 
-    def _chains(self, scouted: Scouted, edges: Sequence[Edge]) -> list[Chain] | None:
+    def _chains(self, probed: Probed, edges: Sequence[Edge]) -> list[Chain] | None:
         """What the joints of edges do when they are moved one by one, by one unit; None where the engine fails now."""
-        names = [name for edge in edges for name in coordinates(edge, scouted.naming)]
+        names = [name for edge in edges for name in coordinates(edge, probed.naming)]
         request = replace(
-            scouted.asked,
+            probed.asked,
             configurations=({}, *({name: 1.0} for name in names)),
-            balls=scouted.naming.balls,
-            universals=scouted.naming.universals,
+            balls=probed.naming.balls,
+            universals=probed.naming.universals,
         )
-        seen = self.observe(scouted.engine, request)
+        seen = self.observe(probed.engine, request)
         if seen is None or len(seen.poses) != 1 + len(names):
             return None
         moved = dict(zip(names, seen.poses[1:], strict=True))
-        return [_chain(edge, scouted.naming, seen.poses[0], moved) for edge in edges]
+        return [_chain(edge, probed.naming, seen.poses[0], moved) for edge in edges]
 
 
 def _chain(edge: Edge, naming: Naming, at_zero: Mapping[str, Pose], moved: Mapping[str, Mapping[str, Pose]]) -> Chain:
@@ -110,4 +110,4 @@ def _chain(edge: Edge, naming: Naming, at_zero: Mapping[str, Pose], moved: Mappi
 
 
 def _rank(engine: str) -> int:
-    return _SCOUTS.index(engine) if engine in _SCOUTS else len(_SCOUTS)
+    return _PROBES.index(engine) if engine in _PROBES else len(_PROBES)

@@ -19,7 +19,7 @@ from .pairing import Segment
 from .twists import direction, pitch_of
 
 
-def told_alike(
+def normalized_joints(
     a: Observation, b: Observation, by: Correspondence, configurations: Sequence[Mapping[str, float]]
 ) -> tuple[Observation, Observation]:
     """Both observations in the same words.

@@ -7,7 +7,7 @@ import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedLink, ObservedShape
 
-from .deviation import Gauge
+from .deviation import Deviations
 from .links import link_pairs
 from .tolerances import COLOR
 
@@ -20,25 +20,27 @@ def plain_name(name: str) -> str:
     return _RENAMED.sub("", name)
 
 
-def compare_meshes(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_meshes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Every mesh is there, and the boxes around what each link shows and touches with are equal."""
     for uri in observed.missing_meshes:
-        gauge.equal(False, f"mesh '{uri}' is missing")
+        deviations.equal(False, f"mesh '{uri}' is missing")
     for a, b in link_pairs(reference, observed):
         for side in ("visual", "collision"):
-            _compare_presence(gauge, a, b, side)
+            _compare_presence(deviations, a, b, side)
             expected, found = getattr(a, f"{side}_bounds"), getattr(b, f"{side}_bounds")
             if expected is not None and found is not None:
                 off = float(np.abs(np.subtract(found, expected)).max())
                 diagonal = float(np.linalg.norm(np.subtract(expected[1], expected[0])))
-                gauge.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
+                deviations.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
             elif expected is not None:
-                gauge.untold.append(f"{side} boxes")
-            _compare_boxes(gauge, f"{side} {{}} of link '{a.name}'", getattr(a, f"{side}s"), getattr(b, f"{side}s"))
+                deviations.untold.append(f"{side} boxes")
+            _compare_boxes(
+                deviations, f"{side} {{}} of link '{a.name}'", getattr(a, f"{side}s"), getattr(b, f"{side}s")
+            )
 
 
 def _compare_boxes(
-    gauge: Gauge,
+    deviations: Deviations,
     where: str,
     expected: Sequence[ObservedShape] | None,
     found: Sequence[ObservedShape] | None,
@@ -50,24 +52,24 @@ def _compare_boxes(
         if a.bounds is not None and b.bounds is not None:
             off = float(np.abs(np.subtract(b.bounds, a.bounds)).max())
             diagonal = float(np.linalg.norm(np.subtract(a.bounds[1], a.bounds[0])))
-            gauge.off(off, f"box of {where.format(_called(a, number))}", "m", diagonal)
+            deviations.off(off, f"box of {where.format(_called(a, number))}", "m", diagonal)
 
 
 def _called(shape: ObservedShape, number: int) -> str:
     return f"'{shape.name}'" if shape.name else str(number)
 
 
-def _compare_presence(gauge: Gauge, a: ObservedLink, b: ObservedLink, side: str) -> None:
+def _compare_presence(deviations: Deviations, a: ObservedLink, b: ObservedLink, side: str) -> None:
     """Whether there is anything to see, or to touch, must agree even where its extent is not told."""
     expected, found = getattr(a, f"has_{side}s"), getattr(b, f"has_{side}s")
     if expected is not None and found is not None:
         wrong = (
             f"link '{a.name}' has no {side}" if expected else f"link '{a.name}' has a {side} that is not in the robot"
         )
-        gauge.equal(expected == found, wrong)
+        deviations.equal(expected == found, wrong)
 
 
-def compare_shapes(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_shapes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Names and colours of everything that is seen or touched, one by one, in the order of the files."""
     for a, b in link_pairs(reference, observed):
         for side in ("visual", "collision"):
@@ -75,40 +77,41 @@ def compare_shapes(gauge: Gauge, reference: Observation, observed: Observation) 
             # Where has_visuals is not told, the engine shows something else in place of what is not there.
             if expected is None or found is None or (not expected and getattr(b, f"has_{side}s") is None):
                 continue
-            _compare_series(gauge, f"{side} {{}} of link '{a.name}'", expected, found)
+            _compare_series(deviations, f"{side} {{}} of link '{a.name}'", expected, found)
 
 
 def _compare_series(
-    gauge: Gauge, where: str, expected: Sequence[ObservedShape], found: Sequence[ObservedShape]
+    deviations: Deviations, where: str, expected: Sequence[ObservedShape], found: Sequence[ObservedShape]
 ) -> None:
-    gauge.equal(len(expected) == len(found), f"{where.format('shapes')}: {len(found)}, {len(expected)} expected")
+    deviations.equal(len(expected) == len(found), f"{where.format('shapes')}: {len(found)}, {len(expected)} expected")
     for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
         which = where.format(_called(a, number))
         if a.name is not None and b.name is not None:
-            gauge.equal(a.name in (b.name, plain_name(b.name)), f"{which}: named '{b.name}'")
+            deviations.equal(a.name in (b.name, plain_name(b.name)), f"{which}: named '{b.name}'")
         if a.rgba is not None and b.rgba is not None:
-            _compare_colors(gauge, f"colour of {which}", a.rgba, b.rgba)
+            _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:
-            _compare_colors(gauge, f"colour in the shade of {which}", a.ambient, b.ambient)
+            _compare_colors(deviations, f"colour in the shade of {which}", a.ambient, b.ambient)
         if a.group is not None and b.group is not None:
-            gauge.equal(a.group == b.group, f"{which}: in group {b.group}, {a.group} expected")
+            deviations.equal(a.group == b.group, f"{which}: in group {b.group}, {a.group} expected")
 
 
-def _compare_colors(gauge: Gauge, where: str, ours: tuple[float, ...], theirs: tuple[float, ...]) -> None:
+def _compare_colors(deviations: Deviations, where: str, ours: tuple[float, ...], theirs: tuple[float, ...]) -> None:
     if len(ours) != len(theirs):
-        gauge.equal(False, f"{where} is " + ("missing" if ours else "not in the robot"))
+        deviations.equal(False, f"{where} is " + ("missing" if ours else "not in the robot"))
         return
     off = float(np.abs(np.subtract(theirs, ours)).max(initial=0.0))
-    gauge.off(off, where, "of full colour", tolerance=COLOR)
+    deviations.off(off, where, "of full colour", tolerance=COLOR)
 
 
-def compare_contacts(gauge: Gauge, reference: Observation, observed: Observation) -> None:
+def compare_contacts(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Pairs of links that never touch each other."""
-    if reference.untouching is None or observed.untouching is None:
+    if reference.excluded_pairs is None or observed.excluded_pairs is None:
         return
-    gauge.equal(True, "")
-    for a, b in dict.fromkeys([*reference.untouching, *observed.untouching]):
-        wrong = "may touch" if (a, b) in reference.untouching else "can never touch"
-        gauge.equal(
-            ((a, b) in reference.untouching) == ((a, b) in observed.untouching), f"links '{a}' and '{b}' {wrong}"
+    deviations.equal(True, "")
+    for a, b in dict.fromkeys([*reference.excluded_pairs, *observed.excluded_pairs]):
+        wrong = "may touch" if (a, b) in reference.excluded_pairs else "can never touch"
+        deviations.equal(
+            ((a, b) in reference.excluded_pairs) == ((a, b) in observed.excluded_pairs),
+            f"links '{a}' and '{b}' {wrong}",
         )

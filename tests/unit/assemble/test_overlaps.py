@@ -14,12 +14,12 @@ from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
 from stepbot.assemble.double_counting import DoubleCounting
 from stepbot.assemble.masses import masses
-from stepbot.assemble.material_assignment import matters
+from stepbot.assemble.material_assignment import assign_materials
 from stepbot.assemble.overlaps import OverlapSearch
 from stepbot.assemble.weigh import weigh
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.mesh_worker import MESHWORK
+from stepbot.geometry.mesh_worker import MESH_WORKER
 from stepbot.geometry.solids.manifolds import Solid
 from stepbot.geometry.solids.overlapping import Overlaps
 from stepbot.runtime.cache import Cache
@@ -37,9 +37,9 @@ def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -
     """What overlaps in the only link."""
     found = Diagnostics()
     binder = Binder(shop.assembly, sidecar(folder, text), found)
-    matter = matters(binder)
-    claims = claim(binder, matter.of)
-    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+    materials = assign_materials(binder)
+    claims = claim(binder, materials.of)
+    weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
     (overlaps,) = OverlapSearch(shop.assembly, {"base": claims.parts_of("base")}, weighed, max_faces).result().values()
     return overlaps
 
@@ -215,9 +215,9 @@ def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) ->
     assert overlaps.unchecked[0].mass == pytest.approx(1e-3)
 
     binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), found)
-    matter = matters(binder)
-    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
-    DoubleCounting(binder, claim(binder, matter.of), weighed, max_faces=0).report()
+    materials = assign_materials(binder)
+    weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
+    DoubleCounting(binder, claim(binder, materials.of), weighed, max_faces=0).report()
     (note,) = found
     assert (note.code, note.severity) == ("SB514", "note")
     assert "2 pairs of solids were not checked" in note.message
@@ -251,9 +251,9 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         shop.box("a")
         shop.box("b", X_PC=at(x, 0, 0))
         binder = Binder(shop.assembly, sidecar(tmp_path, text), Diagnostics())
-        matter = matters(binder)
-        claims = claim(binder, matter.of)
-        weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
+        materials = assign_materials(binder)
+        claims = claim(binder, materials.of)
+        weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
         parts = {link: claims.parts_of(link) for link in binder.document.links}
         return OverlapSearch(shop.assembly, parts, weighed, cache=cache).result()
 
@@ -269,9 +269,9 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def _search(shop: Workshop, folder: Path, found: Diagnostics, process: Worker) -> DoubleCounting:
     binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), found)
-    matter = matters(binder)
-    weighed = masses(binder, matter, weigh(shop.assembly, shop.measures, binder.document.mass))
-    return DoubleCounting(binder, claim(binder, matter.of), weighed, process=process)
+    materials = assign_materials(binder)
+    weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
+    return DoubleCounting(binder, claim(binder, materials.of), weighed, process=process)
 
 
 def _row_of_blocks(count: int) -> Workshop:
@@ -284,7 +284,7 @@ def _row_of_blocks(count: int) -> Workshop:
 def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Once it has measured, the process that measures says of overlaps what this one would."""
     shop = _row_of_blocks(4)
-    with Worker(MESHWORK) as process:
+    with Worker(MESH_WORKER) as process:
         meshes = tuple(body.mesh for body in shop.assembly.bodies)
         assert len(process.submit("measures", meshes, more=True).result()) == len(meshes)
         _search(shop, tmp_path, found, process).report()
@@ -297,7 +297,7 @@ def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_the_death_of_that_process_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
     """As an error: nobody knows then what is weighed twice."""
-    with Worker(MESHWORK) as process:
+    with Worker(MESH_WORKER) as process:
         os.kill(process.pid, signal.SIGKILL)
         _search(_row_of_blocks(2), tmp_path, found, process).report()
     (error,) = found

@@ -37,31 +37,31 @@ def drafted(*pairs: KinematicPair, links: tuple[KinematicLink, ...] = LINKS, bas
 
 
 @pytest.mark.parametrize(
-    ("freedoms", "kind"),
+    ("dofs", "kind"),
     [
         ((5,), JointKind.CONTINUOUS), ((2,), JointKind.PRISMATIC), ((0,), JointKind.PRISMATIC),
         ((2, 5), JointKind.CYLINDRICAL), ((3, 4, 5), JointKind.BALL), ((0, 1, 5), JointKind.PLANAR),
         ((3, 5), JointKind.UNIVERSAL), ((), JointKind.FIXED), ((0, 1, 2, 3, 4, 5), JointKind.FLOATING),
     ],
 )  # fmt: skip
-def test_every_kind_of_pair_is_built(freedoms: tuple[int, ...], kind: JointKind, tmp_path: Path) -> None:
-    """The freedoms of a pair decide the kind of its joint, and the sidecar of it builds without a mark."""
-    draft = drafted(replace(HINGE, freedoms=freedoms))
+def test_every_kind_of_pair_is_built(dofs: tuple[int, ...], kind: JointKind, tmp_path: Path) -> None:
+    """The degrees of freedom of a pair decide the kind of its joint, and the sidecar of it builds without a mark."""
+    draft = drafted(replace(HINGE, dofs=dofs))
     assert not any(joint.is_reviewed for joint in draft.joints)
     assert draft.joints[0].confidence.score == 1.0
     robot, _ = built(draft, tmp_path, shop())
     (joint,) = robot.joints
     assert joint.kind is kind
     assert joint.X_PC.p == pytest.approx([0.045, 0.005, 0.0])
-    if freedoms == (0,):
+    if dofs == (0,):
         assert joint.axis == (1.0, 0.0, 0.0)
-    if freedoms == (3, 5):
+    if dofs == (3, 5):
         assert (joint.axis, joint.axis2) == ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def test_screw_keeps_its_pitch(tmp_path: Path) -> None:
     """A pitch in the file's unit of length per turn becomes metres per radian."""
-    screw = replace(HINGE, kind="SCREW_PAIR", freedoms=(2, 5), pitch=2.0, is_stated=False)
+    screw = replace(HINGE, kind="SCREW_PAIR", dofs=(2, 5), pitch=2.0, is_stated=False)
     joint = built(drafted(screw), tmp_path, shop())[0].joints[0]
     assert (joint.kind, joint.pitch) == (JointKind.SCREW, pytest.approx(0.002 / (2 * pi)))
 
@@ -79,7 +79,7 @@ def test_range_and_drawn_position_count_from_the_pair_s_own_zero(tmp_path: Path)
 def test_slider_drawn_away_from_zero(tmp_path: Path) -> None:
     """Of a slider the drawn position is the distance between the placements, and the range is a length."""
     away = Pose(position=(-5.0, 5.0, 7.5))
-    pair = replace(HINGE, kind="PRISMATIC_PAIR", freedoms=(2,), placements=(ON_BASE, away), bounds=(-10.0, 30.0))
+    pair = replace(HINGE, kind="PRISMATIC_PAIR", dofs=(2,), placements=(ON_BASE, away), bounds=(-10.0, 30.0))
     joint = built(drafted(pair), tmp_path, shop())[0].joints[0]
     assert (joint.limit.lower, joint.limit.upper, joint.drawn_position) == pytest.approx((-0.01, 0.03, 0.0075))
 
@@ -116,7 +116,7 @@ def test_placements_that_do_not_meet_are_reviewed() -> None:
 
 def test_direction_that_the_file_leaves_out_is_reviewed() -> None:
     """A slider without flags follows the standard, which not every program does."""
-    (joint,) = drafted(replace(HINGE, kind="PRISMATIC_PAIR", freedoms=(0,), is_stated=False)).joints
+    (joint,) = drafted(replace(HINGE, kind="PRISMATIC_PAIR", dofs=(0,), is_stated=False)).joints
     assert "standard" in joint.review
 
 

@@ -10,8 +10,8 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.codes import CODES
 from stepbot.formats import FORMATS, lowering, render
-from stepbot.formats.lowering import UNLIMITED, Level, Notion, lower
-from stepbot.formats.lowering.rerooted_loops import recut_loops
+from stepbot.formats.lowering import UNLIMITED, Feature, Level, lower
+from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.formats.lowering.shapes import is_convex
 from stepbot.formats.mapping import mapping_page
 from stepbot.geometry.inertia import MassProperties
@@ -65,13 +65,13 @@ def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
 
 @every_format
 def test_every_notion_is_declared(format_: str) -> None:
-    """A writer says for every notion what it does; what is not exact has a code of the right severity."""
+    """A writer says for every feature what it does; what is not exact has a code of the right severity."""
     declared = FORMATS[format_].EXPRESSES
-    assert set(declared) == set(Notion)
-    for notion, support in declared.items():
+    assert set(declared) == set(Feature)
+    for feature, support in declared.items():
         assert support.how
         assert not support.how.endswith(".")
-        assert (support.level is Level.EXACT) == (support.code == ""), notion
+        assert (support.level is Level.EXACT) == (support.code == ""), feature
         if support.level is Level.REFUSED:
             assert CODES[support.code].severity == "error"
         elif support.level is not Level.EXACT:
@@ -79,16 +79,16 @@ def test_every_notion_is_declared(format_: str) -> None:
             assert CODES[support.code].severity in ("warning", "note")
 
 
-SAID_BY_WHO_LOADS = {Notion.FIXED_BASE, Notion.FLOATING_BASE, Notion.INITIAL_POSE}
+SAID_BY_WHO_LOADS = {Feature.FIXED_BASE, Feature.FLOATING_BASE, Feature.INITIAL_POSE}
 """What a file may leave to the one who loads it: no part of the robot is lost."""
 
 
 @every_format
 def test_every_loss_is_an_error_when_strict(format_: str) -> None:
     """What a format leaves out draws a warning, which ``--strict`` makes an error."""
-    for notion, support in FORMATS[format_].EXPRESSES.items():
-        if support.level is Level.REPORTED and notion not in SAID_BY_WHO_LOADS:
-            assert CODES[support.code].severity == "warning", notion
+    for feature, support in FORMATS[format_].EXPRESSES.items():
+        if support.level is Level.REPORTED and feature not in SAID_BY_WHO_LOADS:
+            assert CODES[support.code].severity == "warning", feature
     found = Diagnostics()
     lower(equipped(), FORMATS[format_], found)
     left_out = sorted({diagnostic.code for diagnostic in found if diagnostic.severity == "warning"})
@@ -99,9 +99,9 @@ def test_every_loss_is_an_error_when_strict(format_: str) -> None:
 
 @every_format
 def test_what_is_not_exact_is_handled(format_: str) -> None:
-    """A notion that a format does not say as it is cannot slip through unnoticed."""
-    handled = {*lowering._HANDLINGS, Notion.RESERVED_NAME}
-    not_exact = {notion for notion, s in FORMATS[format_].EXPRESSES.items() if s.level is not Level.EXACT}
+    """A feature that a format does not say as it is cannot slip through unnoticed."""
+    handled = {*lowering._HANDLINGS, Feature.RESERVED_NAME}
+    not_exact = {feature for feature, s in FORMATS[format_].EXPRESSES.items() if s.level is not Level.EXACT}
     assert not_exact <= handled
 
 
@@ -279,7 +279,7 @@ def test_a_loop_cut_elsewhere_moves_alike(actuated: tuple[str, ...]) -> None:
     """Whichever joint the loop is cut at, every point of every link goes the same way, and nothing changes its mass."""
     robot = sliding_closure()
     robot = replace(robot, actuators=tuple(Actuator(name, name, ActuatorKind.MOTOR) for name in actuated))
-    said = recut_loops(robot)
+    said = reroot_loops(robot)
     assert said.closures != robot.closures
     check_robot(said, sound := Diagnostics())
     assert not list(sound)

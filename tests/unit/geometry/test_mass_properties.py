@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.geometry.mass_properties import measured
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.mesh_worker import MESHWORK
+from stepbot.geometry.mesh_worker import MESH_WORKER
 from stepbot.geometry.spatial import Pose, rotation_from_rpy
 from stepbot.runtime.worker import call_isolated
 
@@ -73,8 +73,8 @@ def test_in_a_process_of_its_own() -> None:
     """There, without what trimesh imports beside: the same numbers to the last bit; here nothing changes."""
     meshes = (box(), box().moved(X_AB), TriMesh.of(CORNERS, FACES[1:]))
     before = {name for name in ("scipy", "networkx") if name in sys.modules}
-    assert call_isolated(MESHWORK, "measures", meshes) == tuple(map(measured, meshes))
-    assert call_isolated(MESHWORK, "measures", meshes)[2] is None
+    assert call_isolated(MESH_WORKER, "measures", meshes) == tuple(map(measured, meshes))
+    assert call_isolated(MESH_WORKER, "measures", meshes)[2] is None
     assert before <= set(sys.modules)
 
 

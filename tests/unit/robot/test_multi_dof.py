@@ -1,4 +1,4 @@
-"""Joints of several freedoms, unfolded into chains: names, order, and what the chain leaves as it was."""
+"""Multi-dof joints, unfolded into chains: names, order, and what the chain leaves as it was."""
 
 from dataclasses import replace
 

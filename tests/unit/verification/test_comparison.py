@@ -17,8 +17,8 @@ from stepbot.robot.kinematics import configurations, initial_configuration
 from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot
 from stepbot.verification.checks import CODES, Subject, check_of, checks_without_observation, report_failure
 from stepbot.verification.compare import compare
-from stepbot.verification.deviation import Gauge
-from stepbot.verification.normalized import alike
+from stepbot.verification.deviation import Deviations
+from stepbot.verification.normalized import normalized
 from stepbot.verification.tolerances import TOLERANCES, Tolerance, tolerance
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic, primitives, two_link_arm
@@ -50,7 +50,7 @@ def test_a_robot_is_itself(name: str) -> None:
     """Everything that it has passes, with no deviation."""
     observation = seen(ROBOTS[name]())
     assert set(statuses(observation, observation).values()) == {Status.PASSED}
-    assert all(one.gauge.worst.ratio == 0.0 for one in compare(observation, observation) if one.gauge.worst)
+    assert all(one.deviations.worst.ratio == 0.0 for one in compare(observation, observation) if one.deviations.worst)
 
 
 def on_link(name: str, **changes: object) -> Change:
@@ -413,21 +413,21 @@ def test_an_engine_that_says_nothing(fate: Fate, load: Status, code: str | None,
 
 def test_a_number_beside_zero_tolerance_fails() -> None:
     """And a zero deviation passes there."""
-    gauge = Gauge(Tolerance(relative=1e-9))
-    gauge.near(0.0, 0.0, "nothing", "kg", 0.0)
-    assert not gauge.failures
-    gauge.near(1e-300, 0.0, "something", "kg", 0.0)
-    assert [str(failure) for failure in gauge.failures] == ["something: 1e-300 kg off, 0 allowed"]
-    assert gauge.worst is gauge.failures[0]
+    deviations = Deviations(Tolerance(relative=1e-9))
+    deviations.near(0.0, 0.0, "nothing", "kg", 0.0)
+    assert not deviations.failures
+    deviations.near(1e-300, 0.0, "something", "kg", 0.0)
+    assert [str(failure) for failure in deviations.failures] == ["something: 1e-300 kg off, 0 allowed"]
+    assert deviations.worst is deviations.failures[0]
 
 
 def test_infinite_limits_are_equal() -> None:
     """None on both sides agree; none on one side does not."""
-    gauge = Gauge(Tolerance(1e-9))
-    gauge.near(math.inf, math.inf, "limit", "rad")
-    assert not gauge.failures
-    gauge.near(math.inf, 3.0, "limit", "rad", 3.0)
-    assert len(gauge.failures) == 1
+    deviations = Deviations(Tolerance(1e-9))
+    deviations.near(math.inf, math.inf, "limit", "rad")
+    assert not deviations.failures
+    deviations.near(math.inf, 3.0, "limit", "rad", 3.0)
+    assert len(deviations.failures) == 1
 
 
 def test_bare_links_are_frames() -> None:
@@ -446,10 +446,10 @@ def test_bare_links_are_frames() -> None:
         joints=(*observation.joints, ObservedJoint("mount", "fixed", tip.link, "tool0")),
         poses=tuple({**poses, "tool0": poses[tip.link] @ tip.X_LF} for poses in observation.poses),
     )
-    ours, theirs = alike(observation, as_link)
+    ours, theirs = normalized(observation, as_link)
     assert list(theirs.frames or {}) == ["tool0"]
     assert failed(ours, theirs) == set()
-    assert [link.name for link in alike(as_link, as_link)[0].links][-1] == "tool0"
+    assert [link.name for link in normalized(as_link, as_link)[0].links][-1] == "tool0"
 
 
 def test_a_link_called_world_is_the_world() -> None:
@@ -464,7 +464,7 @@ def test_a_link_called_world_is_the_world() -> None:
         joints=(ObservedJoint("anchor", "fixed", "world", "base"), *observation.joints),
         poses=tuple({"world": Pose(), **{n: off @ X for n, X in poses.items()}} for poses in observation.poses),
     )
-    ours, theirs = alike(observation, as_link)
+    ours, theirs = normalized(observation, as_link)
     assert failed(ours, theirs) == set()
     assert theirs.base == "fixed"
 
@@ -474,4 +474,4 @@ def test_mimics_are_compared_with_the_joint_that_leads() -> None:
     gripper = seen(gripper_with_mimic())
     direct = on_joint("thumb_pivot", lambda j: replace(j, mimic=Mimic("finger", -100 / 7, 0.1)))(gripper)
     assert failed(gripper, direct) == {Quantity.MIMIC}
-    assert failed(*alike(gripper, direct)) == set()
+    assert failed(*normalized(gripper, direct)) == set()

@@ -21,7 +21,7 @@ from ..bounding_boxes import Bounds
 from ..observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
 from ..resources import resolve
 from .compiled import Compiled
-from .contacts import untouching
+from .contacts import excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
 from .shapes import observed_shapes
@@ -173,7 +173,7 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         actuators=observed_actuators(compiled) if mjcf else None,
         sensors=sensors if mjcf else None,
         initial=_initial(compiled) if mjcf else None,
-        untouching=untouching(compiled) if mjcf else None,
+        excluded_pairs=excluded_pairs(compiled) if mjcf else None,
         not_run=_NOT_RUN[request.format],
     )
 

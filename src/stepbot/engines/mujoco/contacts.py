@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .compiled import Compiled
 
 
-def untouching(compiled: "Compiled") -> tuple[tuple[str, str], ...]:
+def excluded_pairs(compiled: "Compiled") -> tuple[tuple[str, str], ...]:
     """Pairs of links that both have something to touch with, and that MuJoCo leaves out; sorted."""
     engine, model = compiled.engine, compiled.model
     excluded = {divmod(int(signature), 1 << 16) for signature in model.exclude_signature}

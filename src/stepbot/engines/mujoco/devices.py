@@ -1,4 +1,4 @@
-"""Drives, sensors and frames of a MuJoCo model.
+"""Actuators, sensors and frames of a MuJoCo model.
 
 MuJoCo's sensors tell one reading each: those whose names begin alike, up to a slash, are one sensor. What a group of
 readings is, follows from what they are; groups that are none of the known kinds are told in MuJoCo's words.
@@ -58,7 +58,7 @@ def observed_actuators(compiled: "Compiled") -> tuple[ObservedActuator, ...]:
 
 
 def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
-    """A drive; told apart by its bias, as MuJoCo's shortcuts set it."""
+    """An actuator; told apart by its bias, as MuJoCo's shortcuts set it."""
     model = compiled.model
     gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
     joint = compiled.name("JOINT", int(model.actuator_trnid[a][0]))

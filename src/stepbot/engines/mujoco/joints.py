@@ -1,4 +1,4 @@
-"""The joints of a MuJoCo model: single ones, and several in one body that are one joint of several freedoms."""
+"""The joints of a MuJoCo model: single ones, and several in one body that are one multi-dof joint."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -26,7 +26,7 @@ _SQUARE = 1e-9
 def observed_joints(compiled: "NamedModel", body: int, mjcf: bool) -> Iterator[ObservedJoint]:
     """The joint above a body; a body without one is fixed to its parent, under no name.
 
-    Several joints in one body are one joint of several freedoms, where they make one of the kinds that there are;
+    Several joints in one body are one multi-dof joint, where they make one of the kinds that there are;
     otherwise each is told by itself.
     """
     engine, model = compiled.engine, compiled.model

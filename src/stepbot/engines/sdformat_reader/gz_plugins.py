@@ -1,4 +1,4 @@
-"""Drives and joint sensors that plugins of Gazebo Sim make of a model, read from the plugins' documentation."""
+"""Actuators and joint sensors that plugins of Gazebo Sim make of a model, read from the plugins' documentation."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -18,7 +18,7 @@ _SYSTEMS = "gz::sim::systems::"
 
 
 def plugin_actuators(model: Element) -> Iterator[ObservedActuator]:
-    """The drives, which have no names here; gains and bounds are those at the joint."""
+    """The actuators, which have no names here; gains and bounds are those at the joint."""
     for plugin in model.findall("plugin"):
         joint = (plugin.findtext("joint_name") or "").strip()
         match _system(plugin):
@@ -50,7 +50,7 @@ def _system(plugin: Element) -> str:
 def _controlled(
     plugin: Element, joint: str, kind: ActuatorKind, *, default_i: float, default_d: float
 ) -> ObservedActuator:
-    """A drive held by a PID controller; one that does more than its kind is told in other words."""
+    """An actuator held by a PID controller; one that does more than its kind is told in other words."""
     p, i, d = (
         number_at(plugin, f"{letter}_gain", default)
         for letter, default in (("p", 1.0), ("i", default_i), ("d", default_d))

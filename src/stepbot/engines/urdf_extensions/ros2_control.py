@@ -1,4 +1,4 @@
-"""Drives and sensors of a URDF as ros2_control and the transmissions of ROS 1 have them, read from their documentation.
+"""Actuators and sensors of a URDF, as ros2_control and ROS 1 transmissions define them.
 
 https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
 """
@@ -21,7 +21,7 @@ else:
 
 _COMMANDS = {"position": ActuatorKind.POSITION, "velocity": ActuatorKind.VELOCITY, "effort": ActuatorKind.MOTOR}
 _INTERFACES = {f"hardware_interface/{word.capitalize()}JointInterface": kind for word, kind in _COMMANDS.items()}
-"""ROS 1's words for what a drive takes."""
+"""ROS 1's words for what an actuator takes."""
 _TRANSMISSION = "ros2_control/transmission"
 _SIMPLE = "transmission_interface/SimpleTransmission"
 _STATES = {"position", "velocity", "effort"}
@@ -84,9 +84,9 @@ def _parameter(element: Element, name: str) -> str | None:
 
 
 def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
-    """The drives: what their joints take, behind the gears of their transmissions.
+    """The actuators: what their joints take, behind the gears of their transmissions.
 
-    Drives without a transmission have no names; what only a transmission of ROS 1 knows, has neither gains nor bounds.
+    Actuators without a transmission have no names; those with only a ROS 1 transmission have neither gains nor bounds.
     """
     old = {one.get("name", ""): one for one in top.findall("transmission")}
     taken: set[tuple[str, str]] = set()
@@ -107,7 +107,7 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
 
 
 def _behind_gear(element: Element, old: Element | None, top: Element) -> ObservedActuator:
-    """A drive with a transmission in `<ros2_control>`; the one of ROS 1 with the same name tells what it takes."""
+    """An actuator with a transmission in `<ros2_control>`; the one of ROS 1 with the same name tells what it takes."""
     motor, driven = element.find("actuator"), element.find("joint")
     name = "" if motor is None else motor.get("name", "")
     joint = "" if driven is None else driven.get("name", "")
@@ -142,7 +142,7 @@ def _of_ros_1(element: Element) -> tuple[str, str, float]:
 
 
 def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear: float) -> ObservedActuator:
-    """A drive whose input is a command interface; bounds are carried from the joint to the drive."""
+    """An actuator whose input is a command interface; bounds are carried from the joint to the actuator."""
     values = {one.get("name", ""): _one(one) for one in command.findall("param")}
     low, high = values.get("min", -inf), values.get("max", inf)
     scale = 1.0 / gear if kind is ActuatorKind.MOTOR else gear

@@ -1,11 +1,11 @@
-"""Drives and sensors rewritten to what a format can hold."""
+"""Actuators and sensors rewritten to what a format can hold."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isinf
 
 from stepbot.geometry.spatial import IDENTITY
-from stepbot.robot.actuators import drive_limit, joint_range
+from stepbot.robot.actuators import actuator_limit, joint_range
 from stepbot.robot.model import Actuator, ActuatorKind, Frame, Limit, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind
 from stepbot.robot.unique_names import free_name
@@ -31,15 +31,15 @@ def sensors_of(kind: SensorKind) -> Callable[[Robot], list[str]]:
     return sensors_where(lambda sensor: sensor.kind is kind)
 
 
-def drives_where(condition: Callable[[Robot, Actuator], bool]) -> Callable[[Robot], list[str]]:
-    """Names of the drives that satisfy a condition, and their joints."""
+def actuators_where(condition: Callable[[Robot, Actuator], bool]) -> Callable[[Robot], list[str]]:
+    """Names of the actuators that satisfy a condition, and their joints."""
     return lambda robot: [
         f"'{actuator.name}' on '{actuator.joint}'" for actuator in robot.actuators if condition(robot, actuator)
     ]
 
 
-def without_drives(robot: Robot) -> Robot:
-    """The robot without its drives."""
+def without_actuators(robot: Robot) -> Robot:
+    """The robot without its actuators."""
     return replace(robot, actuators=())
 
 
@@ -53,7 +53,7 @@ def _each_sensor(rewrite: Callable[[Sensor], Sensor]) -> Callable[[Robot], Robot
 
 
 def gears_at_joints(robot: Robot) -> Robot:
-    """The robot with drives without gears: what a gain and an input count at the drive, they count at the joint."""
+    """The robot with gains and inputs converted from the motor's side of each gear to the joint's."""
 
     def direct(actuator: Actuator) -> Actuator:
         square = actuator.gear**2
@@ -62,33 +62,34 @@ def gears_at_joints(robot: Robot) -> Robot:
     return replace(robot, actuators=tuple(direct(actuator) for actuator in robot.actuators))
 
 
-def is_bounded_drive(robot: Robot, actuator: Actuator) -> bool:
-    """Whether a drive's input has narrower bounds than its joint."""
+def is_bounded_actuator(robot: Robot, actuator: Actuator) -> bool:
+    """Whether an actuator's input has narrower bounds than its joint."""
     joint = robot.joint_by_name[actuator.joint]
     return joint_range(actuator, joint) != joint_range(_as_joint(actuator), joint)
 
 
 def _as_joint(actuator: Actuator) -> Actuator:
-    """The drive without bounds of its own input; that of a motor is its effort."""
+    """The actuator without bounds of its own input; that of a motor is its effort."""
     effort = inf if actuator.kind is ActuatorKind.MOTOR else actuator.limit.effort
     return replace(actuator, limit=Limit(effort=effort))
 
 
 def bounded_by_joints(robot: Robot) -> Robot:
-    """The robot with drives whose inputs have no bounds but those of their joints."""
+    """The robot with actuators whose inputs have no bounds but those of their joints."""
     return replace(robot, actuators=tuple(_as_joint(actuator) for actuator in robot.actuators))
 
 
-def is_open_drive(robot: Robot, actuator: Actuator) -> bool:
-    """Whether a drive that is controlled has no limit to its effort."""
-    limit = drive_limit(actuator, robot.joint_by_name[actuator.joint])
+def is_unlimited_actuator(robot: Robot, actuator: Actuator) -> bool:
+    """Whether an actuator that is controlled has no limit to its effort."""
+    limit = actuator_limit(actuator, robot.joint_by_name[actuator.joint])
     return actuator.kind is not ActuatorKind.MOTOR and isinf(limit.effort)
 
 
-def bound_drives(robot: Robot) -> Robot:
-    """The robot with a number for every effort limit that a drive does not have."""
+def bound_actuators(robot: Robot) -> Robot:
+    """The robot with a number for every effort limit that an actuator does not have."""
     actuators = [
-        replace(a, limit=replace(a.limit, effort=UNLIMITED)) if is_open_drive(robot, a) else a for a in robot.actuators
+        replace(a, limit=replace(a.limit, effort=UNLIMITED)) if is_unlimited_actuator(robot, a) else a
+        for a in robot.actuators
     ]
     return replace(robot, actuators=tuple(actuators))
 

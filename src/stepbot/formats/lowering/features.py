@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Protocol
 
 
-class Notion(StrEnum):
+class Feature(StrEnum):
     """Something that a robot may have, in the words of the table in ``docs/mapping.md``."""
 
     FIXED_BASE = "base fixed to the world"
@@ -48,8 +48,8 @@ class Notion(StrEnum):
     FRAME = "frame"
     ACTUATOR = "actuator"
     GEAR = "gear of an actuator"
-    DRIVE_INPUT = "bounds of an actuator's input beside those of its joint"
-    OPEN_DRIVE = "position or velocity actuator without effort limit"
+    ACTUATOR_INPUT = "bounds of an actuator's input beside those of its joint"
+    UNLIMITED_ACTUATOR = "position or velocity actuator without effort limit"
     JOINT_SENSOR = "joint sensor"
     IMU = "IMU"
     FORCE_TORQUE = "force-torque sensor"
@@ -69,7 +69,7 @@ class Notion(StrEnum):
 
 
 class Level(StrEnum):
-    """How much of a notion a format says."""
+    """How much of a feature a format says."""
 
     EXACT = "exact"
     LOWERED = "lowered"
@@ -82,13 +82,13 @@ class Level(StrEnum):
 
 @dataclass(frozen=True)
 class Support:
-    """What a format does about a notion."""
+    """What a format does about a feature."""
 
     level: Level
     how: str
     """For the table and for messages: a clause, no full stop."""
     code: str = ""
-    """Of the diagnostic where a robot has the notion; empty for what is exact."""
+    """Of the diagnostic where a robot has the feature; empty for what is exact."""
 
 
 def exact(how: str) -> Support:
@@ -116,7 +116,7 @@ class Format(Protocol):
 
     TITLE: str
     SUFFIX: str
-    EXPRESSES: Mapping[Notion, Support]
+    EXPRESSES: Mapping[Feature, Support]
 
     def reserves(self, name: str) -> bool:
         """Whether the name means something else to the format."""

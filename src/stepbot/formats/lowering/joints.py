@@ -90,7 +90,7 @@ def without_spring(joint: Joint) -> Joint:
 
 
 def without_armature(joint: Joint) -> Joint:
-    """The joint without the inertia of its drive."""
+    """The joint without the inertia of its actuator."""
     return replace(joint, dynamics=replace(joint.dynamics, armature=0.0))
 
 

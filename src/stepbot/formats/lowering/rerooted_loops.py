@@ -31,7 +31,7 @@ def sliding_closures(robot: Robot) -> list[str]:
     return found
 
 
-def recut_loops(robot: Robot) -> Robot:
+def reroot_loops(robot: Robot) -> Robot:
     """The robot with every loop that a prismatic closure closes cut at a joint without limits, forces or drive.
 
     Loops without such a joint stay as they are.
@@ -39,7 +39,7 @@ def recut_loops(robot: Robot) -> Robot:
     for closure in robot.closures:
         way = _way_to_cut(robot, closure) if closure.kind is JointKind.PRISMATIC else ()
         if way:
-            robot = _recut(robot, closure, way)
+            robot = _reroot(robot, closure, way)
     return robot
 
 
@@ -75,7 +75,7 @@ def _can_close(robot: Robot, joint: Joint) -> bool:
     return joint.kind in _CLOSES_AS and plain and joint.name not in involved
 
 
-def _recut(robot: Robot, closure: LoopClosure, way: tuple[Joint, ...]) -> Robot:
+def _reroot(robot: Robot, closure: LoopClosure, way: tuple[Joint, ...]) -> Robot:
     """Cut at the last joint of the way instead of at the closure; the others turn around."""
     from_b = way[0].child == closure.link_b
     holder, X_PF = (closure.link_a, closure.X_AF) if from_b else (closure.link_b, closure.X_BF)

@@ -1,7 +1,7 @@
 """MJCF, MuJoCo's own format: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
 
 Joints sit at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
-A body may have several joints, which act one after the other: that is how joints of several freedoms are written.
+A body may have several joints, which act one after the other: that is how multi-dof joints are written.
 Closures hold sites together: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
 ``connect``, at F and at a second point of its axis: six rows, of which five are independent, two in a planar loop.
 Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
@@ -36,7 +36,7 @@ from stepbot.robot.model import (
 from stepbot.robot.multi_dof import steps_by_child
 
 from ..companion import Companion
-from ..lowering import Notion, exact, free_name, geometries, lowered, refused, reported
+from ..lowering import Feature, exact, free_name, geometries, lowered, refused, reported
 from ..lowering.shapes import is_flat, upright
 from ..xml import Element, Value, document, element, root
 from . import devices
@@ -48,63 +48,67 @@ SUFFIX = ".xml"
 TITLE = "MJCF"
 
 EXPRESSES = {
-    Notion.FIXED_BASE: exact("body of the world without a joint"),
-    Notion.FLOATING_BASE: exact("`<freejoint>`"),
-    Notion.INERTIA: exact("`<inertial>` with `fullinertia`"),
-    Notion.MESH: exact("OBJ in metres, path relative to the file"),
-    Notion.SHAPE: exact("`box`, `cylinder`, `sphere`"),
-    Notion.CAPSULE: exact("`capsule`"),
-    Notion.FLAT_COLLISION: reported("SB712", "MuJoCo makes no hull of a collision mesh in a plane; left out"),
-    Notion.CONCAVE_COLLISION: reported("SB717", "MuJoCo touches with the convex hull of these meshes"),
-    Notion.COLOR: exact("`rgba`"),
-    Notion.NEIGHBOURS: exact("`<exclude>` for links that a joint, fixed joint or closure holds together"),
-    Notion.FIXED: exact("body without a joint"),
-    Notion.REVOLUTE: exact("`hinge` with `range`"),
-    Notion.CONTINUOUS: exact("`hinge`"),
-    Notion.PRISMATIC: exact("`slide`"),
-    Notion.BALL: exact("`ball`"),
-    Notion.UNIVERSAL: exact("two `hinge` in one body"),
-    Notion.CYLINDRICAL: exact("`slide` and `hinge` in one body"),
-    Notion.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
-    Notion.PLANAR: exact("two `slide` and a `hinge` in one body"),
-    Notion.FLOATING: exact("three `slide` and a `ball` in one body"),
-    Notion.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
-    Notion.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
-    Notion.OPEN_POSITION: exact("infinite `range`, or none"),
-    Notion.OPEN_EFFORT: exact("no attribute"),
-    Notion.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
-    Notion.VELOCITY: lowered("SB705", "velocity limits are `<numeric>` data that MuJoCo does not enforce"),
-    Notion.FRICTION: exact("`damping`, `frictionloss`"),
-    Notion.SPRING: exact("`stiffness`, `springref`"),
-    Notion.ARMATURE: exact("`armature`"),
-    Notion.MIMIC: exact("`<equality>` of two joints"),
-    Notion.MIMIC_CHAIN: exact("`<equality>` of two joints"),
-    Notion.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
-    Notion.SLIDING_CLOSURE: lowered("SB722", "no constraint lets two bodies slide; the loops are cut at another joint"),
-    Notion.STUCK_CLOSURE: refused("SB713", "no constraint lets two bodies slide, and no pin of the loop is plain"),
-    Notion.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
-    Notion.INITIAL_POSE: exact("keyframe `home`"),
-    Notion.FRAME: exact("`<site>`"),
-    Notion.ACTUATOR: exact("`<position>`, `<velocity>`, `<motor>`"),
-    Notion.GEAR: exact("`gear`"),
-    Notion.DRIVE_INPUT: exact("`ctrlrange`"),
-    Notion.OPEN_DRIVE: exact("no attribute"),
-    Notion.JOINT_SENSOR: exact("`<jointpos>`, `<jointvel>`; `<ballquat>`, `<ballangvel>`"),
-    Notion.IMU: exact("`<accelerometer>`, `<gyro>`, `<framequat>` at a site"),
-    Notion.FORCE_TORQUE: exact("`<force>`, `<torque>` at a site"),
-    Notion.OFF_JOINT: exact("`<force>`, `<torque>` at a site"),
-    Notion.CAMERA: exact("`<camera>`"),
-    Notion.LIDAR: exact("`<rangefinder>` at each of `<replicate>` sites"),
-    Notion.CONTACT: exact("`<contact>` of a body"),
-    Notion.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
-    Notion.SENSOR_RATE: exact("`interval`"),
-    Notion.ENCODER_RATE: exact("`interval`"),
-    Notion.CAMERA_EXTRAS: reported("SB727", "MuJoCo draws when it is asked to, from one near to one far plane for all"),
-    Notion.LIDAR_NEAREST: reported("SB727", "nothing is too near for a `<rangefinder>`"),
-    Notion.OPEN_VIEW: exact("no `cutoff`"),
-    Notion.JOINT_NAME: exact("each kind of element has names of its own"),
-    Notion.FRAME_NAME: exact("each kind of element has names of its own"),
-    Notion.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
+    Feature.FIXED_BASE: exact("body of the world without a joint"),
+    Feature.FLOATING_BASE: exact("`<freejoint>`"),
+    Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
+    Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
+    Feature.CAPSULE: exact("`capsule`"),
+    Feature.FLAT_COLLISION: reported("SB712", "MuJoCo makes no hull of a collision mesh in a plane; left out"),
+    Feature.CONCAVE_COLLISION: reported("SB717", "MuJoCo touches with the convex hull of these meshes"),
+    Feature.COLOR: exact("`rgba`"),
+    Feature.NEIGHBOURS: exact("`<exclude>` for links that a joint, fixed joint or closure holds together"),
+    Feature.FIXED: exact("body without a joint"),
+    Feature.REVOLUTE: exact("`hinge` with `range`"),
+    Feature.CONTINUOUS: exact("`hinge`"),
+    Feature.PRISMATIC: exact("`slide`"),
+    Feature.BALL: exact("`ball`"),
+    Feature.UNIVERSAL: exact("two `hinge` in one body"),
+    Feature.CYLINDRICAL: exact("`slide` and `hinge` in one body"),
+    Feature.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
+    Feature.PLANAR: exact("two `slide` and a `hinge` in one body"),
+    Feature.FLOATING: exact("three `slide` and a `ball` in one body"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
+    Feature.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
+    Feature.OPEN_POSITION: exact("infinite `range`, or none"),
+    Feature.OPEN_EFFORT: exact("no attribute"),
+    Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
+    Feature.VELOCITY: lowered("SB705", "velocity limits are `<numeric>` data that MuJoCo does not enforce"),
+    Feature.FRICTION: exact("`damping`, `frictionloss`"),
+    Feature.SPRING: exact("`stiffness`, `springref`"),
+    Feature.ARMATURE: exact("`armature`"),
+    Feature.MIMIC: exact("`<equality>` of two joints"),
+    Feature.MIMIC_CHAIN: exact("`<equality>` of two joints"),
+    Feature.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
+    Feature.SLIDING_CLOSURE: lowered(
+        "SB722", "no constraint lets two bodies slide; the loops are cut at another joint"
+    ),
+    Feature.STUCK_CLOSURE: refused("SB713", "no constraint lets two bodies slide, and no pin of the loop is plain"),
+    Feature.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
+    Feature.INITIAL_POSE: exact("keyframe `home`"),
+    Feature.FRAME: exact("`<site>`"),
+    Feature.ACTUATOR: exact("`<position>`, `<velocity>`, `<motor>`"),
+    Feature.GEAR: exact("`gear`"),
+    Feature.ACTUATOR_INPUT: exact("`ctrlrange`"),
+    Feature.UNLIMITED_ACTUATOR: exact("no attribute"),
+    Feature.JOINT_SENSOR: exact("`<jointpos>`, `<jointvel>`; `<ballquat>`, `<ballangvel>`"),
+    Feature.IMU: exact("`<accelerometer>`, `<gyro>`, `<framequat>` at a site"),
+    Feature.FORCE_TORQUE: exact("`<force>`, `<torque>` at a site"),
+    Feature.OFF_JOINT: exact("`<force>`, `<torque>` at a site"),
+    Feature.CAMERA: exact("`<camera>`"),
+    Feature.LIDAR: exact("`<rangefinder>` at each of `<replicate>` sites"),
+    Feature.CONTACT: exact("`<contact>` of a body"),
+    Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
+    Feature.SENSOR_RATE: exact("`interval`"),
+    Feature.ENCODER_RATE: exact("`interval`"),
+    Feature.CAMERA_EXTRAS: reported(
+        "SB727", "MuJoCo draws when it is asked to, from one near to one far plane for all"
+    ),
+    Feature.LIDAR_NEAREST: reported("SB727", "nothing is too near for a `<rangefinder>`"),
+    Feature.OPEN_VIEW: exact("no `cutoff`"),
+    Feature.JOINT_NAME: exact("each kind of element has names of its own"),
+    Feature.FRAME_NAME: exact("each kind of element has names of its own"),
+    Feature.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
 }
 
 _WORLD = "world"
@@ -349,7 +353,7 @@ def _keyframe(top: Element, robot: Robot) -> None:
 
 
 def _drawn(step: Joint) -> list[float]:
-    """MuJoCo's coordinates of a joint as drawn; joints of several freedoms are drawn at 0."""
+    """MuJoCo's coordinates of a joint as drawn; multi-dof joints are drawn at 0."""
     if step.kind is JointKind.BALL:
         return [1.0, 0.0, 0.0, 0.0]
     return [] if step.kind is JointKind.FIXED else [step.drawn_position]

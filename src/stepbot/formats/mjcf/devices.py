@@ -1,4 +1,4 @@
-"""Drives and sensors of MJCF.
+"""Actuators and sensors of MJCF.
 
 What a sensor of several readings consists of is called ``<sensor>/<reading>``, and its place ``<sensor>/site``, which
 no name of the robot can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
@@ -32,7 +32,7 @@ _READINGS = {
 
 
 def actuators(top: Element, robot: Robot) -> None:
-    """Add the drives."""
+    """Add the actuators."""
     if robot.actuators:
         xml = element(top, "actuator")
         for actuator in robot.actuators:
@@ -40,7 +40,7 @@ def actuators(top: Element, robot: Robot) -> None:
 
 
 def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
-    """A drive; its control and force are on the drive's side of the gear, its joint's limits on the other."""
+    """An actuator; its control and force are on the actuator's side of the gear, its joint's limits on the other."""
     optional: dict[str, Value] = {"gear": actuator.gear} if actuator.gear != 1.0 else {}
     if actuator.kind is ActuatorKind.POSITION:
         optional["kp"] = actuator.kp

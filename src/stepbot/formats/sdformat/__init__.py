@@ -2,7 +2,7 @@
 
 Poses are flat: each link's in the model at q = 0, each joint's in its child, so that readers without ``relative_to``
 understand them. A closed loop is a joint more than a tree has: its frame is given in the child, and lies in the parent
-where the pose of the file puts it, so a loop must close at q = 0 (:data:`Notion.LOOP_ZERO`).
+where the pose of the file puts it, so a loop must close at q = 0 (:data:`Feature.LOOP_ZERO`).
 """
 
 from math import isfinite, isinf, pi
@@ -28,8 +28,8 @@ from stepbot.robot.model import (
 )
 
 from ..companion import Companion
-from ..lowering import Notion, exact, free_name, lowered, refused, reported
-from ..lowering.rerooted_loops import recut_loops
+from ..lowering import Feature, exact, free_name, lowered, refused, reported
+from ..lowering.rerooted_loops import reroot_loops
 from ..lowering.shapes import upright
 from ..xml import Element, document, element, root
 from . import drake as _drake
@@ -48,63 +48,63 @@ SCREW_VERSION = "1.10"
 """The first version that has ``<screw_thread_pitch>``, whose sign and unit all readers agree on."""
 
 EXPRESSES = {
-    Notion.FIXED_BASE: exact("fixed joint to `world`"),
-    Notion.FLOATING_BASE: exact("no joint to `world`"),
-    Notion.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
-    Notion.MESH: exact("OBJ in metres, path relative to the file"),
-    Notion.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
-    Notion.CAPSULE: exact("`<capsule>`"),
-    Notion.FLAT_COLLISION: exact("as any mesh"),
-    Notion.CONCAVE_COLLISION: exact("as any mesh"),
-    Notion.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
-    Notion.NEIGHBOURS: exact("links of a model do not touch unless `<self_collide>` says so"),
-    Notion.FIXED: exact("`fixed`"),
-    Notion.REVOLUTE: exact("`revolute`"),
-    Notion.CONTINUOUS: exact("`continuous`"),
-    Notion.PRISMATIC: exact("`prismatic`"),
-    Notion.BALL: exact("`ball`"),
-    Notion.UNIVERSAL: exact("`universal`"),
-    Notion.CYLINDRICAL: lowered("SB720", "a prismatic and a continuous joint stand for a cylindrical one"),
-    Notion.SCREW: exact("`screw` with `<screw_thread_pitch>`, of version 1.10"),
-    Notion.PLANAR: lowered("SB720", "two prismatic joints and a continuous one stand for a planar one"),
-    Notion.FLOATING: lowered("SB720", "three prismatic joints and a ball joint stand for a floating one"),
-    Notion.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
-    Notion.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are left out"),
-    Notion.OPEN_POSITION: exact("±1e16, which the format defines as no limit"),
-    Notion.OPEN_EFFORT: exact("no element"),
-    Notion.EFFORT: exact("`<effort>`"),
-    Notion.VELOCITY: exact("`<velocity>`"),
-    Notion.FRICTION: exact("`<dynamics>`"),
-    Notion.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
-    Notion.ARMATURE: reported("SB703", "armatures are left out"),
-    Notion.MIMIC: lowered("SB715", "`<mimic>` takes version 1.11 (Gazebo Harmonic) in place of 1.9"),
-    Notion.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
-    Notion.CLOSURE: exact("a second joint to the child; `drake:ball_constraint` in `<robot>.drake.sdf`"),
-    Notion.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
-    Notion.STUCK_CLOSURE: exact("a second joint to the child; there is no file for Drake"),
-    Notion.LOOP_ZERO: lowered("SB711", "a loop closes at q = 0, so zeros are moved to the drawn pose"),
-    Notion.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
-    Notion.FRAME: exact("`<frame>` attached to its link"),
-    Notion.ACTUATOR: lowered("SB725", "actuators are plugins of Gazebo, under no name"),
-    Notion.GEAR: lowered("SB726", "gears are multiplied into gains and inputs, which count at the joint"),
-    Notion.DRIVE_INPUT: reported("SB729", "bounds of inputs are those of the joints"),
-    Notion.OPEN_DRIVE: lowered("SB704", "1e9 stands for a missing effort limit of an actuator"),
-    Notion.JOINT_SENSOR: lowered("SB725", "joint sensors are plugins of Gazebo, under no name"),
-    Notion.IMU: exact("`imu`"),
-    Notion.FORCE_TORQUE: exact("`force_torque` in its joint"),
-    Notion.OFF_JOINT: reported("SB728", "torques count about the joint's origin"),
-    Notion.CAMERA: exact("`camera`"),
-    Notion.LIDAR: exact("`gpu_lidar`"),
-    Notion.CONTACT: exact("`contact` with the collisions of its link"),
-    Notion.SENSOR_PLACE: exact("`<pose>`"),
-    Notion.SENSOR_RATE: exact("`<update_rate>`"),
-    Notion.ENCODER_RATE: reported("SB727", "the state of joints is published in every step"),
-    Notion.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
-    Notion.LIDAR_NEAREST: exact("`<range>`"),
-    Notion.OPEN_VIEW: lowered("SB704", "0.1 m and 100 m stand for missing bounds of what a sensor sees"),
-    Notion.JOINT_NAME: lowered("SB710", "links, joints and frames share their names"),
-    Notion.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
-    Notion.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` mean something else"),
+    Feature.FIXED_BASE: exact("fixed joint to `world`"),
+    Feature.FLOATING_BASE: exact("no joint to `world`"),
+    Feature.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
+    Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
+    Feature.CAPSULE: exact("`<capsule>`"),
+    Feature.FLAT_COLLISION: exact("as any mesh"),
+    Feature.CONCAVE_COLLISION: exact("as any mesh"),
+    Feature.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
+    Feature.NEIGHBOURS: exact("links of a model do not touch unless `<self_collide>` says so"),
+    Feature.FIXED: exact("`fixed`"),
+    Feature.REVOLUTE: exact("`revolute`"),
+    Feature.CONTINUOUS: exact("`continuous`"),
+    Feature.PRISMATIC: exact("`prismatic`"),
+    Feature.BALL: exact("`ball`"),
+    Feature.UNIVERSAL: exact("`universal`"),
+    Feature.CYLINDRICAL: lowered("SB720", "a prismatic and a continuous joint stand for a cylindrical one"),
+    Feature.SCREW: exact("`screw` with `<screw_thread_pitch>`, of version 1.10"),
+    Feature.PLANAR: lowered("SB720", "two prismatic joints and a continuous one stand for a planar one"),
+    Feature.FLOATING: lowered("SB720", "three prismatic joints and a ball joint stand for a floating one"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
+    Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are left out"),
+    Feature.OPEN_POSITION: exact("±1e16, which the format defines as no limit"),
+    Feature.OPEN_EFFORT: exact("no element"),
+    Feature.EFFORT: exact("`<effort>`"),
+    Feature.VELOCITY: exact("`<velocity>`"),
+    Feature.FRICTION: exact("`<dynamics>`"),
+    Feature.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
+    Feature.ARMATURE: reported("SB703", "armatures are left out"),
+    Feature.MIMIC: lowered("SB715", "`<mimic>` takes version 1.11 (Gazebo Harmonic) in place of 1.9"),
+    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the joint that leads its chain"),
+    Feature.CLOSURE: exact("a second joint to the child; `drake:ball_constraint` in `<robot>.drake.sdf`"),
+    Feature.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
+    Feature.STUCK_CLOSURE: exact("a second joint to the child; there is no file for Drake"),
+    Feature.LOOP_ZERO: lowered("SB711", "a loop closes at q = 0, so zeros are moved to the drawn pose"),
+    Feature.INITIAL_POSE: reported("SB706", "the pose in which these joints were drawn is left out"),
+    Feature.FRAME: exact("`<frame>` attached to its link"),
+    Feature.ACTUATOR: lowered("SB725", "actuators are plugins of Gazebo, under no name"),
+    Feature.GEAR: lowered("SB726", "gears are multiplied into gains and inputs, which count at the joint"),
+    Feature.ACTUATOR_INPUT: reported("SB729", "bounds of inputs are those of the joints"),
+    Feature.UNLIMITED_ACTUATOR: lowered("SB704", "1e9 stands for a missing effort limit of an actuator"),
+    Feature.JOINT_SENSOR: lowered("SB725", "joint sensors are plugins of Gazebo, under no name"),
+    Feature.IMU: exact("`imu`"),
+    Feature.FORCE_TORQUE: exact("`force_torque` in its joint"),
+    Feature.OFF_JOINT: reported("SB728", "torques count about the joint's origin"),
+    Feature.CAMERA: exact("`camera`"),
+    Feature.LIDAR: exact("`gpu_lidar`"),
+    Feature.CONTACT: exact("`contact` with the collisions of its link"),
+    Feature.SENSOR_PLACE: exact("`<pose>`"),
+    Feature.SENSOR_RATE: exact("`<update_rate>`"),
+    Feature.ENCODER_RATE: reported("SB727", "the state of joints is published in every step"),
+    Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
+    Feature.LIDAR_NEAREST: exact("`<range>`"),
+    Feature.OPEN_VIEW: lowered("SB704", "0.1 m and 100 m stand for missing bounds of what a sensor sees"),
+    Feature.JOINT_NAME: lowered("SB710", "links, joints and frames share their names"),
+    Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share their names"),
+    Feature.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` mean something else"),
 }
 
 _NO_LIMIT = 1e16
@@ -128,7 +128,7 @@ def render(robot: Robot) -> bytes:
 
 def companions(robot: Robot) -> tuple[Companion, ...]:
     """A file for Drake, where there are loops that its constraints can close: it refuses joints that close one."""
-    cut = _drake.for_drake(recut_loops(robot))
+    cut = _drake.for_drake(reroot_loops(robot))
     if not cut.closures or any(closure.kind is JointKind.PRISMATIC for closure in cut.closures):
         return ()
     top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=_version(cut))

@@ -25,7 +25,7 @@ FORMAT = "drake.sdf"
 def for_drake(robot: Robot) -> Robot:
     """The robot without sensors, which Drake knows none of, and without drives of universal joints.
 
-    Drake takes any limit but 0 for an actuator, and has none on joints of several freedoms.
+    Drake takes any limit but 0 for an actuator, and has none on multi-dof joints.
     """
     joints = tuple(
         replace(joint, limit=replace(joint.limit, effort=0.0)) if joint.kind is JointKind.UNIVERSAL else joint

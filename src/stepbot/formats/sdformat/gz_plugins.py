@@ -1,8 +1,8 @@
-"""Drives and joint sensors as plugins of Gazebo Sim: https://gazebosim.org/docs/latest/joint_controllers.
+"""Actuators and joint sensors as plugins of Gazebo Sim: https://gazebosim.org/docs/latest/joint_controllers.
 
-A drive is held by a PID controller without an integral part, whose gains and limits are given at the joint; a motor
-takes efforts as they are, within the limit of its joint. Topics are Gazebo's own, which name the joint: names of drives
-and sensors have no place here.
+An actuator is held by a PID controller without an integral part, whose gains and limits are given at the joint; a motor
+takes efforts as they are, within the limit of its joint. Topics are Gazebo's own, which name the joint: the names of
+actuators and sensors are not written.
 """
 
 from stepbot.robot.actuators import force_range
@@ -21,7 +21,7 @@ _STATE = ("gz-sim-joint-state-publisher-system", "gz::sim::systems::JointStatePu
 
 
 def plugins(model: Element, robot: Robot) -> None:
-    """Add a plugin for every drive, and one for all joint sensors: they publish on one topic."""
+    """Add a plugin for every actuator, and one for all joint sensors: they publish on one topic."""
     for actuator in robot.actuators:
         _drive(model, actuator, robot.joint_by_name[actuator.joint])
     measured = [sensor.joint for sensor in robot.sensors if sensor.kind is SensorKind.JOINT]

@@ -12,7 +12,7 @@ from .ros2_control import ros2_control, transmissions
 
 
 def extensions(top: Element, robot: Robot) -> None:
-    """Add springs, drives and sensors."""
+    """Add springs, actuators and sensors."""
     for joint in robot.joints:
         _of_joint(top, joint, robot)
     for link in robot.links:

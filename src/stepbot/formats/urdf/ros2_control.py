@@ -1,11 +1,11 @@
-"""Drives and sensors as ros2_control finds them in a URDF: https://control.ros.org/rolling/doc.
+"""Actuators and sensors as ros2_control finds them in a URDF: https://control.ros.org/rolling/doc.
 
 What moves the joints is a plugin that only the owner of the hardware, or of the simulation, can name: the one that is
 written plays every command back, and belongs to ros2_control itself. Inputs and limits are given at the joint. Gears
 are transmissions, once more in the form of ROS 1, which a URDF has had since before ros2_control.
 """
 
-from stepbot.robot.actuators import drive_limit, joint_range
+from stepbot.robot.actuators import actuator_limit, joint_range
 from stepbot.robot.model import Actuator, ActuatorKind, Robot
 from stepbot.robot.sensors import SensorKind
 
@@ -30,7 +30,7 @@ _READINGS = {
 
 
 def transmissions(top: Element, robot: Robot) -> None:
-    """Add a transmission for every drive, between its motor and its joint."""
+    """Add a transmission for every actuator, between its motor and its joint."""
     for actuator in robot.actuators:
         xml = element(top, "transmission", name=actuator.name)
         element(xml, "type", _SIMPLE)
@@ -41,7 +41,7 @@ def transmissions(top: Element, robot: Robot) -> None:
 
 
 def ros2_control(top: Element, robot: Robot) -> None:
-    """Add the system of all drives, and of the sensors that ros2_control reads."""
+    """Add the system of all actuators, and of the sensors that ros2_control reads."""
     sensors = [sensor for sensor in robot.sensors if sensor.kind in _READINGS]
     if not (robot.actuators or sensors):
         return
@@ -76,7 +76,7 @@ def _command(joint: Element, actuator: Actuator, robot: Robot) -> None:
     low, high = joint_range(actuator, driven)
     parameters = {"min": low, "max": high}
     if actuator.kind is not ActuatorKind.MOTOR:
-        effort = drive_limit(actuator, driven).effort
+        effort = actuator_limit(actuator, driven).effort
         parameters |= {"max_effort": effort, "kp": actuator.kp, "kv": actuator.kv}
     for name, value in parameters.items():
         if abs(value) < UNLIMITED and (value or name not in ("kp", "kv")):

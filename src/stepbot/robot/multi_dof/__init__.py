@@ -1,4 +1,4 @@
-"""Joints of several freedoms as chains of joints that have one each, with links between that weigh nothing.
+"""Multi-dof joints as chains of joints that have one each, with links between that weigh nothing.
 
 One file for each kind, and one function in it: Robot to Robot. The names of the joints in a chain are the names of the
 coordinates of the joint that it stands for, so that a configuration of a robot reads the same whether a format can say
@@ -24,7 +24,7 @@ from .planar import planar_to_three
 from .screw import screw_to_mimic
 from .universal import universal_to_revolutes
 
-SEVERAL_FREEDOMS = frozenset(
+MULTI_DOF = frozenset(
     {JointKind.BALL, JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.PLANAR, JointKind.FLOATING}
 )
 """Kinds of joints that have more than one coordinate."""
@@ -32,7 +32,7 @@ SEVERAL_FREEDOMS = frozenset(
 
 def unfolded(robot: Robot) -> Robot:
     """The robot with joints of one freedom only: fixed, revolute, continuous, prismatic and screw."""
-    if not any(joint.kind in SEVERAL_FREEDOMS for joint in robot.joints):
+    if not any(joint.kind in MULTI_DOF for joint in robot.joints):
         return robot
     robot = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
     return ball_to_revolutes(floating_to_slides_and_ball(robot))
@@ -72,7 +72,7 @@ def steps_by_child(robot: Robot) -> dict[str, tuple[Joint, ...]]:
 
 
 __all__ = [
-    "SEVERAL_FREEDOMS",
+    "MULTI_DOF",
     "ball_coordinates",
     "ball_to_revolutes",
     "cylindrical_to_two",

@@ -1,4 +1,4 @@
-"""Replaces joints by chains of joints, which is what all kinds of several freedoms have in common."""
+"""Replaces joints by chains of joints, which is what all multi-dof kinds have in common."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -4,7 +4,7 @@ store    entries in files: safe under concurrent runs and kills, bounded in size
 folder   where they are on this system
 keys     what a key is made of: bytes of inputs, options, versions, stepbot's own code
 codec    data classes and arrays as bytes and back, led by their annotations
-shelf    values of one type: a cache and a codec together
+typed    values of one type: a cache and a codec together
 
 A cache holds nothing that cannot be computed again, and an entry that is broken in any way is simply not there.
 """
@@ -13,13 +13,13 @@ from .codec import Undecodable, codec_of
 from .folder import default_folder
 from .keys import Digest, bytes_digest, content_digest, environment, file_digest, own_code
 from .store import DEFAULT_LIMIT, Cache, Usage
-from .typed import Shelf
+from .typed import TypedCache
 
 __all__ = [
     "DEFAULT_LIMIT",
     "Cache",
     "Digest",
-    "Shelf",
+    "TypedCache",
     "Undecodable",
     "Usage",
     "bytes_digest",

@@ -8,7 +8,7 @@ from .store import Cache
 T = TypeVar("T")
 
 
-class Shelf(Generic[T]):
+class TypedCache(Generic[T]):
     """Takes and gives values where a :class:`Cache` has bytes; without a cache it stays empty."""
 
     def __init__(self, cache: Cache | None, kind: type[T]) -> None:

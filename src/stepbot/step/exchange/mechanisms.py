@@ -1,9 +1,9 @@
 """Kinematic pairs of a STEP file (ISO 10303-105, in AP214 and AP242), read from its text.
 
 The kernel parses them and gives Python no access. A pair binds two placements, one on each link, by a joint: revolute,
-prismatic, cylindrical, spherical, planar, screw, universal, rigid, or whatever the six flags of its freedoms say. What
-links are made of is stated by the occurrence that a link's representation is associated with; files that do not state
-it name links like occurrences or products.
+prismatic, cylindrical, spherical, planar, screw, universal, rigid, or any combination of the six degrees of freedom.
+The parts of a link are those of the occurrence that its representation is associated with; files without such an
+association name links like occurrences or products.
 """
 
 import mmap
@@ -17,7 +17,7 @@ from .entities import Entities, read_entities
 _MARK = b"KINEMATIC_JOINT"
 
 _TX, _TY, _TZ, _RX, _RY, _RZ = range(6)
-_FREEDOMS: dict[str, tuple[int, ...]] = {
+_DOFS: dict[str, tuple[int, ...]] = {
     "REVOLUTE_PAIR": (_RZ,),
     "PRISMATIC_PAIR": (_TX,),
     "CYLINDRICAL_PAIR": (_TZ, _RZ),
@@ -31,7 +31,7 @@ _FREEDOMS: dict[str, tuple[int, ...]] = {
 }
 """Freedoms of a pair in its placement, which the standard fixes and files may leave out as derived."""
 _GENERAL = "LOW_ORDER_KINEMATIC_PAIR"
-"""A pair whose freedoms are what its flags say."""
+"""A pair whose degrees of freedom are what its flags say."""
 _SUFFIXES = ("_WITH_RANGE", "_RANGE")
 
 
@@ -66,10 +66,10 @@ class KinematicPair:
     """Indices of the first and of the second link."""
     placements: tuple[Pose, Pose]
     """On the first and on the second link, each in its link's own frame [file's unit of length]."""
-    freedoms: tuple[int, ...]
+    dofs: tuple[int, ...]
     """Those that are free, of translations along and rotations about x, y, z of the placement: 0 to 5."""
     is_stated: bool
-    """Whether the file states the freedoms, not only the kind."""
+    """Whether the file states the degrees of freedom, not only the kind."""
     bounds: tuple[float | None, float | None] = (None, None)
     """Of the only freedom [rad, or file's unit of length]."""
     pitch: float | None = None
@@ -115,7 +115,7 @@ def mechanism_of(entities: Entities) -> Mechanism | None:
         joint = next((r for r in entities.references(number) if entities.keyword(r, "KINEMATIC_JOINT")), None)
         ends = [index[r] for r in entities.references(joint) if r in index] if joint is not None else []
         placements = [p for r in entities.references(number) if (p := placement(entities, r)) is not None]
-        is_known = kind in _FREEDOMS or (kind == _GENERAL and len(entities.flags(number)) == 6)
+        is_known = kind in _DOFS or (kind == _GENERAL and len(entities.flags(number)) == 6)
         if not is_known or len(ends) != 2 or len(placements) != 2:
             if joint is not None:
                 unread.append(f"{entities.name(number) or f'#{number}'} ({kind.lower()})")
@@ -167,24 +167,22 @@ def _pair(
 ) -> KinematicPair:
     flags = entities.flags(number)
     is_stated = len(flags) == 6 and kind != "SCREW_PAIR"
-    freedoms = (
-        tuple(i for i, free in enumerate(flags) if free) if is_stated else _FREEDOMS[kind]
-    )  # a screw couples two of them
+    dofs = tuple(i for i, free in enumerate(flags) if free) if is_stated else _DOFS[kind]  # a screw couples two of them
     own = entities.own_numbers(number)
     pitch = own[0] if kind == "SCREW_PAIR" and own else None
     bounds = (*(own[1:] if kind == "SCREW_PAIR" else own),) or ranges.get(number, ())
     low, high = (bounds[0], bounds[1]) if len(bounds) == 2 else (None, None)
-    if any(freedom >= _RX for freedom in freedoms):
+    if any(freedom >= _RX for freedom in dofs):
         low, high = (None if bound is None else bound * angle_unit(entities) for bound in (low, high))
     name = entities.name(number)
-    return KinematicPair(name, kind, links, placements, freedoms, is_stated, (low, high), pitch)
+    return KinematicPair(name, kind, links, placements, dofs, is_stated, (low, high), pitch)
 
 
 def _separate_ranges(entities: Entities) -> dict[int, tuple[float | None, ...]]:
     """Ranges of AP214, which are entities of their own: by the pair that they apply to."""
     found: dict[int, tuple[float | None, ...]] = {}
     for number in entities.with_part("_PAIR", ("_RANGE",)):
-        referred = [r for r in entities.references(number) if _kind(entities, r) in _FREEDOMS]
+        referred = [r for r in entities.references(number) if _kind(entities, r) in _DOFS]
         if len(entities.references(number)) == 1 and referred:
             found[referred[0]] = entities.own_numbers(number)
     return found

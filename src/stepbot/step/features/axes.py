@@ -265,7 +265,7 @@ def selector(line: AxisLine, found: Sequence[AxisLine]) -> Selector:
     """What selects a line among all explicitly: a radius that it alone has, or a point."""
     radii = np.array([radius for other in found for radius in other.radii])
     alone = [r for r in line.radii if np.count_nonzero(np.abs(radii - _rounded(r)) <= 2 * DISTANCE_TOLERANCE) == 1]
-    return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_telling_point(line, _rays(found)))
+    return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_distinguishing_point(line, _rays(found)))
 
 
 def millimetres(length: float) -> str:
@@ -278,7 +278,7 @@ def _rounded(length: float) -> float:
     return round(length * 1e3, 3) / 1e3
 
 
-def _telling_point(line: AxisLine, rays: Rays) -> Vector3:
+def _distinguishing_point(line: AxisLine, rays: Rays) -> Vector3:
     """A point of the line, to the micrometre, to which no other line comes near: its middle, or one of its ends."""
     candidates = [np.array(line.point) + t * np.array(line.direction) for t in (0.0, line.low, line.high)]
     clearances = []

@@ -25,7 +25,7 @@ from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
 from .self_intersection import share_within
 from .sewing import sewn
-from .splitting import parted
+from .splitting import split
 from .stitching import Stitched, is_watertight, merged_by_position
 from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted
 from .triangles import faceted_faces
@@ -211,7 +211,7 @@ def _triangles_only(source: BodySource, shape: object) -> ReadBody:
     """A body that came as triangles: joined where they have points in common, turned outwards if it closes."""
     body = unhealed(shape)
     found, _ = faceted_faces(faces_of(shape))
-    stitched = parted(merged_by_position(found))
+    stitched = split(merged_by_position(found))
     watertight = is_watertight(stitched.faces)
     findings = []
     if watertight and stitched.signed_volume < 0.0:

@@ -20,7 +20,7 @@ _COINCIDENT = 1e-6
 # Sides are numbered over all triangles: side s of triangle s // 3 runs from its corner s % 3 to the next one.
 
 
-def parted(mesh: Stitched) -> Stitched:
+def split(mesh: Stitched) -> Stitched:
     """The mesh with two faces at every edge; where inside and outside do not alternate, it stays as it is."""
     while True:
         cuts = _cuts(mesh)

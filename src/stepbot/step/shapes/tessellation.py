@@ -19,7 +19,7 @@ from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
 from ..assembly import MeshTolerance
 from ..kernel import MILLIMETRES_PER_METRE
 from ..topology import faces_of
-from .splitting import parted
+from .splitting import split
 from .stitching import Stitched, is_watertight, stitched
 from .straightening import straighten
 from .triangles import edge_uses, faceted_faces
@@ -141,4 +141,4 @@ def _meshed(shape: Any, faces: list[Any], wanted: Fineness, algorithm: IMeshTool
     BRepTools.Clean_s(shape)
     BRepMesh_IncrementalMesh(shape, parameters)
     found, missing = faceted_faces(faces)
-    return Tessellation(parted(stitched(found, edge_uses(faces))), wanted, missing)
+    return Tessellation(split(stitched(found, edge_uses(faces))), wanted, missing)

@@ -37,7 +37,7 @@ def test_placements_are_right_handed_and_default_where_left_out() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "freedoms", "is_stated"),
+    ("text", "dofs", "is_stated"),
     [
         (f"REVOLUTE_PAIR('p','','',#7,#8,#3,{FLAGS})", (5,), True),
         ("REVOLUTE_PAIR('p','','',#7,#8,#3,*,*,*,*,*,*)", (5,), False),
@@ -58,10 +58,10 @@ def test_placements_are_right_handed_and_default_where_left_out() -> None:
         ),
     ],
 )
-def test_freedoms_of_each_kind(text: str, freedoms: tuple[int, ...], is_stated: bool) -> None:
+def test_degrees_of_freedom_of_each_kind(text: str, dofs: tuple[int, ...], is_stated: bool) -> None:
     """The file's flags count; where they are left out, what the standard fixes for the kind."""
     found = pair(f"#9={text};")
-    assert (found.name, found.links, found.freedoms, found.is_stated) == ("p", (0, 1), freedoms, is_stated)
+    assert (found.name, found.links, found.dofs, found.is_stated) == ("p", (0, 1), dofs, is_stated)
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_screw_has_a_pitch_and_perhaps_a_range() -> None:
     """The pitch comes before the range."""
     assert pair("#9=SCREW_PAIR('p','','',#7,#8,#3,*,*,*,*,*,*,2.5);").pitch == 2.5
     found = pair("#9=SCREW_PAIR_WITH_RANGE('p','','',#7,#8,#3,*,*,*,*,*,*,2.5,-1.,6.);")
-    assert (found.pitch, found.bounds, found.freedoms) == (2.5, (-1.0, 6.0), (2, 5))
+    assert (found.pitch, found.bounds, found.dofs) == (2.5, (-1.0, 6.0), (2, 5))
 
 
 def test_links_know_their_occurrences() -> None:

@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepbot.step.shapes.splitting import parted
+from stepbot.step.shapes.splitting import split
 from stepbot.step.shapes.stitching import Stitched
 
 Cell = tuple[int, int, int]
@@ -56,7 +56,7 @@ def test_touching_blocks_close(name: str) -> None:
     """Trimesh takes the mesh for closed only once it is parted; volume, area and colours stay."""
     before = cells(TOUCHING[name])
     assert not seen_by_trimesh(before).is_watertight
-    after = parted(before)
+    after = split(before)
     seen = seen_by_trimesh(after)
     assert seen.is_watertight
     assert seen.is_winding_consistent
@@ -71,7 +71,7 @@ def test_any_blocks_anyhow_turned_close(filled: set[Cell], seed: int) -> None:
     """However cubes touch and lie in space, their surface closes and encloses as many as there are."""
     flat = cells(sorted(filled))
     R = trimesh.transformations.random_rotation_matrix(np.random.default_rng(seed).random(3))[:3, :3]
-    mesh = parted(Stitched(flat.vertices @ R.T, flat.faces, flat.places, 0))
+    mesh = split(Stitched(flat.vertices @ R.T, flat.faces, flat.places, 0))
     assert seen_by_trimesh(mesh).is_watertight
     assert mesh.signed_volume == pytest.approx(len(filled), rel=1e-9)
 
@@ -79,11 +79,11 @@ def test_any_blocks_anyhow_turned_close(filled: set[Cell], seed: int) -> None:
 def test_sound_meshes_stay_as_they_are() -> None:
     """Nothing is touched where two faces meet at every edge, or where the surface is open."""
     cube = cells([(0, 0, 0)])
-    assert parted(cube) is cube
+    assert split(cube) is cube
     opened = Stitched(cube.vertices, cube.faces[2:], cube.places[2:], 0)
-    assert parted(opened) is opened
+    assert split(opened) is opened
     nothing = Stitched(np.empty((0, 3)), np.empty((0, 3), np.int32), np.empty(0, np.int32), 0)
-    assert parted(nothing) is nothing
+    assert split(nothing) is nothing
 
 
 def test_folded_faces_stay_as_they_are() -> None:
@@ -91,4 +91,4 @@ def test_folded_faces_stay_as_they_are() -> None:
     points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -1, 0)], dtype=float)
     for triangles in ([(0, 1, 2), (1, 0, 3), (0, 1, 4)], [(0, 1, 2), (1, 0, 2), (0, 1, 3), (1, 0, 3)]):
         mesh = Stitched(points, np.array(triangles, np.int32), np.arange(len(triangles), dtype=np.int32), 0)
-        assert parted(mesh) is mesh
+        assert split(mesh) is mesh
