@@ -61,7 +61,7 @@ def finding(severity: str, code: str, number: int) -> Diagnostic:
 def test_repeated_notes_are_one_line() -> None:
     """All notes of a code are one line with their number; a single one is its message; the rest is a -v away."""
     text = render.screen([finding("note", "SB706", 1), finding("note", "SB708", 2), finding("note", "SB706", 3)])
-    title = "initial pose not in the file"
+    title = "initial pose not written"
     assert text == f"note[SB706]: 2 x {title}\nnote[SB708]: subject 2: wrong\n3 notes (-v lists all)"
 
 
@@ -73,7 +73,7 @@ def test_repeated_warnings_are_counted() -> None:
     assert [f"subject {n}: wrong" in text for n in range(5)].count(True) == 5
     assert text.count("warning[SB305]: subject") == 3
     assert text.count("error[SB130]: subject") == 9
-    assert "\nwarning[SB305]: 2 more x path that holds by #n alone\n" in text
+    assert "\nwarning[SB305]: 2 more x path depends on sibling order\n" in text
     assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v lists all)")
 
 

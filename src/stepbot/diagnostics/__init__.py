@@ -1,9 +1,8 @@
-"""What stepbot says about its input: collected, placed, coded, with a remedy.
+"""Diagnostics: errors, warnings and notes with a code, a position and a remedy.
 
-    StepbotError            raised only where a stage ends and its diagnostics hold errors
-
-Untrusted data gives diagnostics, all of them at once; any other exception is a bug of ours and keeps its traceback.
-Codes never change their meaning and are never used again; :mod:`stepbot.diagnostics.codes` is their table.
+Invalid input is reported as diagnostics, all of them at once. :class:`StepbotError` is raised only at the end of a
+stage with errors; any other exception is a bug and keeps its traceback. All codes are in
+:mod:`stepbot.diagnostics.codes`.
 """
 
 import re
@@ -35,12 +34,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One finding: complete in its first line, with the remedies below."""
+    """An error, a warning or a note."""
 
     code: str
     severity: Severity
     message: str
-    """``subject: what is wrong``, one line, no full stop."""
+    """``subject: problem``, one line, no full stop."""
     span: Span
     help: tuple[str, ...] = ()
     """Remedies, most useful first; near matches and snippets to paste."""
@@ -49,7 +48,7 @@ class Diagnostic:
 
     @property
     def remedies(self) -> tuple[str, ...]:
-        """What to do about it: :attr:`help`; for an error without help, the advice of its code."""
+        """:attr:`help`; for an error without help, the remedy of its code."""
         return self.help or ((CODES[self.code].fix,) if self.severity == "error" else ())
 
     def __str__(self) -> str:
@@ -58,22 +57,22 @@ class Diagnostic:
 
 @dataclass(frozen=True)
 class Ignore:
-    """A request not to report findings of one code, everywhere or about one thing. Errors are never ignored."""
+    """A rule that suppresses diagnostics of one code, everywhere or for one subject. Errors are never suppressed."""
 
     code: str
     span: Span
-    """Where the request is written."""
+    """Position of the rule."""
     subject: str = ""
-    """What the findings are about, as messages call it; empty for everywhere."""
+    """Subject at the start of the messages to suppress; empty for all subjects."""
     first_line: int = 0
-    """First line of that thing in the file of ``span``."""
+    """First line of the subject in the file of ``span``."""
     last_line: int = 0
-    """Its last line."""
+    """Last line of the subject."""
     pattern: str = ""
-    """Glob of component paths that findings may be about instead."""
+    """Glob of component paths whose diagnostics are suppressed, too."""
 
     def covers(self, diagnostic: Diagnostic) -> bool:
-        """Whether a finding is not reported; one that sums up several places only where the request is for all."""
+        """Whether a diagnostic is suppressed; a summary of several places only by rules without a subject."""
         if diagnostic.code != self.code or diagnostic.severity == "error":
             return False
         if not self.subject or diagnostic.message.startswith(f"{self.subject}: "):
@@ -86,13 +85,13 @@ class Ignore:
 
 
 def _matches(path: str, pattern: str) -> bool:
-    """Whether a glob means a path: ``*`` within a name, ``**/`` any names; without a star the path's end will do."""
+    """Whether a glob matches a path: ``*`` within a name, ``**/`` any folders; without ``*`` the end of the path."""
     expression = re.escape(pattern).replace(r"\*\*/", "(.+/)?").replace(r"\*\*", ".*").replace(r"\*", "[^/]*")
     return re.fullmatch(expression if "*" in pattern else f"(.+/)?{expression}", path) is not None
 
 
 class Diagnostics:
-    """Collects the findings of one run, in the order in which they were found."""
+    """The diagnostics of one run, in the order in which they were added."""
 
     def __init__(self) -> None:
         self._found: dict[Diagnostic, None] = {}
@@ -102,7 +101,7 @@ class Diagnostics:
     def add(
         self, code: str, message: str, span: Span, *, help: Iterable[str] = (), notes: Iterable[str] = ()
     ) -> Diagnostic:
-        """Record a finding; its severity is the code's.
+        """Add a diagnostic with the severity of its code.
 
         Raises:
             KeyError: There is no such code.
@@ -111,7 +110,7 @@ class Diagnostics:
         return self.extend([diagnostic])[0]
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
-        """Take over findings made elsewhere; one that is already there is not repeated."""
+        """Add diagnostics; duplicates are dropped."""
         taken = list(diagnostics)
         for diagnostic in taken:
             ignored = any(rule.covers(diagnostic) for rule in self._ignores)
@@ -119,23 +118,23 @@ class Diagnostics:
         return taken
 
     def ignore(self, rules: Iterable[Ignore]) -> None:
-        """Do not report what these rules cover: of what was found so far, and from now on."""
+        """Suppress diagnostics that match these rules, already added ones included."""
         self._ignores += rules
         found, self._found = self._found, {}
         self.extend(found)
 
     def add_ignored(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Take over findings that were ignored elsewhere."""
+        """Add diagnostics that were suppressed in another run."""
         self._ignored.update(dict.fromkeys(diagnostics))
 
     @property
     def ignored(self) -> tuple[Diagnostic, ...]:
-        """Findings that are not reported because somebody asked for it."""
+        """Suppressed diagnostics."""
         return tuple(self._ignored)
 
     @property
     def unused_ignores(self) -> tuple[Ignore, ...]:
-        """The rules that cover nothing that was found."""
+        """Rules that match no diagnostic."""
         return tuple(rule for rule in self._ignores if not any(map(rule.covers, self._ignored)))
 
     def __iter__(self) -> Iterator[Diagnostic]:
@@ -146,12 +145,12 @@ class Diagnostics:
 
     @property
     def has_errors(self) -> bool:
-        """Whether any finding is an error."""
+        """Whether any diagnostic is an error."""
         return any(d.severity == "error" for d in self._found)
 
     @property
     def exit_code(self) -> ExitCode:
-        """0 clean (notes and warnings count as clean), 1 findings, 2 stepbot could not do its work."""
+        """0 without errors, 1 with errors, 2 if stepbot could not run."""
         errors = [d for d in self._found if d.severity == "error"]
         if any(CODES[d.code].could_not_run for d in errors):
             return 2
@@ -162,17 +161,17 @@ class Diagnostics:
         self._found = {replace(d, severity="error") if d.severity == "warning" else d: None for d in self._found}
 
     def raise_if_errors(self) -> None:
-        """End the stage where errors were found.
+        """Raise if any diagnostic is an error.
 
         Raises:
-            StepbotError: At least one finding is an error.
+            StepbotError: At least one diagnostic is an error.
         """
         if self.has_errors:
             raise StepbotError(self)
 
 
 class StepbotError(Exception):
-    """A stage ended with errors; ``diagnostics`` holds everything that was found up to there."""
+    """A stage ended with errors; ``diagnostics`` holds all diagnostics so far."""
 
     def __init__(self, diagnostics: Diagnostics) -> None:
         self.diagnostics = diagnostics

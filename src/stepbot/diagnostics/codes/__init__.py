@@ -1,8 +1,8 @@
 """The table of diagnostic codes, one module per range.
 
-SB0xx files and environment, SB1xx sidecar text and schema, SB2xx STEP, SB3xx binding the sidecar to the assembly,
-SB4xx kinematics, SB5xx mass and inertia, SB6xx meshes, SB7xx what a format cannot say, SB8xx a simulator disagrees,
-SB9xx our own faults. A code is never renumbered and never used again for something else.
+SB0xx files and environment, SB1xx sidecar syntax and schema, SB2xx STEP, SB3xx component paths, SB4xx kinematics,
+SB5xx mass and inertia, SB6xx meshes, SB7xx format limitations, SB8xx verification in engines, SB9xx internal errors.
+A code is never renumbered or reused.
 """
 
 from . import (

@@ -1,4 +1,4 @@
-"""What a diagnostic code is."""
+"""One diagnostic code with its explanation."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,18 +8,18 @@ Severity = Literal["error", "warning", "note"]
 
 @dataclass(frozen=True)
 class Code:
-    """One kind of finding, with the text that ``stepbot explain`` prints."""
+    """One kind of diagnostic, with the text that ``stepbot explain`` prints."""
 
     id: str
     """``SB`` and three digits."""
     severity: Severity
     title: str
-    """What it says, in one short line."""
+    """Noun phrase, without a full stop."""
     what: str
-    """What stepbot saw."""
+    """The condition that is reported."""
     why: str
-    """Why it matters."""
+    """Consequence for the robot or the run."""
     fix: str
-    """What to do about it."""
+    """Remedy."""
     could_not_run: bool = False
-    """Whether stepbot could not do its work at all (exit code 2)."""
+    """Whether the run could not start (exit code 2)."""

@@ -1,4 +1,4 @@
-"""SB7xx: what a format cannot say."""
+"""SB7xx: features that a format cannot represent."""
 
 from .code import Code
 
@@ -6,210 +6,215 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB701",
         "warning",
-        "loop closure left out",
-        "The robot has closed loops, and the format can only hold a tree of links and joints.",
-        "The file moves like a mechanism whose closing pins were pulled out. `report.json` keeps the closures, so that "
-        "a simulation can add them as constraints.",
-        "Use the SDFormat or the MJCF where the loop matters, or leave this format out with `-f`.",
+        "loop closure not written",
+        "The robot has closed loops, and the format can only represent a tree of links and joints.",
+        "In this file, the mechanism moves as if the closing joints were removed. `report.json` lists the closures, "
+        "so that a simulation can add them as constraints.",
+        "Use SDFormat or MJCF for the closed loop, or exclude this format with `-f`.",
     ),
     Code(
         "SB703",
         "warning",
-        "passive force of a joint left out",
-        "A joint has a spring or an armature (reflected inertia of its drive), and the format has no place for it.",
-        "The joint moves differently there: a spring that is missing pushes nothing back, an armature that is missing "
-        "makes the joint lighter. Damping that was chosen beside an armature can then be too much: PyBullet becomes "
-        "unstable where damping x time step exceeds twice the inertia that is left.",
-        "Use a format that has it (`docs/mapping.md`), or add it in the simulator; or give the drag of a motor as its "
-        "actuator's `kv` and not as the joint's damping.",
+        "spring or armature not written",
+        "A joint has a spring or an armature (reflected inertia of its motor), and the format cannot represent it.",
+        "Without the spring, the joint has no restoring force; without the armature, it has less inertia. Damping "
+        "that was chosen together with the armature may become too large: PyBullet is unstable where damping x time "
+        "step exceeds twice the remaining inertia.",
+        "Use a format that supports it (`docs/mapping.md`), or add it in the simulator. Describe the drag of a motor "
+        "with `kv` of its actuator instead of joint damping.",
     ),
     Code(
         "SB704",
         "note",
-        "number in place of a missing limit",
-        "A joint has no limit where the format demands a number, so that one is written that no robot reaches.",
-        "The number means `none`; a planner that takes it for the truth will plan with it.",
-        "Write the real limits of the joint into the sidecar (`limits: {lower, upper, effort, velocity}`).",
+        "placeholder written for a missing limit",
+        "A joint has no limit, and the format requires one. A value beyond the reach of any robot is written.",
+        'The value stands for "no limit". A planner may interpret it as a real limit.',
+        "Set the limits of the joint in the sidecar (`limits: {lower, upper, effort, velocity}`).",
     ),
     Code(
         "SB705",
         "note",
-        "velocity limit kept as plain data",
-        "The format has no velocity limit for joints; the value is in the file as custom data that no engine enforces.",
-        "A simulation may drive the joint faster than its limit.",
+        "velocity limit not enforced",
+        "The format does not support velocity limits. The value is written as custom data, which no engine enforces.",
+        "A simulation may move the joint faster than its limit.",
         "Limit the velocity in the controller.",
     ),
     Code(
         "SB706",
         "note",
-        "initial pose not in the file",
-        "The CAD drew the robot in a pose that is not q = 0, and the format cannot say in which pose a robot starts.",
-        "Simulators start it at q = 0. `report.json` has the drawn position of every joint.",
-        "Set the joint positions after loading where it matters.",
+        "initial pose not written",
+        "The assembled pose (as modelled in CAD) is not q = 0, and the format cannot represent an initial pose.",
+        "Simulators start at q = 0. `report.json` lists the assembled position of every joint.",
+        "Set the joint positions after loading the file.",
     ),
     Code(
         "SB707",
         "note",
-        "base attachment not in the file",
-        "The format cannot say whether the root link is fixed to the world or floats.",
-        "Whoever loads the file decides: PyBullet by `useFixedBase`, Drake by welding, others by a habit of their own.",
-        "Tell the loader what the sidecar says under `base`.",
+        "base type not written",
+        "The format cannot represent whether the root link is fixed to the world or floating.",
+        "The base type depends on the loader: `useFixedBase` in PyBullet, a weld joint in Drake, and a default in "
+        "other programs.",
+        "Configure the loader to match `base` in the sidecar.",
     ),
     Code(
         "SB708",
         "note",
         "frames written as links",
-        "The format has no frames; each is written as a link without mass on a fixed joint, as is the custom there.",
-        "The file has more links than the robot. Their inertia is written as zero, because some engines take a link "
-        "without `<inertial>` for one of 1 kg.",
-        "Nothing to do.",
+        "The format has no frames. Each frame is written as a massless link on a fixed joint, as is common practice.",
+        "The file has more links than the robot. Their inertia is written as zero, because some engines assume 1 kg "
+        "for a link without `<inertial>`.",
+        "No action is needed.",
     ),
     Code(
         "SB709",
         "note",
-        "shape written as several",
-        "The format lacks a kind of shape, which is written as several others that fill exactly the same space.",
-        "Nothing is lost, but the file has more shapes than the robot.",
-        "Nothing to do.",
+        "shape written as several primitives",
+        "The format lacks a shape type. The shape is written as several primitives with exactly the same union.",
+        "The geometry is unchanged, but the file has more shapes than the robot.",
+        "No action is needed.",
     ),
     Code(
         "SB710",
         "warning",
-        "name changed",
-        "A joint, closure or frame has a name that is taken already, where the format wants one name for one thing.",
-        "Scripts that use the name find something else in this format than in the others.",
-        "Give them different names in the sidecar.",
+        "renamed for the format",
+        "A joint, closure or frame has the same name as another element, and the format requires unique names.",
+        "The name in this file differs from the name in the other formats.",
+        "Use unique names in the sidecar.",
     ),
     Code(
         "SB711",
         "warning",
-        "zero of a joint moved",
-        "A joint of a closed loop was drawn at another position than q = 0. The format places a closing joint by the "
-        "pose in which the file describes the robot, and that must be one in which the loop closes.",
-        "In this format q = 0 of these joints is the drawn pose; limits, mimics and springs are moved along.",
-        "Leave `zero` out of the joints of the loop, or add the drawn position when you read these joints.",
+        "joint zero shifted",
+        "A joint of a closed loop is not at q = 0 in the assembled pose (as modelled in CAD). The format requires the "
+        "loop to be closed at q = 0.",
+        "In this file, q = 0 of these joints is the assembled pose. Limits, mimics and springs are shifted "
+        "accordingly.",
+        "Remove `zero` from the joints of the loop, or add the assembled position when you read their positions.",
     ),
     Code(
         "SB712",
         "warning",
-        "flat collision mesh left out",
-        "A collision mesh lies in a plane, and the engine makes no convex hull of it.",
-        "MuJoCo would refuse the whole file. In this format nothing touches that surface.",
-        "Give the component a collision shape with some thickness (`collision: box`), or `collision: none`.",
+        "flat collision mesh not written",
+        "A collision mesh is planar, and the engine cannot build a convex hull of it.",
+        "MuJoCo would reject the whole file. In this file, the surface makes no contact.",
+        "Give the component a collision shape with a thickness (`collision: box`), or set `collision: none`.",
     ),
     Code(
         "SB713",
         "error",
-        "kind of closure not written",
-        "The robot has a closure of a kind that stepbot does not write to this format.",
-        "Without the closure the file would describe another robot.",
-        "Close the loop at another of its joints, or leave the format out with `-f`.",
+        "closure type not supported by the format",
+        "stepbot cannot write this type of closure in this format.",
+        "Without the closure the file would describe a different robot.",
+        "Close the loop at another joint, or exclude the format with `-f`.",
     ),
     Code(
         "SB714",
         "error",
         "reserved name",
-        "A link, joint or frame has a name that means something else to the format.",
-        "Readers refuse the file, or take a link called `world` for the world itself.",
+        "A link, joint or frame has a name that is reserved by the format.",
+        "Parsers reject the file, or interpret a link named `world` as the world.",
         "Choose another name in the sidecar.",
     ),
     Code(
         "SB715",
         "note",
-        "newer version of the format",
-        "The robot needs something that the format has only had since a later version than the one usually written.",
-        "Older readers complain about the version, and take no notice of what is new.",
-        "Nothing to do for current readers.",
+        "newer format version required",
+        "The robot uses a feature that requires a later version of the format than stepbot normally writes.",
+        "Older parsers warn about the version and ignore the feature.",
+        "No action is needed for current parsers.",
     ),
     Code(
         "SB716",
         "note",
-        "chain of mimics made flat",
-        "A joint mimics one that itself mimics another, and many readers of the format follow only one step.",
-        "In the file every mimic refers to the joint that leads the chain, with multiplier and offset to match: the "
-        "motion is the same.",
-        "Nothing to do.",
+        "chained mimics flattened",
+        "A joint mimics another mimic joint. Many parsers of the format support only one level.",
+        "In this file, every mimic refers to the joint at the start of the chain, with adjusted multiplier and "
+        "offset. The motion is unchanged.",
+        "No action is needed.",
     ),
     Code(
         "SB717",
         "warning",
-        "collision mesh taken for its hull",
-        "A collision mesh is not convex, or not closed, and the engine of the format fills it up to its convex hull.",
-        "What should fit into a hole or between two fingers does not.",
-        "Give the component several convex shapes: split it into parts in the CAD, or list primitives under `collision`.",
+        "collision mesh replaced by its convex hull",
+        "A collision mesh is not convex or not closed, and the engine of the format uses its convex hull.",
+        "Holes and gaps in the geometry are filled, so parts that should fit into them collide.",
+        "Give the component several convex shapes: split it into parts in CAD, or list primitives under `collision`.",
     ),
     Code(
         "SB720",
         "warning",
-        "joint split into several",
-        "The format has no joint of this kind, or its readers do not agree on it. Several joints of one freedom stand "
-        "for it, with links between them that have neither mass nor shape.",
-        "Positions, masses and equations of motion are the same, but the joint has other names and more of them, three "
-        "joints for a ball lock where pitch is ±90 deg, parent and child no longer count as neighbours that do not "
-        "touch, and MuJoCo refuses moving links without mass when it reads URDF (its own MJCF has none of them).",
-        "Use a format that has the joint (`docs/mapping.md`), or describe it by joints of one freedom yourself, with "
-        "the masses that are really between them.",
+        "joint split into single-axis joints",
+        "The format has no such joint, or its parsers interpret it differently. It is written as several single-axis "
+        "joints, connected by links without mass and geometry.",
+        "Positions, masses and equations of motion are unchanged. The joints have other names, three joints in place "
+        "of a ball have a singularity at a pitch of ±90 deg, collisions between parent and child are no longer "
+        "excluded as those of neighbours, and MuJoCo rejects massless moving links in URDF (the MJCF has none).",
+        "Use a format that supports the joint (`docs/mapping.md`), or model it as single-axis joints with the actual "
+        "masses of the intermediate links.",
     ),
     Code(
         "SB721",
         "warning",
-        "limit or passive force of a ball joint left out",
-        "The format's ball joint has no place for a limit of effort or velocity, or for damping, friction or a spring.",
-        "The joint moves more freely there than the robot's does.",
-        "Use a format that has it (`docs/mapping.md`), or add it in the simulator.",
+        "ball joint limit, damping or spring not written",
+        "The ball joint of the format does not support effort and velocity limits, damping, friction or springs.",
+        "In this file, the joint moves more freely than that of the robot.",
+        "Use a format that supports it (`docs/mapping.md`), or add it in the simulator.",
     ),
     Code(
         "SB722",
         "note",
-        "loop cut at another joint",
-        "A prismatic joint closes a loop, and the format has no such constraint. The loop is cut at a pin, a ball or a "
-        "weld of it instead, which has neither limits nor forces nor a drive; the prismatic joint is part of the tree.",
-        "The mechanism is the same. Links on the way between the two joints hang the other way round, and have the "
-        "frames of the joints that are above them now.",
-        "Nothing needs to be done; to have the same tree in all formats, close the loop at the pin in the sidecar.",
+        "loop re-rooted at another joint",
+        "A prismatic joint closes a loop, and the format has no such constraint. The loop is closed instead at a "
+        "revolute, ball or fixed joint without limits, forces and actuator, and the prismatic joint becomes part of "
+        "the tree.",
+        "The mechanism is unchanged. The links between the two joints are attached in reverse order, and their frames "
+        "are those of their new parent joints.",
+        "No action is needed. To use the same tree in all formats, close the loop at this joint in the sidecar.",
     ),
     Code(
         "SB725",
         "note",
-        "said in an extension of the format",
-        "The format itself has no place for this; it is said in a block that some of its readers know and the others pass "
-        "over: `<ros2_control>`, `<transmission>` and `<gazebo>` in URDF, `<plugin>` in SDFormat.",
-        "Engines that are not ROS or Gazebo do not see it. stepbot reads these blocks back with a parser of its own, and "
-        "counts that apart from what engines confirm.",
-        "Nothing needs to be done for ROS and Gazebo; name your hardware's plugin in `<ros2_control>`. For MuJoCo use the MJCF.",
+        "written as a format extension",
+        "The format cannot represent this feature. It is written in an extension that some parsers read and others "
+        "ignore: `<ros2_control>`, `<transmission>` and `<gazebo>` in URDF, `<plugin>` in SDFormat.",
+        "Engines other than ROS and Gazebo ignore the extension. stepbot verifies it with its own parser, and counts "
+        "these checks separately from those confirmed by engines.",
+        "No action is needed for ROS and Gazebo, except to set the hardware plugin in `<ros2_control>`. For MuJoCo, "
+        "use MJCF.",
     ),
     Code(
         "SB726",
         "note",
-        "gear multiplied into an actuator",
-        "The format's actuators act on the joint itself, without a gear.",
-        "Gains are those at the joint, kp and kv times the square of the gear. Inputs are positions, velocities and "
-        "efforts of the joint, not of the drive.",
-        "Nothing needs to be done; divide or multiply by the gear where you think in units of the drive.",
+        "gear ratio folded into gains",
+        "Actuators of the format act on the joint directly, without a gear ratio.",
+        "Gains are converted to the joint side: kp and kv are multiplied by the square of the gear ratio. Inputs are "
+        "positions, velocities and efforts of the joint, not of the motor.",
+        "No action is needed. Convert with the gear ratio where your code uses motor units.",
     ),
     Code(
         "SB727",
         "warning",
-        "setting of a sensor left out",
-        "The format has the sensor, but no place for its rate, or for the range in which it sees.",
-        "A simulated picture or scan shows what the real sensor would not see, or comes at another rate.",
-        "Ask for pictures at that rate and leave out what is too near or too far, in the program that uses them.",
+        "sensor setting not written",
+        "The format supports the sensor, but not its update rate or its range.",
+        "A simulated image or scan may include objects outside the range of the real sensor, or arrive at another "
+        "rate.",
+        "Apply the rate and the range in the program that reads the sensor.",
     ),
     Code(
         "SB728",
         "warning",
-        "torque about another point",
-        "A force-torque sensor is away from the origin of its joint, where the format's sensors count torques about.",
-        "The torque differs by the cross product of the way between both points with the force.",
-        "Leave `origin` out, or carry the torque over by hand: tau_sensor = tau_joint - p x f.",
+        "torque reference point differs",
+        "A force-torque sensor is offset from its joint origin, which is the torque reference point of the format's "
+        "sensors.",
+        "The torque differs by the cross product of the offset and the force.",
+        "Remove `origin`, or convert the torque: tau_sensor = tau_joint - p x f.",
     ),
     Code(
         "SB729",
         "warning",
-        "bounds of an actuator left out",
-        "An actuator has bounds of its own for its input, narrower than those of its joint, and the format has no place "
-        "for them.",
-        "There it can be told to go as far, or to push as hard, as the joint can.",
-        "Bound the input in the controller, or give the joint these limits.",
+        "actuator limits not written",
+        "An actuator has input limits narrower than those of its joint, and the format does not support them.",
+        "In this file, the actuator can use the full range of the joint.",
+        "Limit the input in the controller, or set these limits on the joint.",
     ),
 )

@@ -1,4 +1,4 @@
-"""SB9xx: faults of stepbot itself."""
+"""SB9xx: internal errors."""
 
 from .code import Code
 
@@ -7,20 +7,20 @@ CODES = (
         "SB901",
         "error",
         "internal error",
-        "stepbot met a state that it should have prevented or reported earlier.",
-        "The result cannot be trusted, so there is none.",
-        "Please report it with the sidecar and the STEP file, or the smallest part of them that shows it.",
+        "stepbot reached a state that earlier checks should have prevented.",
+        "The result would not be reliable, so none is written.",
+        "Please report a bug with the sidecar and the STEP file, or a minimal part of them that reproduces the error.",
         could_not_run=True,
     ),
     Code(
         "SB902",
         "error",
-        "worker process died",
-        "A worker process ended without a result: it crashed, was killed, ran out of memory or out of time.",
-        "The geometry kernel and some engines crash on input that they cannot handle; stepbot runs them apart so that "
-        "you get this message instead.",
-        "Look at the notes for the signal and the last lines that it printed; try the file in another CAD program; "
-        "raise `--timeout` or `--memory-limit` if it ran out of them.",
+        "worker process failed",
+        "A worker process ended without a result: it crashed, was killed, or exceeded its memory or time limit.",
+        "The geometry kernel and some engines crash on some input. stepbot runs them in separate processes to report "
+        "such failures.",
+        "The notes contain the signal and the last lines of output. Try the file in another CAD program. Raise "
+        "`--timeout` or `--memory-limit` if a limit was exceeded.",
         could_not_run=True,
     ),
 )

@@ -6,147 +6,150 @@ CODES = (
     Code(
         "SB501",
         "error",
-        "no density",
-        "A component has no density: neither the sidecar nor the STEP gives one.",
-        "Its mass would have to be invented.",
-        "Give it a `density`, a `material` or a measured `mass` in `parts`, or all such components a `defaults`.",
+        "missing density",
+        "Neither the sidecar nor the STEP file defines a density for a component.",
+        "Its mass cannot be computed.",
+        "Set `density`, `material` or a measured `mass` under `parts`, or a default for all components under "
+        "`defaults`.",
     ),
     Code(
         "SB502",
         "warning",
-        "one density for everything",
-        "Every part of the STEP carries the same density.",
-        "That is the default of the CAD program, not a measurement: Fusion writes steel for plastic, and a 0.35 kg arm "
-        "weighs 1.6 kg.",
-        "Say `step_density: ignore` and give `defaults: {material: ...}`, with exceptions in `parts`. If it is right, "
-        "repeat it as `defaults: {density: ...}` with `step_density: ignore`.",
+        "same density on every part",
+        "Every part of the STEP file has the same density.",
+        "This is typically the default of the CAD program: Fusion exports plastic parts with the density of steel, "
+        "which makes a 0.35 kg arm weigh 1.6 kg.",
+        "Set `step_density: ignore` and `defaults: {material: ...}`, with exceptions under `parts`. If the density is "
+        "correct, set `defaults: {density: ...}` with `step_density: ignore`.",
     ),
     Code(
         "SB503",
         "error",
-        "mass on nothing",
-        "A `mass` is given to a component that has no volume to put it in.",
-        "Where it is and how it resists turning cannot be computed from surfaces.",
-        "Give it to a component with solids, or give the link an `inertial` with com and inertia.",
+        "mass assigned to a component without volume",
+        "A `mass` is given for a component that has no volume.",
+        "The mass distribution cannot be computed from surfaces.",
+        "Assign the mass to a component with solids, or give the link an `inertial` with com and inertia.",
     ),
     Code(
         "SB504",
         "warning",
-        "nested masses that contradict each other",
-        "A subassembly has a `mass`, parts in it have their own, and these leave nothing, or less than nothing, for "
-        "the rest, or do not add up.",
-        "The outer mass is the total; the inner ones cannot be kept, and are not used.",
-        "Weigh again, or remove one of the rules.",
+        "inconsistent nested masses",
+        "A subassembly and some of its parts have a `mass`, and the masses of the parts do not add up to that of the "
+        "subassembly, or leave nothing for the remaining parts.",
+        "The mass of the subassembly is used, and the masses of its parts are ignored.",
+        "Weigh the parts again, or remove one of the rules.",
     ),
     Code(
         "SB505",
         "note",
-        "exact mass properties written",
-        "Volume, centre of mass or inertia of a mesh differ from those of the exact solid by more than a thousandth, "
-        "or its mesh encloses no volume.",
-        "The exact values are what is written; the mesh is only drawn.",
-        "Nothing needs to be done. A finer `mesh` brings the mesh nearer; `mass: mesh` takes a fine mesh of its own.",
+        "exact solid's mass properties used",
+        "The volume, centre of mass or inertia of a mesh differs from that of the exact solid by more than a "
+        "thousandth, or the mesh is not closed.",
+        "The exact values are written. The mesh is used for display and collision only.",
+        "No action is needed. A finer `mesh` reduces the difference; `mass: mesh` computes mass properties from a "
+        "separate fine mesh.",
     ),
     Code(
         "SB506",
         "note",
-        "surface weighs nothing",
+        "surface body has no mass",
         "A component is a surface without thickness.",
-        "It is drawn but has no mass.",
-        "Nothing needs to be done if it is a label or an outline. If it stands for something heavy, give the link an "
-        "`inertial`, or thicken it in the CAD.",
+        "It is visible but has no mass.",
+        "No action is needed for labels and outlines. If the surface stands for a solid part, thicken it in CAD or "
+        "give the link an `inertial`.",
     ),
     Code(
         "SB507",
         "error",
-        "solid without volume",
-        "A component should be solid, but neither its exact geometry nor its mesh encloses a volume.",
-        "Its mass would be missing from the robot without a word.",
-        "Repair it in the CAD, leave it out with `ignore: true`, or give its link an `inertial` with com and inertia.",
+        "solid has no volume",
+        "Neither the exact geometry nor the mesh of a solid encloses a volume.",
+        "Its mass would be missing from the robot.",
+        "Repair the solid in CAD, exclude it with `ignore: true`, or give its link an `inertial` with com and inertia.",
     ),
     Code(
         "SB508",
         "error",
-        "link without mass",
-        "A link that moves has no mass.",
-        "Engines cannot accelerate it: they refuse the file, invent 1 kg, or compute infinities.",
-        "Give it parts, or an `inertial`; join it with a `fixed` joint if it only marks a place, or make it a frame.",
+        "massless moving link",
+        "A moving link has no mass.",
+        "Engines reject the file, assume 1 kg, or compute infinite accelerations.",
+        "Assign components to the link or give it an `inertial`. For a reference frame, use a `fixed` joint or an "
+        "entry under `frames`.",
     ),
     Code(
         "SB509",
         "error",
-        "inertia that no body can have",
-        "The inertia is not positive definite, or one principal moment is larger than the sum of the other two.",
-        "No arrangement of mass has such an inertia; engines diverge or silently change it.",
-        "Correct the numbers: about the centre of mass, along the axes of the link, products of inertia with the sign "
-        "of the tensor (ixy is minus the integral of x y).",
+        "unphysical inertia",
+        "The inertia is not positive definite, or one principal moment exceeds the sum of the other two.",
+        "No mass distribution has such an inertia. Engines diverge or silently change it.",
+        "Correct the numbers. They refer to the centre of mass and the axes of the link, and products of inertia have "
+        "the sign of the tensor: ixy is the negative integral of x y.",
     ),
     Code(
         "SB510",
         "warning",
         "robot lighter than 1 g",
-        "The whole robot weighs less than a gram.",
-        "Few robots do; a length unit in the STEP that is not what the CAD meant, or a density in g/cm^3 read as "
-        "kg/m^3, makes everything far too light.",
-        "Check the unit that the CAD exported, and the densities.",
+        "The total mass of the robot is less than a gram.",
+        "Few robots are that light. A wrong length unit in the STEP file, or a density in g/cm^3 read as kg/m^3, "
+        "makes everything far too light.",
+        "Check the unit of the CAD export, and the densities.",
     ),
     Code(
         "SB511",
         "warning",
-        "mesh that does not reach its accuracy",
-        "`mass: mesh` is asked for, but volume, centre of mass or inertia of the finest mesh differ from the exact "
-        "ones by more than a thousandth.",
-        "The mesh's value is written, as asked for, and is that far off.",
+        "mesh accuracy not reached",
+        "`mass: mesh` is set, but the volume, centre of mass or inertia of the finest mesh differs from the exact "
+        "value by more than a thousandth.",
+        "The values of the mesh are written, with this error.",
         "Use `mass: auto` or `mass: exact`.",
     ),
     Code(
         "SB512",
         "warning",
-        "solids that overlap",
-        "Solids of one link fill the same space, and together that is a thousandth of the link's mass or more.",
-        "What fills it is counted once for each of them. Where two materials meet, the lighter one is taken to give way. "
-        "Overlaps below a thousandth of the smaller solid do not count, nor what their meshes have in common "
-        "because curved faces that touch are meshed differently; nor does what a `mass` was given for.",
-        "Cut one solid out of the other in the CAD, `ignore` a part that is there twice, or say what was weighed: a `mass` "
-        "in `parts` or an `inertial` in the link.",
+        "overlapping solids",
+        "Solids of one link overlap, by a thousandth of the mass of the link or more.",
+        "The mass of the overlap is counted once per solid. Where two materials overlap, the lighter one is assumed "
+        "to be displaced. Ignored are overlaps below a thousandth of the smaller solid, overlaps of meshes along "
+        "touching curved faces, and components with a given `mass`.",
+        "Subtract one solid from the other in CAD, `ignore` a duplicate part, or give a measured `mass` under `parts` "
+        "or an `inertial` on the link.",
     ),
     Code(
         "SB513",
         "note",
-        "solids that overlap a little",
-        "Solids of one link fill the same space, but all of that is less than a thousandth of the link's mass.",
-        "It is counted twice and changes the mass less than a mesh does. Threads that are drawn as cylinders, and labels, "
-        "are often such.",
-        "Nothing needs to be done.",
+        "slightly overlapping solids",
+        "Solids of one link overlap, by less than a thousandth of the mass of the link.",
+        "The overlap is counted twice, which changes the mass less than meshing does. Threads modelled as cylinders "
+        "and labels are typical causes.",
+        "No action is needed.",
     ),
     Code(
         "SB514",
         "note",
         "overlaps not checked",
-        "Whether some solids of a link overlap was not looked at: a mesh is not closed, or there are more pairs with more "
-        "faces than can be checked in a few seconds.",
-        "Mass that is counted twice would not be noticed there.",
-        "Repair solids that do not close. Coarser meshes, by a larger `tolerance` and `angle` under `mesh`, let more "
-        "pairs be checked.",
+        "Some solids of a link were not checked for overlaps, because a mesh is not closed or the number of pairs and "
+        "faces is too large to check in a few seconds.",
+        "Mass that is counted twice would not be detected.",
+        "Repair open solids. A larger `tolerance` and `angle` under `mesh` gives coarser meshes, which allows more "
+        "pairs to be checked.",
     ),
     Code(
         "SB515",
         "note",
-        "material without a density",
-        "The STEP names the material of a part, but neither the STEP nor the sidecar's `materials` gives its density, so "
-        "that of `defaults` is taken.",
-        "A part of steel that weighs as much as one of plastic shows in no picture.",
-        "Add the material to `materials` under the name that it has in the STEP, with its density, or give the part a "
-        "density in `parts`.",
+        "material has no density",
+        "The STEP file names the material of a part, but neither the STEP file nor `materials` in the sidecar gives "
+        "its density. The density of `defaults` is used.",
+        "A wrong density is not visible in any picture.",
+        "Add the material to `materials` under its name in the STEP file, with its density, or give the part a "
+        "density under `parts`.",
     ),
     Code(
         "SB516",
         "error",
-        "mass properties that do not converge",
-        "No two ways to integrate over a solid agree to a thousandth: the kernel's integration, stepbot's own, and ever finer "
-        "meshes.",
-        "Each of these numbers may be wrong by more than a thousandth, and engines would confirm whichever is written.",
-        "Repair the solid in the CAD (faces that cross themselves, gaps between faces), ignore it in `parts`, or give its link "
-        "an `inertial` with com and inertia.",
+        "mass properties not determined",
+        "Three methods to integrate over a solid do not agree to a thousandth: the integration of the geometry "
+        "kernel, that of stepbot, and a sequence of finer meshes.",
+        "Each value may be wrong by more than a thousandth, and engines would confirm any of them.",
+        "Repair the solid in CAD (self-intersecting faces, gaps between faces), ignore it under `parts`, or give its "
+        "link an `inertial` with com and inertia.",
     ),
 )

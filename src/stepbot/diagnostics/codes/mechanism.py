@@ -1,4 +1,4 @@
-"""SB45x and SB46x: the mechanism that the sidecar's joints make, before the STEP is read."""
+"""SB45x and SB46x: kinematic structure of the sidecar, checked before the STEP file is read."""
 
 from .code import Code
 
@@ -6,118 +6,123 @@ CODES = (
     Code(
         "SB450",
         "error",
-        "joint between a link and itself",
+        "joint connects a link to itself",
         "Both ends of a joint or closure are the same link.",
-        "Nothing could move.",
+        "The joint has no effect on the motion.",
         "Correct one of the two names.",
     ),
     Code(
         "SB451",
         "error",
-        "link with two parents",
-        "Two joints have the same child.",
-        "Joints make a tree: each link hangs on one joint. URDF cannot say anything else, and PyBullet crashes on it.",
-        "If the mechanism is a closed loop, make one of the joints a closure: move it to `closures` and name its links "
-        "`link_a` and `link_b`.",
+        "link has two parents",
+        "Two joints have the same child link.",
+        "Joints form a tree, in which each link has one parent joint. URDF cannot represent anything else, and "
+        "PyBullet crashes on such files.",
+        "If the mechanism is a closed loop, move one of the joints to `closures` and name its links `link_a` and "
+        "`link_b`.",
     ),
     Code(
         "SB452",
         "error",
-        "cycle of joints",
-        "Going from parent to child leads back to where it started.",
-        "A tree has a root; links in a ring have none.",
-        "Turn one of the joints around, or, if the mechanism is a closed loop, move one of them to `closures`.",
+        "cycle in the joint tree",
+        "Following the joints from parent to child leads back to the starting link.",
+        "A tree has a root, but a cycle has none.",
+        "Swap parent and child of one of the joints. If the mechanism is a closed loop, move one of the joints to "
+        "`closures`.",
     ),
     Code(
         "SB453",
         "error",
-        "links that are not connected",
-        "More than one link has no joint above it, so there are several roots.",
-        "A robot is one tree: a link without a joint would fall, or hang in the air, depending on the engine.",
-        "Add the joint that is missing (`type: fixed` for what does not move), or give its parts to another link.",
+        "disconnected links",
+        "More than one link has no parent joint, so the robot has several roots.",
+        "A robot is a single tree. Depending on the engine, a disconnected link falls or stays fixed in space.",
+        "Add the missing joint (`type: fixed` for a rigid connection), or assign the components to another link.",
     ),
     Code(
         "SB454",
         "error",
-        "root is not the root",
-        "`root` names a link that a joint moves.",
-        "The root is what carries all others; joints point away from it.",
-        "Name the link that no joint has as its child, or turn the joints around.",
+        "root link has a parent",
+        "`root` names a link that is the child of a joint.",
+        "The root is the top of the joint tree, so all joints lead away from it.",
+        "Set `root` to the link that is not the child of any joint, or swap parent and child of the joints above it.",
     ),
     Code(
         "SB455",
         "error",
-        "limits missing",
-        "A revolute or prismatic joint has no `lower` or no `upper`.",
-        "URDF requires both, and engines take a missing one for zero: the joint would not move.",
-        "Add them to the joint or to `joint_defaults`. A joint that turns without end is `continuous`; an open end is "
-        "`-inf` or `inf`.",
+        "missing limits",
+        "A revolute or prismatic joint has no `lower` or no `upper` limit.",
+        "URDF requires both. Engines default to zero, which locks the joint.",
+        "Add the limits to the joint or to `joint_defaults`. Use `type: continuous` for unlimited rotation, and "
+        "`-inf` or `inf` for an unbounded side.",
     ),
     Code(
         "SB456",
         "error",
-        "limits swapped",
-        "`lower` is not less than `upper`.",
-        "No position is within such limits. MuJoCo ignores them, Drake aborts.",
-        "Swap the two. A joint that shall not move is `fixed`.",
+        "lower limit not below upper limit",
+        "`lower` is greater than or equal to `upper`.",
+        "The range is empty. MuJoCo ignores such limits, and Drake aborts.",
+        "Swap the limits. Use `type: fixed` for a joint that does not move.",
     ),
     Code(
         "SB457",
         "error",
-        "drawn position outside the limits",
-        "The position in which the CAD drew the joint, `zero` or 0 without it, is not within its limits.",
-        "It is the initial pose: simulation would start with the joint pushed back by its own limit.",
-        "Say with `zero` which position is drawn, or correct the limits. Limits are measured from where q = 0, not from "
-        "the drawn pose.",
+        "assembled position outside limits",
+        "The joint position in the assembled pose (as modelled in CAD; `zero`, default 0) is outside the joint limits.",
+        "The assembled pose is the initial pose. The simulation would start with the joint limit pushing the joint "
+        "back.",
+        "Set `zero` to the joint position in the assembled pose, or correct the limits. Limits are measured from q = "
+        "0, not from the assembled pose.",
     ),
     Code(
         "SB458",
         "error",
-        "mimic of itself",
-        "A joint follows itself, directly or through others.",
-        "No position would satisfy it but by chance.",
-        "One joint of the group leads and has no `mimic`.",
+        "circular mimic",
+        "A joint mimics itself, directly or through other joints.",
+        "The positions of these joints are undefined.",
+        "Remove `mimic` from one joint of the group, which becomes the leader.",
     ),
     Code(
         "SB459",
         "error",
-        "joint that cannot be driven or followed",
-        "An actuator or a mimic names a joint that has no position of its own: it is fixed, has several freedoms, or "
-        "already follows another joint.",
-        "A drive and a mimic on the same joint pull against each other; a fixed joint does not move.",
-        "Name the joint that leads, or a revolute, continuous, prismatic or screw joint.",
+        "joint cannot be actuated or mimicked",
+        "An actuator or a mimic refers to a joint without an independent position: a fixed joint, a joint with "
+        "several degrees of freedom, or a joint that mimics another joint.",
+        "An actuator on a mimic joint works against the mimic constraint, and a fixed joint does not move.",
+        "Refer to the leading joint, or to a revolute, continuous, prismatic or screw joint.",
     ),
     Code(
         "SB460",
         "warning",
-        "mimic leads beyond the limits",
-        "Over the range of the joint that leads, the joint that follows leaves its own limits.",
-        "Engines resolve the contradiction each in its own way: one stops the leader, another breaks the limit.",
-        "Narrow the leader's limits, widen the follower's, or correct multiplier and offset.",
+        "mimic exceeds joint limits",
+        "Over the range of the leading joint, the mimic joint exceeds its own limits.",
+        "Engines resolve this conflict differently: some stop the leading joint, others violate the limit.",
+        "Narrow the limits of the leading joint, widen those of the mimic joint, or correct `multiplier` and `offset`.",
     ),
     Code(
         "SB461",
         "warning",
-        "drawn pose contradicts a mimic",
-        "With the positions in which the CAD drew them, the joint that follows is not where its mimic puts it.",
-        "The initial pose breaks the constraint, and simulation starts with a jolt.",
-        "Correct `offset`, or say with `zero` which positions are drawn.",
+        "assembled pose violates a mimic",
+        "In the assembled pose (as modelled in CAD), the position of the mimic joint differs from the position given "
+        "by its mimic relation.",
+        "The initial pose violates the constraint, so the simulation starts with a jump.",
+        "Correct `offset`, or set `zero` to the joint positions in the assembled pose.",
     ),
     Code(
         "SB462",
         "error",
-        "axes of a universal joint are parallel",
-        "`axis` and `axis2` of a universal joint have the same direction.",
-        "It would turn about one axis only.",
-        "Give `axis2` a direction at right angles to `axis`.",
+        "parallel axes of a universal joint",
+        "`axis` and `axis2` of a universal joint are parallel.",
+        "The joint would rotate about a single axis.",
+        "Set `axis2` to a direction perpendicular to `axis`.",
     ),
     Code(
         "SB463",
         "warning",
-        "limits to be filled in",
-        "A joint has `limits: todo`, as `stepbot init` writes it: neither it nor `joint_defaults` says how far it moves.",
-        "The joint moves without bounds: in URDF a revolute joint becomes continuous, and a prismatic one gets limits of "
-        "+-1e9 m. A planner would turn it through its own cables.",
-        "Replace `todo` by `{lower: ..., upper: ...}`, or give a joint that turns without end `type: continuous`.",
+        "placeholder limits",
+        "A joint has `limits: todo`, the placeholder written by `stepbot init`, and `joint_defaults` does not set its "
+        "limits.",
+        "The joint is unlimited. In URDF, a revolute joint becomes continuous and a prismatic joint gets limits of "
+        "+-1e9 m. A planner may rotate the joint beyond what the cables allow.",
+        "Replace `todo` by `{lower: ..., upper: ...}`, or set `type: continuous` for unlimited rotation.",
     ),
 )

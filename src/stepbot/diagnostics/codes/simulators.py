@@ -1,193 +1,200 @@
-"""SB8xx: a simulator disagrees with the model."""
+"""SB8xx: verification of written files in engines."""
 
 from .code import Code
 
-_WHY = "Whoever simulates with this file simulates another robot than the one that the CAD holds."
+_WHY = "A simulation with this file simulates a different robot than the one modelled in CAD."
 _OURS = (
-    "If stepbot wrote the file, please report it with the sidecar and the STEP file; the file is kept for inspection. If "
-    "the file was edited since, convert again."
+    "If stepbot wrote the file, please report a bug with the sidecar and the STEP file. The rejected file is kept for "
+    "inspection. If the file was edited after writing, convert again."
 )
 
 CODES: tuple[Code, ...] = (
     Code(
         "SB801",
         "error",
-        "engine refuses the file",
-        "A simulator or parser that reads the format says that it cannot load this file.",
-        "The file is of no use to anybody who simulates with that engine.",
-        "Read the engine's own words in the message. " + _OURS,
+        "engine rejected the file",
+        "A simulator or parser of the format reports that it cannot load the file.",
+        "The file cannot be used with this engine.",
+        "Read the engine's error in the message. " + _OURS,
     ),
     Code(
         "SB802",
         "error",
-        "engine died on the file",
-        "An engine crashed, was killed, or took too long while it loaded the file. It ran in a process of its own.",
-        "The same happens to every program that loads the file with that engine.",
-        "Look at the notes for the signal and the last lines that the engine printed; raise `--timeout` if it ran out of "
-        "time. Loops, several roots and joints with the same name are known to crash PyBullet.",
+        "engine crashed",
+        "An engine crashed, was killed, or exceeded the time limit while loading the file. It ran in a separate "
+        "process.",
+        "Every program that loads the file with this engine is affected.",
+        "The notes contain the signal and the last lines of output. Raise `--timeout` after a timeout. Loops, several "
+        "roots and duplicate joint names are known to crash PyBullet.",
     ),
     Code(
         "SB803",
         "error",
-        "links or joints differ",
-        "An engine sees other links or joints in the file than there should be: a name, a kind, a parent, the base.",
+        "link or joint mismatch",
+        "The links or joints reported by an engine differ from the expected ones: in name, type, parent or base.",
         _WHY,
         _OURS,
     ),
     Code(
         "SB804",
         "error",
-        "joint properties differ",
-        "The axis, the limits, the damping or friction, or the mimic relation of a joint is not what it should be.",
+        "joint property mismatch",
+        "The axis, limits, damping, friction or mimic relation of a joint differs from the expected value.",
         _WHY,
         _OURS,
     ),
     Code(
         "SB805",
         "error",
-        "mass properties differ",
-        "The mass, centre of mass or inertia of a link is not what it should be.",
+        "mass property mismatch",
+        "The mass, centre of mass or inertia of a link differs from the expected value.",
         _WHY,
         _OURS,
     ),
     Code(
         "SB806",
         "error",
-        "poses differ",
-        "In some configuration of the joints a link, or a frame on it, is not where it should be.",
+        "pose mismatch",
+        "The pose of a link or frame differs from the expected pose in some joint configuration.",
         _WHY,
         _OURS,
     ),
     Code(
         "SB807",
         "error",
-        "dynamics differ",
-        "The mass matrix or the gravity forces that an engine computes are not those of the robot.",
-        "Controllers that are tuned on this file are tuned for another robot.",
-        "If masses and poses agree, the engine changes them on loading. " + _OURS,
+        "dynamics mismatch",
+        "The mass matrix or the gravity forces computed by an engine differ from those of the robot.",
+        "Controllers tuned on this file are tuned for a different robot.",
+        "If masses and poses agree, the engine changes them when it loads the file. " + _OURS,
     ),
     Code(
         "SB808",
         "error",
         "loop does not close",
-        "A closure is missing, is somewhere else than it should be, or opens when the mechanism moves.",
+        "A closure is missing or misplaced, or opens when the mechanism moves.",
         "The mechanism moves differently, or not at all.",
         _OURS,
     ),
     Code(
         "SB809",
         "error",
-        "meshes differ",
-        "A mesh is missing, or what an engine loaded has another extent than it should have.",
-        "What is seen or touched is not the robot: a unit, a scale or a path is wrong.",
-        "Keep the `meshes` folder beside the file. " + _OURS,
+        "mesh mismatch",
+        "A mesh is missing, or the bounding box of the loaded mesh differs from the expected one.",
+        "Display and collision geometry are wrong. A unit, scale or path may be wrong.",
+        "Keep the `meshes` folder next to the file. " + _OURS,
     ),
     Code(
         "SB810",
         "warning",
-        "links overlap",
-        "In the drawn pose the collision shapes of two links that no joint holds together penetrate each other.",
-        "A simulator pushes them apart with great force, so that the robot jumps or trembles, unless it ignores this pair.",
-        "Convex hulls fill hollows: choose `collision: mesh`, `decompose` or a primitive for one of them, or `none` where "
-        "the pair never meets. If the parts themselves overlap, correct the CAD.",
+        "links overlap at the initial pose",
+        "In the assembled pose (as modelled in CAD), the collision shapes of two links without a common joint "
+        "penetrate each other.",
+        "Unless contacts of this pair are excluded, a simulator pushes the links apart with a large force, and the "
+        "robot jumps or vibrates.",
+        "Convex hulls fill concave regions. Choose `collision: mesh`, `decompose` or a primitive for one of the "
+        "links, or `none` where the pair never makes contact. If the parts overlap, correct the CAD.",
     ),
     Code(
         "SB811",
         "error",
-        "simulation diverges",
-        "Let go from its initial pose without control, the robot does not stay finite for a second.",
-        "Nothing can be simulated with it.",
-        "Look for tiny masses on long arms, great damping on light links, or overlapping collision shapes (SB810).",
+        "simulation diverged",
+        "In a passive simulation from the initial pose, the state became non-finite within a second.",
+        "The robot cannot be simulated.",
+        "Look for tiny masses on long arms, large damping on light links, or overlapping collision shapes (SB810).",
     ),
     Code(
         "SB812",
         "error",
-        "engine warns about a written file",
-        "An engine loads a file that stepbot wrote, but not without complaint.",
-        "Engines that complain mostly go on with a guess of their own, such as a mass of 1 kg.",
+        "engine warning on a written file",
+        "An engine reports a warning while loading a file written by stepbot.",
+        "After a warning, engines often continue with a default of their own, such as a mass of 1 kg.",
         _OURS,
     ),
     Code(
         "SB813",
         "warning",
-        "engine warns about a file",
-        "An engine loads a file, but not without complaint.",
-        "Engines that complain mostly go on with a guess of their own, such as a mass of 1 kg.",
-        "Correct what the engine complains about.",
+        "engine warning",
+        "An engine reports a warning while loading a file.",
+        "After a warning, engines often continue with a default of their own, such as a mass of 1 kg.",
+        "Correct the cause of the warning.",
     ),
     Code(
         "SB814",
         "error",
         "not a robot description",
-        "A file to verify is not XML, or its first element is none of `robot` (URDF), `sdf` (SDFormat), `mujoco` (MJCF).",
-        "No engine could read it.",
-        "Name a URDF, SDFormat or MJCF file.",
+        "The file to verify is not XML, or its root element is not `robot` (URDF), `sdf` (SDFormat) or `mujoco` "
+        "(MJCF).",
+        "No engine can load the file.",
+        "Give a URDF, SDFormat or MJCF file.",
     ),
     Code(
         "SB815",
         "warning",
         "file not verified",
-        "No engine that is installed reads this file, so nothing was compared.",
-        "A check that did not run is not a check that passed.",
-        "Install an engine that reads it: `pip install mujoco`, `pip install pybullet`.",
+        "No installed engine supports this file, so nothing was compared.",
+        "A check that did not run does not count as passed.",
+        "Install an engine for the format: `pip install mujoco`, `pip install pybullet`.",
     ),
     Code(
         "SB816",
         "error",
-        "actuators, sensors or initial pose differ",
-        "An actuator, a sensor, or the pose in which the file says that the robot starts, is not what it should be.",
-        "Controllers find another robot, or find it elsewhere.",
+        "actuator, sensor or initial pose mismatch",
+        "An actuator, a sensor or the initial pose in the file differs from the expected one.",
+        "Controllers act on a different robot, or start from a different pose.",
         _OURS,
     ),
     Code(
         "SB817",
         "warning",
         "self-collision not checked",
-        "The collision shapes could not be tested against each other in the drawn pose.",
-        "A check that did not run is not a check that passed.",
-        "Look at the notes for the reason.",
+        "The collision shapes could not be tested against each other in the assembled pose.",
+        "A check that did not run does not count as passed.",
+        "See the notes for the reason.",
     ),
     Code(
         "SB818",
         "warning",
-        "loop cannot stay closed",
-        "A loop closes as drawn, but opens by more than a micrometre when the mechanism moves.",
-        "Pins that should be parallel, or in one plane, are not quite. Simulators hold such a loop by force: it runs stiffly, "
-        "trembles, or locks.",
-        "Correct the CAD, or choose a closure that holds less: `ball` leaves the pins free to tilt.",
+        "loop opens over its range",
+        "A loop closes in the assembled pose (as modelled in CAD), but opens by more than a micrometre when the "
+        "mechanism moves.",
+        "Axes that should be parallel or coplanar are slightly misaligned. A simulator keeps the loop closed with "
+        "large forces, so the mechanism moves stiffly, vibrates or locks.",
+        "Correct the CAD, or choose a closure with fewer constraints: `ball` allows the axes to tilt.",
     ),
     Code(
         "SB819",
         "warning",
-        "mechanism cannot move",
-        "The closures take all freedom from the joints: by the rank of the constraints nothing can move in the drawn pose.",
-        "A gripper or linkage that should move is a rigid frame for every simulator.",
-        "Axes that should be parallel are more than 0.1 mrad apart, or the mechanism was drawn at a dead centre: correct the "
-        "CAD, or choose a closure that holds less (`ball` in place of `revolute`).",
+        "mechanism is locked",
+        "The closures constrain all degrees of freedom of the joints: by the rank of the constraints, nothing can "
+        "move in the assembled pose.",
+        "A gripper or linkage that should move is rigid in every simulator.",
+        "Either axes that should be parallel are more than 0.1 mrad apart, or the mechanism is modelled at a dead "
+        "centre. Correct the CAD, or choose a closure with fewer constraints (`ball` in place of `revolute`).",
     ),
     Code(
         "SB820",
         "error",
         "XML entities in a robot description",
-        "The file, or one that it includes, declares XML entities in its DOCTYPE.",
-        "Engines differ in what they take entities for: some leave them as they are, some expand them, and a few lines of "
-        "them can stand for gigabytes. So no two engines read the same robot.",
-        "Write the text itself in place of each entity, and remove the DOCTYPE.",
+        "The file, or a file that it includes, declares XML entities in its DOCTYPE.",
+        "Engines handle entities differently: some leave them unexpanded, and some expand them, possibly to gigabytes. The "
+        "engines would read different robots.",
+        "Replace each entity by its text, and remove the DOCTYPE.",
     ),
     Code(
         "SB821",
         "error",
         "include from outside of the folder",
-        "The MJCF includes a file that is not in its own folder or below.",
-        "Engines read whatever an include names, so a file from somebody else could have them read any file of yours.",
-        "Copy the included file beside the one that includes it, or write a file in a folder above both that includes both.",
+        "The MJCF includes a file that is not in its folder or a subfolder.",
+        "Engines read any included path, so an untrusted file could expose any file on this machine.",
+        "Copy the included file next to the file that includes it, or write a file in a common parent folder that "
+        "includes both.",
     ),
     Code(
         "SB822",
         "error",
-        "reference to something that is no regular file",
-        "The file names a pipe, a device or a socket as an include, a mesh or a texture.",
-        "An engine that opens it waits until its time is up, or reads without end.",
-        "Name a regular file.",
+        "reference to a special file",
+        "The file refers to a pipe, a device or a socket as an include, a mesh or a texture.",
+        "An engine that opens it blocks until the time limit, or reads endlessly.",
+        "Refer to a regular file.",
     ),
 )
