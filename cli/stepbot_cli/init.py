@@ -70,7 +70,7 @@ def command(
             from .questions import asked
 
             draft = asked(draft)
-        _write(draft, sidecar, step, found)
+        _write(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
     return _told(draft, sidecar, step, found, as_json=as_json, display=display)
 
@@ -81,14 +81,14 @@ def _beside(step: Path) -> Path:
     return step.with_name(starter_name(step))
 
 
-def _write(draft: "Draft", sidecar: Path, step: Path, found: Diagnostics) -> None:
+def _write(draft: "Draft", sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> None:
     """Write the sidecar, and the schema for editors where there is none yet."""
     from stepbot.authoring.sidecar_text import SCHEMA_FILE, sidecar_text
     from stepbot.authoring.step_path import relative_step
     from stepbot.runtime.file import write_file
     from stepbot.sidecar.schema import schema_text
 
-    text = sidecar_text(draft, relative_step(step, sidecar))
+    text = sidecar_text(draft, relative_step(step, sidecar), encoding=encoding)
     schema = sidecar.with_name(SCHEMA_FILE)
     write_file(sidecar, text.encode("utf-8"), found)
     if not found.has_errors and not schema.exists():

@@ -57,6 +57,18 @@ def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Step
     assert stepbot("check", "--step", "first/a.robot.yaml").code == 0
 
 
+def test_joints_of_a_plain_step_are_inferred(arm: Path, stepbot: Stepbot) -> None:
+    """Without stated pairs, shapes tell: the arm's shoulder, elbow and both fingers, each on its evidence."""
+    (arm / "arm2.robot.yaml").unlink()
+    run = stepbot("init", "arm2.step", "--json")
+    assert run.code == 0, run.err
+    document = json.loads(run.out)
+    assert sorted(joint["type"] for joint in document["joints"]) == ["prismatic", "prismatic", "revolute", "revolute"]
+    assert all(joint["evidence"] for joint in document["joints"])
+    checked = stepbot("check", "--step", "arm2.robot.yaml", "--json")
+    assert checked.code == 0, checked.out
+
+
 @pytest.mark.usefixtures("slider")
 def test_json_has_links_joints_and_what_is_left_to_do(stepbot: Stepbot) -> None:
     """A script gets the draft with scores and evidence, and how much of it is open."""

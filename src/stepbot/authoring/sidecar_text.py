@@ -25,12 +25,13 @@ _OFFERED = 12
 """Axes that were seen and not drafted, at most."""
 
 
-def sidecar_text(draft: Draft, step: str, *, schema: str = SCHEMA_FILE) -> str:
+def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = SCHEMA_FILE) -> str:
     """The sidecar of a draft.
 
     Args:
         draft: What was found.
         step: Path of the STEP file as the sidecar names it: relative to the sidecar, with forward slashes.
+        encoding: Code page of the names in the STEP, where its reader was given one.
         schema: Path of the JSON Schema, for editors; empty for no such line.
 
     Returns:
@@ -39,7 +40,8 @@ def sidecar_text(draft: Draft, step: str, *, schema: str = SCHEMA_FILE) -> str:
     names = names_of(draft)
     lines = [f"# yaml-language-server: $schema={schema}"] if schema else []
     lines += _introduction(draft)
-    lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}", ""]
+    lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}"]
+    lines += [*([f"step_encoding: {scalar(encoding)}"] if encoding else []), ""]
     lines += _densities(draft)
     lines += ["links:"]
     for link in draft.links:

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.authoring.densities_of import equal_density, without_density
-from stepbot.authoring.draft import Confidence, Draft, DraftLink
+from stepbot.authoring.draft import Draft
+from stepbot.authoring.infer import infer
 from stepbot.authoring.stated_joints import draft_of_mechanism
 from stepbot.diagnostics import Diagnostics, StepbotError
-from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.assembly import ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
 
@@ -36,7 +37,7 @@ def draft_step(step: Path, options: Options) -> Drafting:
     """
     found = Diagnostics()
     try:
-        what = ReadOptions(encoding=options.encoding)
+        what = ReadOptions(encoding=options.encoding, faces=True)
         with closing(Loading(step, what, options, found)) as loading:
             assembly = loading.assembly(found)
             mechanism = _mechanism(step, options)
@@ -45,7 +46,7 @@ def draft_step(step: Path, options: Options) -> Drafting:
         found.extend(error.diagnostics)
         return Drafting(found)
     stated = draft_of_mechanism(mechanism, assembly, step.stem) if mechanism is not None else None
-    draft = stated or _one_link(assembly, step.stem)
+    draft = stated or infer(assembly, step.stem)
     if mechanism is not None and stated is None:
         note = "the STEP states kinematic pairs between links that are no components of it: they were not used"
         draft = replace(draft, notes=(*draft.notes, note))
@@ -57,10 +58,3 @@ def _mechanism(step: Path, options: Options) -> Mechanism | None:
     """The kinematic pairs of a file that has been read."""
     part21 = check_step(step, str(step), Diagnostics(), options.encoding)
     return read_mechanism(step, part21.encoding) if part21 is not None else None
-
-
-def _one_link(assembly: Assembly, robot: str) -> Draft:
-    """A rigid robot, where nothing is known to move."""
-    count = sum(component.body >= 0 for component in assembly.components)
-    link = DraftLink("base", (), Confidence(1.0, (f"all {count} bodies",)), rest=True)
-    return Draft(robot, "base", (link,), notes=("no joint was found: all parts are one rigid link",))

@@ -130,6 +130,12 @@ def test_text_is_the_smallest_that_says_all() -> None:
     )
 
 
+def test_code_page_that_was_given_is_kept(tmp_path: Path) -> None:
+    """Names that were read in a code page are read so again."""
+    sidecar, _ = read(sidecar_text(DRAFT, "robot.step", encoding="cp1251"), tmp_path)
+    assert sidecar.document.step_encoding == "cp1251"
+
+
 def test_weak_joint_is_marked_with_other_readings_to_uncomment(tmp_path: Path) -> None:
     """Below 0.8 there is a REVIEW, and each alternative is a line that builds when it takes the joint's place."""
     slide = Alternative(JointKind.PRISMATIC, "base", "arm", Confidence(0.6, ("no stop",)), HINGE.point, HINGE.direction)
