@@ -47,4 +47,4 @@ def measured(mesh: TriMesh) -> VolumeProperties | None:
     volume, com, inertia = properties.volume, np.asarray(properties.center_mass), np.asarray(properties.inertia)
     if not (volume > 0.0 and np.isfinite(com).all() and np.isfinite(inertia).all()):
         return None
-    return VolumeProperties.of(volume, com + middle, inertia)
+    return VolumeProperties.rounded(volume, com + middle, inertia)

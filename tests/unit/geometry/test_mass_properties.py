@@ -53,6 +53,20 @@ def test_far_from_the_origin() -> None:
     assert np.abs(np.array(far.unit_density.inertia) - inertia).max() < 1e-6 * np.abs(inertia).max()
 
 
+def test_the_order_of_summation_makes_no_difference() -> None:
+    """The same bytes whichever way thousands of terms are summed, as processors and versions of numpy do."""
+    rng = np.random.default_rng(5)
+    angles = 2 * np.pi * np.arange(2000) / 2000
+    rim = np.c_[np.cos(angles), np.sin(angles), np.zeros(2000)]
+    vertices = 0.03 * np.vstack([rim, [(0.1, 0.2, -1.0), (0.0, 0.1, 1.0)]])
+    near, far = np.arange(2000), np.roll(np.arange(2000), -1)
+    faces = np.vstack([np.c_[far, near, np.full(2000, 2000)], np.c_[near, far, np.full(2000, 2001)]])
+    expected = measured(TriMesh.of(vertices, faces))
+    assert expected is not None
+    for _ in range(20):
+        assert measured(TriMesh.of(vertices, rng.permutation(faces))) == expected
+
+
 @pytest.mark.parametrize(
     "mesh",
     [

@@ -93,7 +93,7 @@ def quadrature(shape: Any, origin: Array, parts: int) -> Array:
 
 def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:
     """In SI, from integrals in millimetres about an origin; None where there is no volume."""
-    volume = moments[0]
+    volume = float(moments[0])
     if not (np.isfinite(moments).all() and volume > 0.0):
         return None
     com = moments[1:4] / volume
@@ -101,16 +101,7 @@ def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:
     second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) - volume * np.outer(com, com)
     inertia = np.trace(second) * np.eye(3) - second
     scale = MILLIMETRES_PER_METRE
-    return VolumeProperties.of(
-        _rounded(volume / scale**3, volume / scale**3),
-        _rounded((com + origin) / scale, volume ** (1 / 3) / scale),
-        _rounded(inertia / scale**5, np.trace(inertia) / scale**5),
-    )
-
-
-def _rounded(values: Any, size: float) -> Any:
-    """To twelve digits of a size: sums of many terms differ in the last ones between processors."""
-    return np.round(values, 12 - int(np.floor(np.log10(size)))) + 0.0  # no minus zero
+    return VolumeProperties.rounded(volume / scale**3, (com + origin) / scale, inertia / scale**5)
 
 
 def _quadric(surface: Any, kind: Any) -> tuple[Any, tuple[float, float, float, float]] | None:
