@@ -40,7 +40,7 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         axis = held.relation.axis
         assert axis is not None
         why = f"the bearing '{survey.parts[bearing].path}' is between them"
-        found.hinge(Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation))
+        found.hinge(Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=True))
 
 
 def _seats(survey: Survey, bearing: int) -> tuple[list[_Seat], list[_Seat]]:

@@ -11,8 +11,10 @@ from .clusters import Clusters
 from .draft import CHOSEN
 from .evidence import Evidence, Fate, Hinge, Weld
 from .motors import Motor
+from .names import Role
 from .part import box_gap
 from .relations import Relation
+from .structure import Structure
 from .survey import Survey
 
 _TINY = 2e-3
@@ -39,7 +41,7 @@ class Decision:
         return [h for h in self.evidence.hinges if h.fate == Fate.TAKEN]
 
 
-def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decision:
+def decide(survey: Survey, structure: Structure, motors: Sequence[Motor], evidence: Evidence) -> Decision:
     """Take the evidence, then find a home for everything that it leaves alone."""
     made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small]))
     for one in evidence.ranked():
@@ -50,7 +52,7 @@ def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decis
         host = _tightest_host(survey, i)
         if host is not None:
             made.clusters.join(host, i)
-    _adopt(made)
+    _adopt(made, structure)
     return made
 
 
@@ -104,12 +106,12 @@ def _tightness(r: Relation) -> tuple[float, ...]:
     return bool(shafts), -round(clearance, 6), max((f.length for f in shafts), default=0.0), r.area
 
 
-def _adopt(made: Decision) -> None:
+def _adopt(made: Decision, structure: Structure) -> None:
     """Small clusters that no joint ties go with what is nearest, of the same subassembly if there is one."""
     survey, clusters = made.survey, made.clusters
     jointed = {x for h in made.hinges for x in (h.a, h.b)}
     for members in clusters.groups().values():
-        if jointed.intersection(members):
+        if jointed.intersection(members) or any({Role.WHEEL, Role.JAW} & structure.names(i) for i in members):
             continue
         if survey.total_volume(members) < _TINY * survey.volume or all(i in survey.small for i in members):
             target = nearest(survey, members)

@@ -52,6 +52,8 @@ class Hinge:
     axis2: Axis | None = None
     drives: bool = False
     """Whether it is the output of a motor."""
+    by_role: bool = False
+    """Whether a part that is there for it, such as a bearing, tells of it."""
     review: str = ""
     """What to look at, whatever the score is."""
     fate: Fate = Fate.OPEN

@@ -6,6 +6,7 @@ from stepbot.step.assembly import Assembly
 
 from .bearings import bearing_evidence
 from .decision import Decision, decide
+from .doubts import note_doubts
 from .draft import CHOSEN
 from .evidence import Evidence, Hinge
 from .guides import cross_evidence, guide_evidence
@@ -20,6 +21,7 @@ from .seams import tie_by_seams
 from .sliding import choose_slides
 from .structure import Structure, body_welds
 from .survey import ALL_SOURCES, Sources, Survey
+from .swivels import slide_in_struts, stop_spinning_rods
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +55,7 @@ def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Infer
     bearing_evidence(survey, evidence)
     guide_evidence(survey, evidence)
     several_axes(structure, evidence)
-    made = decide(survey, motors, evidence)
+    made = decide(survey, structure, motors, evidence)
     tie_by_seams(made)
     return _arranged(made, structure, motors)
 
@@ -61,11 +63,14 @@ def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Infer
 def _arranged(made: Decision, structure: Structure, motors: list[Motor]) -> Inferred:
     mechanism = Mechanism(made, structure)
     root = find_root(made, structure, mechanism.joints, motors)
+    slide_in_struts(mechanism.joints)
+    stop_spinning_rods(mechanism.joints, root)
     LooseEnds(made, mechanism, structure).tie(root)
     groups = made.clusters.groups()
     number = {cluster: n for n, cluster in enumerate(groups)}
     arcs = spanning_tree([j for j in mechanism.joints if j.a != j.b], number, number[made.clusters.find(root)])
     choose_slides(made.survey, arcs)
+    note_doubts(arcs, structure, has_drives=bool(motors))
     used = {id(arc.hinge) for arc in arcs}
     offered = [h for h in mechanism.offered if id(h) not in used]
     for arc in arcs:

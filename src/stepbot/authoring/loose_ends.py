@@ -4,14 +4,13 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array
 from stepbot.robot.model import JointKind
-from stepbot.step.faces import FaceKind
 
 from .axis import Axis
 from .clusters import Clusters
 from .decision import Decision, nearest
 from .evidence import Fate, Hinge
+from .fingers import centroid, direction_between
 from .mechanism import Link, Mechanism
 from .names import Role
 from .part import box_gap
@@ -19,14 +18,11 @@ from .structure import Structure
 
 _BIG = 0.2
 """Share of the assembly's volume from which a cluster is a link even if nothing ties it."""
+_TRIMMINGS = ("pad", "tip", "cover", "nail")
+"""Words for what is on a finger and no finger."""
 _GROUP = 0.01
 """The same for a subassembly."""
 _BY_NAME = 0.55
-_EQUAL_VOLUME = 1e-3
-_APART = 1e-3
-_FACING = 0.9
-_TRIMMINGS = ("pad", "tip", "cover", "nail")
-"""Words for what is on a finger and no finger."""
 
 
 class LooseEnds:
@@ -43,13 +39,13 @@ class LooseEnds:
         loose = [r for r in groups if r not in jointed and r != root]
         standing = [r for r in loose if self._stands_alone(groups[r])]
         named = [r for r in loose if r not in standing and {Role.WHEEL, Role.JAW} & self._roles(groups[r])]
-        own = standing + named
-        for r in own:
+        for r in standing + named:
             other = self._nearest_cluster(groups[r], root)
-            guess = self._by_name(groups, r, own)
-            self._mechanism.joints.append(guess or self._placeholder(groups, other, r))
-            if guess:
-                guess.a, guess.b = other, r
+            guess = self._by_name(groups, r, other, standing + named)
+            if guess is None and r in standing:
+                guess = self._placeholder(groups, other, r)
+            if guess is not None:
+                self._mechanism.joints.append(guess)
         self._connect(groups, root)
         jointed = self._jointed() | {root}
         for r in loose:
@@ -111,7 +107,7 @@ class LooseEnds:
     def _gap(self, one: Sequence[int], two: Sequence[int]) -> float:
         return box_gap(self._survey.box_of(one), self._survey.box_of(two))
 
-    def _by_name(self, groups: dict[int, list[int]], r: int, own: Sequence[int]) -> Link | None:
+    def _by_name(self, groups: dict[int, list[int]], r: int, other: int, own: Sequence[int]) -> Link | None:
         """A wheel turns about its own axis; two equal fingers slide towards each other."""
         roles, members = self._roles(groups[r]), groups[r]
         if Role.WHEEL in roles:
@@ -119,38 +115,22 @@ class LooseEnds:
             for i in largest_first:
                 for axis in self._survey.turned.get(i, [])[:3]:
                     if self._survey.parts[i].is_balanced(axis):
-                        return self._guess(r, groups, JointKind.REVOLUTE, axis, "a wheel by its name; its own axis")
+                        return self._guess(
+                            groups, r, other, JointKind.REVOLUTE, axis, "a wheel by its name; its own axis"
+                        )
         paths = [self._survey.assembly.components[self._structure.link_of.get(i, i)].path.lower() for i in members]
         if Role.JAW not in roles or any(word in path for path in paths for word in _TRIMMINGS):
             return None
-        for s in own:
+        middle = centroid(self._survey, members)
+        for s in sorted(own, key=lambda s: float(np.linalg.norm(centroid(self._survey, groups[s]) - middle))):
             if s != r and Role.JAW in self._roles(groups[s]):
-                along = self._towards(members, groups[s])
+                along = direction_between(self._survey, members, groups[s])
                 if along is not None:
-                    axis = Axis(self._centroid(members), along)
+                    axis = Axis(middle, along)
                     why = "one of two equal fingers by their names"
-                    return self._guess(r, groups, JointKind.PRISMATIC, axis, why)
+                    return self._guess(groups, r, other, JointKind.PRISMATIC, axis, why)
         return None
 
-    def _towards(self, one: Sequence[int], two: Sequence[int]) -> Array | None:
-        """The normal of a face of one finger that looks to the other, an equal one, or away from it."""
-        volumes = self._survey.total_volume(one), self._survey.total_volume(two)
-        apart = self._centroid(two) - self._centroid(one)
-        distance = float(np.linalg.norm(apart))
-        if abs(volumes[0] - volumes[1]) > _EQUAL_VOLUME * volumes[0] or distance < _APART:
-            return None
-        largest = max(one, key=lambda i: (self._survey.parts[i].volume, -i))
-        normals = [f.direction for f in self._survey.scene.faces[FaceKind.PLANE] if f.part == largest]
-        best = max(normals, key=lambda n: round(abs(float(n @ apart)), 12), default=None)
-        if best is None or abs(float(best @ apart)) < _FACING * distance:
-            return None
-        return np.asarray(best * np.sign(best @ apart))
-
-    def _centroid(self, members: Sequence[int]) -> Array:
-        parts = [self._survey.parts[i] for i in members]
-        return np.asarray(np.sum([p.volume * p.com for p in parts], axis=0) / (sum(p.volume for p in parts) or 1.0))
-
-    def _guess(self, r: int, groups: dict[int, list[int]], kind: JointKind, axis: Axis, why: str) -> Link:
-        other = next(q for q in groups if q != r)
+    def _guess(self, groups: dict[int, list[int]], r: int, other: int, kind: JointKind, axis: Axis, why: str) -> Link:
         hinge = Hinge(_BY_NAME, groups[r][0], groups[other][0], kind, axis, why, review="by name", fate=Fate.TAKEN)
         return Link(hinge, other, r)

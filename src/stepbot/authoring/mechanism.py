@@ -20,6 +20,8 @@ _SPINNER = 0.05
 """Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring and no link."""
 _TRIFLE = 0.02
 """Share of a cluster's volume below which a part does not count."""
+_EQUAL = 0.01
+"""Share of its volume within which a body is as large as another."""
 _WHEEL = 0.08
 """Share of the assembly's size from which a body of its own subassembly that spins is a wheel."""
 
@@ -131,6 +133,9 @@ class Mechanism:
                         continue
                     if len(of[one]) > 1 and len(of[two]) > 1:
                         continue
+                    # Two equal bodies that hang on nothing else are wheels, and no two sides of one.
+                    if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
+                        continue
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.hinge.score < k.hinge.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
                     members = self._clusters.members(leaf)
@@ -162,8 +167,15 @@ class Mechanism:
     def _is_wheel(self, members: Sequence[int], joint: Link) -> bool:
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
             return True
-        across = self._structure.are_across(joint.hinge.a, joint.hinge.b)
-        return across and self._survey.size_of(members) > _WHEEL * self._survey.extent
+        if not self._structure.are_across(joint.hinge.a, joint.hinge.b):
+            return False
+        is_group = all(self._structure.are_together(i, members[0]) for i in members if i not in self._survey.small)
+        is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
+        return is_large or (is_group and len(members) > 1)
+
+    def _are_equal(self, one: int, two: int) -> bool:
+        volumes = [self._survey.total_volume(self._clusters.members(root)) for root in (one, two)]
+        return abs(volumes[0] - volumes[1]) <= _EQUAL * max(volumes)
 
     def _has_wheel(self, root: int) -> bool:
         return any(Role.WHEEL in self._survey.parts[i].roles for i in self._clusters.members(root))

@@ -107,7 +107,7 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
             (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
         ]
         on = [r.axis for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
-        off = any(r.is_rigid and r.via == Via.NOTHING for _, r in others)
+        off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
         held += off and bool(on)
         for axis in on:
             local = Axis(X.apply(axis.point), X.turn(axis.d))

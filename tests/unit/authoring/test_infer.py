@@ -79,3 +79,37 @@ def test_same_assembly_same_draft(sources: Sources) -> None:
     """Two runs agree in every number and every word."""
     folder = "stepbot_slider_crank"
     assert infer(assembly(folder), "robot", sources) == infer(assembly(folder), "robot", sources)
+
+
+def test_rods_between_balls_do_not_spin() -> None:
+    """Each rod of a delta robot has a universal joint at the arm and a ball at the platform, in either order."""
+    draft = infer(assembly("stepbot_delta"), "delta")
+    kinds = [j.type for j in (*draft.joints, *draft.closures)]
+    counts = {kind: kinds.count(kind) for kind in set(kinds)}
+    assert counts == {JointKind.REVOLUTE: 3, JointKind.UNIVERSAL: 6, JointKind.BALL: 6}
+    assert all(j.is_reviewed for j in (*draft.joints, *draft.closures) if j.type == JointKind.UNIVERSAL)
+
+
+def test_struts_slide_without_names() -> None:
+    """The six legs of a Stewart platform slide: each is a shaft in a bore between two swivels."""
+    draft = infer(assembly("stepbot_stewart"), "stewart", Sources(names=False))
+    kinds = [j.type for j in (*draft.joints, *draft.closures)]
+    assert kinds.count(JointKind.PRISMATIC) == 6
+
+
+def test_motors_by_their_use() -> None:
+    """Without names and tree, equal blocks that drive on one axis of theirs and are held off it make all 18 joints."""
+    draft = infer(assembly("stepbot_hexapod"), "hexapod", Sources(names=False, tree=False))
+    assert [j.type for j in draft.joints] == [JointKind.REVOLUTE] * 18
+    assert all(j.is_reviewed for j in draft.joints)
+
+
+def test_fingers_slide_towards_each_other() -> None:
+    """Two equal fingers of each hand slide on it in opposite directions, by their names and for review."""
+    draft = infer(assembly("abb_yumi"), "yumi")
+    slides = [j for j in draft.joints if j.type == JointKind.PRISMATIC]
+    assert len(slides) == 4
+    assert all(j.is_reviewed for j in slides)
+    for parent in {j.parent for j in slides}:
+        one, two = (np.array(j.direction) for j in slides if j.parent == parent)
+        assert one @ two == pytest.approx(-1.0, abs=1e-6)

@@ -1,0 +1,29 @@
+"""Joints to be reviewed whatever their score: what the drawing leaves open, or what shapes alone say."""
+
+from collections.abc import Sequence
+
+from stepbot.robot.model import JointKind
+
+from .loops import Arc, loop_motions
+from .structure import Structure
+
+
+def note_doubts(arcs: Sequence[Arc], structure: Structure, *, has_drives: bool) -> None:
+    """Name what to look at of each joint that neither a motor nor a bearing tells of.
+
+    Args:
+        arcs: Joints and closures.
+        structure: Subassemblies that look like links.
+        has_drives: Whether there is any motor: without one, the assembly may be no mechanism.
+    """
+    motions = loop_motions(arcs)
+    for k, arc in enumerate(arcs):
+        h, motion = arc.hinge, motions.get(k)
+        if h.review or h.drives or h.by_role or h.type == JointKind.FIXED:
+            continue
+        if not structure.are_across(h.a, h.b):
+            h.review = "its shape alone tells"
+        elif arc.could_slide and (motion is None or motion.slides):
+            h.review = "it could slide as well"
+        elif not has_drives and not any(arc.is_closure for arc in arcs):
+            h.review = "nothing drives this assembly: it may be no mechanism"
