@@ -81,7 +81,7 @@ def test_no_such_code_page(command: list[str], crate: Path, stepbot: Stepbot) ->
     """A code page that there is not is wrong usage, with near names."""
     run = stepbot(*command, "--encoding", "cp1521")
     assert run.code == 2
-    assert "there is no code page 'cp1521'; did you mean" in run.err
+    assert "unknown code page 'cp1521'; did you mean" in run.err
     assert "'cp1251'" in run.err
 
 

@@ -1,15 +1,15 @@
-"""How much is said about one sidecar: a file of garbage must not take minutes to complain about."""
+"""Limit on the number of diagnostics of one sidecar."""
 
 from collections.abc import Iterable
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 
 MOST_FAULTS = 100
-"""Findings that are reported of one sidecar."""
+"""Diagnostics that are reported for one sidecar."""
 
 
 class TooManyFaultsError(Exception):
-    """There are more findings than anyone reads; those up to here are in the collector."""
+    """The limit was exceeded; the collector has the diagnostics so far."""
 
 
 class BoundedDiagnostics(Diagnostics):
@@ -28,8 +28,13 @@ class BoundedDiagnostics(Diagnostics):
         return taken
 
     def hand_over(self, found: Diagnostics, file: str, *, complete: bool) -> None:
-        """Give everything to another collector, in the order of the file, and say so where there was more."""
+        """Add all diagnostics to another collector, in file order, and report if there were more."""
         found.extend(sorted(list(self)[:MOST_FAULTS], key=lambda d: (d.span.line, d.span.column, d.code)))
         if not complete:
-            help = ["correct these first"]
-            found.add("SB108", f"sidecar: more than {MOST_FAULTS} faults; the rest is not shown", Span(file), help=help)
+            help = ["correct these errors first"]
+            found.add(
+                "SB108",
+                f"sidecar: more than {MOST_FAULTS} errors; the remaining ones are not shown",
+                Span(file),
+                help=help,
+            )

@@ -28,16 +28,16 @@ def code_page(name: str) -> str:
     Raises:
         UnknownCodePage: There is none of this name, or it writes ASCII otherwise.
     """
-    possible = f"for example {', '.join(_COMMON)}"
+    possible = f"examples: {', '.join(_COMMON)}"
     try:
         found = codecs.lookup(name.strip())
     except (LookupError, ValueError):  # ValueError: a name with a null character
         near = did_you_mean(name.strip().lower(), [*_COMMON, *aliases.values(), *aliases])
-        raise UnknownCodePage(f"there is no code page '{name}'", *near, possible) from None
+        raise UnknownCodePage(f"unknown code page '{name}'", *near, possible) from None
     try:
         is_superset = _ASCII.decode(found.name) == _ASCII.decode("ascii")
     except (LookupError, ValueError):  # LookupError: no encoding of texts, such as base64
         is_superset = False
     if not is_superset:
-        raise UnknownCodePage(f"'{name}' writes other bytes for ASCII than STEP files have", possible)
+        raise UnknownCodePage(f"code page '{name}' is not ASCII-compatible, but STEP files are", possible)
     return "utf-8" if found.name == "utf-8-sig" else found.name

@@ -1,8 +1,8 @@
-"""YAML 1.2 text to a tree of values with places, every fault reported, every expansion bounded.
+"""Compose YAML 1.2 text into a tree of values with positions; every error is reported, alias expansion is bounded.
 
-ruamel.yaml parses; composing is done here because its own composer stops at the first fault, accepts duplicate keys
-without their places, and writes aliases out without bound. Plain scalars follow the core schema of YAML 1.2.2, section
-10.3.2: ``010`` is ten, ``yes`` and ``1_000`` are texts. https://yaml.org/spec/1.2.2/
+ruamel.yaml parses the text. Its composer is not used: it stops at the first error, drops the positions of duplicate
+keys, and expands aliases without a limit. Plain scalars follow the core schema of YAML 1.2.2, section
+10.3.2: ``010`` is ten, ``yes`` and ``1_000`` are strings. https://yaml.org/spec/1.2.2/
 """
 
 import re
@@ -28,9 +28,9 @@ from .text import has_only_text
 from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree
 
 LARGEST_SIZE = 50_000
-"""Values that a sidecar may stand for, aliases written out."""
+"""Maximum number of values after alias expansion."""
 DEEPEST = 24
-"""Levels that values may be nested in each other; a sidecar needs eight."""
+"""Maximum nesting depth; a sidecar needs eight."""
 
 STAR = "\ue000"
 """Stands for the first ``*`` of a key whose missing quotes have been reported."""
@@ -49,18 +49,18 @@ _WORDS: dict[str, bool | float | None] = {
 
 
 class TooMuchError(Exception):
-    """Composing was ended because the values are too many or too deep; the fault has been reported."""
+    """Composing ended at the size or depth limit; the error has been reported."""
 
 
 def compose(text: str, file: str, found: Diagnostics) -> Tree | None:
-    """The value that the text holds, or None where it holds none.
+    """The root value of the text, or None if it is empty.
 
     Reports SB106 unknown aliases, SB107 duplicate keys, SB108 bounds, SB109 several documents, SB110 tags, directives
     and keys that a sidecar does not have, SB111 merges, SB112 empty values.
 
     Raises:
-        MarkedYAMLError: The text is not YAML; what was reported so far stands.
-        TooMuchError: A bound was passed.
+        MarkedYAMLError: The text is not YAML; errors reported before remain valid.
+        TooMuchError: A limit was exceeded.
     """
     return _Composer(text, file, found).document()
 
@@ -71,7 +71,7 @@ class _Composer:
         self._lines = text.split("\n")
         self._file, self._found = file, found
         self._anchors: dict[str, Tree | None] = {}
-        """What each anchor stands for; None while it is being composed."""
+        """The value of each anchor; None while it is being composed."""
         self._keys: list[str | int] = []
         self._values = 0
 
@@ -89,12 +89,12 @@ class _Composer:
 
     def _check_start(self, event: Any, root: Tree | None) -> None:
         if root is not None:
-            help = ["one file describes one robot: remove the '---', or make it a file of its own"]
-            self._add("SB109", "sidecar: a second document starts here", self._span(event), help)
+            help = ["remove the `---` or move the second document to its own file: each file describes one robot"]
+            self._add("SB109", "sidecar: second YAML document in one file", self._span(event), help)
         elif event.version not in (None, (1, 2), [1, 2]):
             version = ".".join(map(str, event.version))
-            help = ["remove the directive: a sidecar is YAML 1.2"]
-            self._add("SB110", f"sidecar: the directive %YAML {version} asks for other rules", self._span(event), help)
+            help = ["remove the directive: sidecars use YAML 1.2"]
+            self._add("SB110", f"sidecar: unsupported directive %YAML {version}", self._span(event), help)
 
     def _value(self, event: Any) -> Tree:
         """The value that starts with ``event``."""
@@ -102,13 +102,13 @@ class _Composer:
         if self._values > LARGEST_SIZE:
             self._too_much(event, f"more than {LARGEST_SIZE} values")
         if len(self._keys) >= DEEPEST:
-            self._too_much(event, f"values are nested more than {DEEPEST} deep")
+            self._too_much(event, f"nesting exceeds {DEEPEST} levels")
         if isinstance(event, AliasEvent):
             return self._alias(event)
         tag_is_known = event.tag is None or (isinstance(event, ScalarEvent) and str(event.tag) in _TEXT_TAGS)
         if not tag_is_known:
-            message = f"the tag '{event.tag}' has no meaning in a sidecar"
-            self._fault("SB110", message, self._span(event), ["write the value itself"])
+            message = f"unsupported YAML tag '{event.tag}'"
+            self._fault("SB110", message, self._span(event), ["write the value without the tag"])
         anchor = event.anchor
         if anchor is not None:
             self._anchors[anchor] = None
@@ -128,9 +128,9 @@ class _Composer:
 
     def _bounded(self, value: Tree, event: Any) -> Tree:
         if value.size > LARGEST_SIZE:
-            self._too_much(event, f"aliases written out, more than {LARGEST_SIZE} values")
+            self._too_much(event, f"more than {LARGEST_SIZE} values after alias expansion")
         if value.depth > DEEPEST:
-            self._too_much(event, f"aliases written out, values are nested more than {DEEPEST} deep")
+            self._too_much(event, f"nesting exceeds {DEEPEST} levels after alias expansion")
         return value
 
     def _scalar(self, event: Any) -> Scalar:
@@ -138,7 +138,7 @@ class _Composer:
         if not event.style and event.tag is None:
             return Scalar(span, _core_value(text), text)
         if not has_only_text(text):
-            self._fault("SB102", "an escape gives a character that does not belong in a text", span, [])
+            self._fault("SB102", "escape sequence of a control character", span, [])
             return Scalar(span, "", "", plain=False, faulty=True)
         return Scalar(span, text, text, plain=False)
 
@@ -182,8 +182,8 @@ class _Composer:
         if isinstance(key, Scalar) and not key.faulty:
             return key.text.replace(STAR, "*"), self._span(event)
         if not isinstance(key, Scalar):
-            help = ["a text that starts with [ or { goes in quotes"]
-            self._fault("SB110", "a key is a list or a mapping", key.span, help)
+            help = ["quote text that starts with [ or {"]
+            self._fault("SB110", "key is a list or a mapping", key.span, help)
         return None, key.span
 
     def _alias(self, event: Any) -> Tree:
@@ -191,7 +191,7 @@ class _Composer:
         if name not in self._anchors:
             self._unknown_alias(name, span)
         elif (value := self._anchors[name]) is None:
-            self._fault("SB108", f"the anchor '{name}' contains itself", span, ["write the value without the alias"])
+            self._fault("SB108", f"anchor '{name}' contains itself", span, ["replace the alias by the value"])
         elif isinstance(value, Scalar):
             return Scalar(span, value.value, value.text, value.plain, value.faulty)
         else:
@@ -200,21 +200,25 @@ class _Composer:
 
     def _unknown_alias(self, name: str, span: Span) -> None:
         text = "*" + name
-        help = [f'a path that starts with * goes in quotes: "{text.rstrip(":")}"', *did_you_mean(name, self._anchors)]
-        self._fault("SB106", f"{text} without quotes is an alias, and there is no anchor '{name}'", span, help)
+        help = [f'quote paths that start with *: "{text.rstrip(":")}"', *did_you_mean(name, self._anchors)]
+        self._fault("SB106", f"undefined alias {text}", span, help)
 
     def _merged(self, value: Tree) -> list[Mapping]:
         sources = value.values if isinstance(value, Listing) else [value]
         for source in sources:
             if not isinstance(source, Mapping) and not source.faulty:
-                help = ["point it to an anchor on a mapping: `<<: *name`"]
-                self._fault("SB111", "what '<<' merges is not a mapping", source.span, help)
+                help = ["refer to an anchor on a mapping: `<<: *name`"]
+                self._fault("SB111", "value of the merge key '<<' is not a mapping", source.span, help)
         return [source for source in sources if isinstance(source, Mapping)]
 
     def _duplicate(self, key: str, first: Span, second: Span) -> None:
-        help = ["remove one of them, or rename it"]
+        help = ["remove or rename one of the keys"]
         self._fault(
-            "SB107", f"key '{key}' stands twice, first in line {first.line}", second, help, [f"first at {first}"]
+            "SB107",
+            f"duplicate key '{key}' (first defined on line {first.line})",
+            second,
+            help,
+            [f"first defined at {first}"],
         )
 
     def _filled(self, value: Tree, key_span: Span | None = None) -> Tree:
@@ -224,14 +228,14 @@ class _Composer:
         start = key_span or value.span
         comment = self._lines[start.line - 1][start.end_column - 1 :].lstrip(": ") if start.end_column else ""
         if re.match(r"#[^\s#]", comment):
-            help = [f'a # starts a comment; text that has one goes in quotes: "{comment}"']
+            help = [f'# starts a comment; quote the text: "{comment}"']
         elif key_span and (number := self._decimal_comma_before(key_span)):
-            help = [f"the decimal separator is a point: `{number}`"]
+            help = [f"use a decimal point: `{number}`"]
         elif key_span and re.search(r"\w:\S", str(self._keys[-1])):
-            help = ["a colon needs a space after it: `key: value`"]
+            help = ["add a space after the colon: `key: value`"]
         else:
-            help = ["give it a value, write {} for an empty mapping, or remove it"]
-        self._fault("SB112", "has no value", start, help)
+            help = ["add a value, write {} for an empty mapping, or remove the key"]
+        self._fault("SB112", "missing value", start, help)
         return Scalar(value.span, None, value.text, faulty=True)
 
     def _decimal_comma_before(self, key: Span) -> str:
@@ -258,12 +262,14 @@ class _Composer:
 
 
 def _events(text: str) -> Iterator[Any]:
-    """The events of ruamel.yaml's parser, which lets Python's own error through where an escape is beyond Unicode."""
+    """The events of ruamel.yaml's parser; converts its ValueError for escapes beyond Unicode."""
     yaml = YAML(typ="safe", pure=True)
     try:
         yield from yaml.parse(text)
     except (ValueError, OverflowError) as failure:
-        raise MarkedYAMLError(problem="an escape is beyond Unicode", problem_mark=yaml.reader.get_mark()) from failure
+        raise MarkedYAMLError(
+            problem="escape sequence beyond the Unicode range", problem_mark=yaml.reader.get_mark()
+        ) from failure
 
 
 def _core_value(text: str) -> str | int | float | bool | None:

@@ -1,4 +1,4 @@
-"""Joints must make one tree of the links."""
+"""Check that the joints connect all links to one tree."""
 
 from collections.abc import Mapping
 from itertools import count
@@ -9,7 +9,7 @@ from .located import Sidecar
 
 
 def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB450 joints on themselves, SB451 two parents, SB452 cycles, SB453 several roots, SB454 a false root."""
+    """Report SB450 self-connections, SB451 two parents, SB452 cycles, SB453 disconnected links, SB454 invalid root."""
     above = _joint_above_each_link(sidecar, found)
     joints = sidecar.document.joints
     cycles = [ring[::-1] for ring in rings({link: joints[joint].parent for link, joint in above.items()})]
@@ -19,18 +19,18 @@ def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
 
 
 def _joint_above_each_link(sidecar: Sidecar, found: Diagnostics) -> dict[str, str]:
-    """For each link that a joint moves the name of that joint, the first one in the file."""
+    """The parent joint of each link; the first one in the file."""
     above: dict[str, str] = {}
     for name, joint in sidecar.document.joints.items():
         if joint.parent == joint.child:
             message = f"joint '{name}': parent and child are both '{joint.child}'"
-            help = ["a joint connects two links: name another parent or child"]
+            help = ["change parent or child to another link"]
             found.add("SB450", message, sidecar.span("joints", name, "child"), help=help)
         elif joint.child in above:
             other = above[joint.child]
-            help = ["if this closes a loop, move it to `closures`, with `link_a` and `link_b`"]
+            help = ["to close a loop, move the joint to `closures`, with `link_a` and `link_b`"]
             notes = [f"joint '{other}' at {sidecar.span('joints', other, 'child')}"]
-            message = f"joint '{name}': link '{joint.child}' is the child of joint '{other}' already"
+            message = f"joint '{name}': link '{joint.child}' is already the child of joint '{other}'"
             found.add("SB451", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
         else:
             above[joint.child] = name
@@ -38,7 +38,7 @@ def _joint_above_each_link(sidecar: Sidecar, found: Diagnostics) -> dict[str, st
 
 
 def rings(successor: Mapping[str, str]) -> list[list[str]]:
-    """Each ring that following ``successor`` from name to name leads around in, in that order."""
+    """The cycles of a functional graph, each in the order of its successors."""
     found: list[list[str]] = []
     done: set[str] = set()
     for start in successor:
@@ -59,8 +59,8 @@ def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], fou
     child = sidecar.document.joints[last].child
     at = cycle.index(child)
     ring = " -> ".join([*cycle[at:], *cycle[:at], child])
-    help = ["turn one of the joints around, or, if it closes a loop, move it to `closures`"]
-    found.add("SB452", f"joint '{last}': closes a cycle: {ring}", sidecar.key_span("joints", last), help=help)
+    help = ["swap parent and child of a joint, or move the joint that closes a loop to `closures`"]
+    found.add("SB452", f"joint '{last}': cycle in the joint tree: {ring}", sidecar.key_span("joints", last), help=help)
 
 
 def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
@@ -69,8 +69,8 @@ def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], f
     root = document.root.link if document.root is not None else ""
     if root in above and root not in in_cycles:
         joint = above[root]
-        message = f"root: link '{root}' is the child of joint '{joint}', so it is not the root"
-        help = [f"at the top of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
+        message = f"root: link '{root}' is the child of joint '{joint}'"
+        help = [f"the root of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
         found.add("SB454", message, sidecar.span("root", "link"), help=help)
     misspelt = any(joint.child not in document.links for joint in document.joints.values())
     if len(roots) < 2 or misspelt:  # the link that a misspelt child means is no root
@@ -80,7 +80,7 @@ def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], f
         root = max(roots, key=lambda link: counts[link])
     for link in roots:
         if link != root:
-            message = f"link '{link}': no joint connects it to the root '{root}'"
+            message = f"link '{link}': not connected to the root '{root}'"
             found.add("SB453", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root))
 
 
@@ -91,9 +91,9 @@ def _ways_to_connect(sidecar: Sidecar, link: str, root: str) -> list[str]:
     joint = next(name for n in count(1) if (name := f"{link}_joint{n if n > 1 else ''}") not in taken)
     ends = f"parent: {root}, child: {link}"
     return [
-        f"if it moves with '{root}', add to `joints`: `{joint}: {{type: fixed, {ends}}}`",
-        f"if it turns: `{joint}: {{type: revolute, {ends}, limits: {{lower: -90 deg, upper: 90 deg}}}}`",
-        "or give its parts to another link",
+        f"for a rigid connection to '{root}', add to `joints`: `{joint}: {{type: fixed, {ends}}}`",
+        f"for a rotating joint: `{joint}: {{type: revolute, {ends}, limits: {{lower: -90 deg, upper: 90 deg}}}}`",
+        "or assign its components to another link",
     ]
 
 

@@ -1,4 +1,4 @@
-"""What drives and sensors ask of their keys, and of the joints and links that they are on."""
+"""Check the keys of actuators and sensors, and the joints and links to which they refer."""
 
 from math import pi
 
@@ -19,7 +19,7 @@ _BOUNDS = {
     ActuatorKind.VELOCITY: ("velocity", "effort"),
     ActuatorKind.MOTOR: ("effort",),
 }
-"""Limits that a drive may have: of its input, and of its force."""
+"""Valid limits by actuator kind: of its input, and of its effort."""
 
 _KINDS_WITH: dict[str, tuple[SensorKind, ...]] = {
     "origin": PLACED,
@@ -44,14 +44,14 @@ def check_actuators(sidecar: Sidecar, found: Diagnostics) -> None:
         place = sidecar.span("actuators", name, "joint")
         first = driven.setdefault((actuator.joint, actuator.kind), name)
         if joint.type not in ONE_FREEDOM:
-            message = f"{who}: cannot drive '{actuator.joint}': a {joint.type} joint has no one position"
-            found.add("SB459", message, place, help=[f"joints that can be driven: {', '.join(ONE_FREEDOM)}"])
+            message = f"{who}: joint '{actuator.joint}' of type {joint.type} cannot be actuated"
+            found.add("SB459", message, place, help=[f"types that can be actuated: {', '.join(ONE_FREEDOM)}"])
         elif joint.mimic is not None:
-            message = f"{who}: cannot drive '{actuator.joint}', which follows joint '{joint.mimic.joint}'"
-            found.add("SB459", message, place, help=[f"drive '{joint.mimic.joint}'"])
+            message = f"{who}: joint '{actuator.joint}' mimics joint '{joint.mimic.joint}' and cannot be actuated"
+            found.add("SB459", message, place, help=[f"use joint '{joint.mimic.joint}' instead"])
         elif first != name:
-            message = f"{who}: cannot drive '{actuator.joint}': '{first}' is a {actuator.kind} actuator on it already"
-            found.add("SB459", message, place, help=["keep one of them, or make them of different kinds"])
+            message = f"{who}: duplicate {actuator.kind} actuator on joint '{actuator.joint}' (first is '{first}')"
+            found.add("SB459", message, place, help=["remove one of the actuators, or change its kind"])
         else:
             _check_units(sidecar, name, actuator, joint.type, found)
 
@@ -72,22 +72,24 @@ def _check_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: 
     for gain in ("kp", "kv"):
         if gain in actuator.model_fields_set and gain not in _GAINS[kind]:
             help = [f"{kind.value} for {gain}" for kind, gains in _GAINS.items() if gain in gains]
-            message = f"{who}: an actuator of kind {kind} has no '{gain}'"
-            found.add("SB137", message, sidecar.key_span("actuators", name, gain), help=[f"kinds: {', '.join(help)}"])
+            message = f"{who}: '{gain}' is not valid for kind {kind}"
+            found.add(
+                "SB137", message, sidecar.key_span("actuators", name, gain), help=[f"valid kinds: {', '.join(help)}"]
+            )
     needed = _NEEDED_GAIN.get(kind)
     if needed is not None and needed not in actuator.model_fields_set:
-        message = f"{who}: key '{needed}' is missing: without it a {kind} actuator exerts nothing"
-        found.add("SB121", message, sidecar.key_span("actuators", name), help=[f"for example `{needed}: 100`"])
+        message = f"{who}: missing key '{needed}', required for kind {kind}"
+        found.add("SB121", message, sidecar.key_span("actuators", name), help=[f"example: `{needed}: 100`"])
     if actuator.gear == 0.0:
-        found.add("SB125", f"{who}: gear: a drive with ratio 0 exerts nothing", sidecar.span("actuators", name, "gear"))
+        found.add("SB125", f"{who}: gear: ratio must not be 0", sidecar.span("actuators", name, "gear"))
 
 
 def _check_bounds(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:
     who, kind, limits = f"actuator '{name}'", actuator.kind, actuator.limits
     for field in LimitsSection.model_fields:
         if field in limits.model_fields_set and field not in _BOUNDS[kind]:
-            message = f"{who}: an actuator of kind {kind} has no 'limits.{field}'"
-            help = [f"limits that it can have: {', '.join(_BOUNDS[kind])}"]
+            message = f"{who}: 'limits.{field}' is not valid for kind {kind}"
+            help = [f"valid limits: {', '.join(_BOUNDS[kind])}"]
             found.add("SB137", message, sidecar.key_span("actuators", name, "limits", field), help=help)
     if limits.lower is not None and limits.upper is not None and limits.lower.value >= limits.upper.value:
         message = f"{who}: lower {limits.lower.value:g} is not below upper {limits.upper.value:g}"
@@ -102,28 +104,30 @@ def check_sensors(sidecar: Sidecar, found: Diagnostics) -> None:
         who, place = f"sensor '{name}'", sidecar.key_span("sensors", name)
         for key, kinds in _KINDS_WITH.items():
             if key in sensor.model_fields_set and sensor.type not in kinds:
-                help = [f"sensors that have it: {', '.join(kinds)}"]
-                message = f"{who}: a sensor of type {sensor.type} has no '{key}'"
+                help = [f"valid types: {', '.join(kinds)}"]
+                message = f"{who}: '{key}' is not valid for type {sensor.type}"
                 found.add("SB137", message, sidecar.key_span("sensors", name, key), help=help)
         if sensor.type is SensorKind.FORCE_TORQUE and sensor.link in document.links and sensor.link not in moved:
-            message = f"{who}: no joint is above link '{sensor.link}', so that nothing is pulled there"
-            help = ["name a joint, or a link that hangs from one"]
+            message = f"{who}: link '{sensor.link}' has no parent joint, so there is no force to measure"
+            help = ["use a joint, or a link with a parent joint"]
             found.add("SB136", message, place, help=help)
         joint = document.joints.get(sensor.joint or "")
         if sensor.type is SensorKind.JOINT and joint is not None and joint.type is JointKind.FIXED:
-            found.add("SB136", f"{who}: joint '{sensor.joint}' is fixed, and has no position to measure", place)
+            found.add("SB136", f"{who}: joint '{sensor.joint}' is fixed and has no position to measure", place)
         _check_view(sidecar, name, sensor, found)
 
 
 def _check_view(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
-    """Fields of view that a camera cannot have, rays that have nowhere to go, ranges that hold nothing."""
+    """Report invalid fields of view, sample counts and ranges."""
     who = f"sensor '{name}'"
     if sensor.type is SensorKind.CAMERA and sensor.fov is not None and not 0.0 < sensor.fov < pi:
-        message = f"{who}: fov: a camera sees more than 0 and less than 180 deg"
+        message = f"{who}: fov: must be between 0 and 180 deg for a camera"
         found.add("SB125", message, sidecar.span("sensors", name, "fov"))
     elif sensor.type is SensorKind.LIDAR and (sensor.fov == 0.0) != (sensor.samples == 1):
-        message = f"{who}: one ray alone has a field of view of 0, and several have more"
-        found.add("SB125", message, sidecar.key_span("sensors", name), help=["`fov: 0, samples: 1` is one ray along x"])
+        message = f"{who}: a field of view of 0 requires 1 sample, and 1 sample requires a field of view of 0"
+        found.add(
+            "SB125", message, sidecar.key_span("sensors", name), help=["a single ray along x is `fov: 0, samples: 1`"]
+        )
     if sensor.range is not None and sensor.range[0] >= sensor.range[1]:
-        message = f"{who}: range: the shortest distance is not below the longest"
+        message = f"{who}: range: minimum is not below maximum"
         found.add("SB125", message, sidecar.span("sensors", name, "range"))

@@ -46,11 +46,11 @@ def check_ignored(root: Tree, found: Diagnostics) -> None:
     for _, code, place in _entries(root):
         known = CODES.get(code)
         if known is None:
-            near = did_you_mean(code.upper(), CODES) or ("`stepbot explain` lists all codes",)
-            found.add("SB141", f"{KEY}: no code '{code}'", place, help=near)
+            near = did_you_mean(code.upper(), CODES) or ("list all codes with `stepbot explain`",)
+            found.add("SB141", f"{KEY}: unknown code '{code}'", place, help=near)
         elif known.severity == "error":
-            help = [f"correct the error; `stepbot explain {code}` says how"]
-            found.add("SB141", f"{KEY}: {code} is an error, which cannot be ignored", place, help=help)
+            help = [f"correct the error; see `stepbot explain {code}`"]
+            found.add("SB141", f"{KEY}: {code} is an error and cannot be ignored", place, help=help)
 
 
 def ignores(root: Tree) -> Iterator[Ignore]:

@@ -1,4 +1,4 @@
-"""What a joint's type asks of its keys: which there may be, which there must be, in which units, in which order."""
+"""Check the keys of joints by joint type: valid and required keys, units, and order of limits."""
 
 from math import inf
 
@@ -22,7 +22,7 @@ WITH_AXIS = (
     JointKind.UNIVERSAL,
     JointKind.CYLINDRICAL,
 )
-"""Kinds of joints that have an axis."""
+"""Joint types with an axis."""
 _KINDS_WITH: dict[str, tuple[JointKind, ...]] = {
     "axis": WITH_AXIS,
     "axis2": (JointKind.UNIVERSAL,),
@@ -33,7 +33,7 @@ _KINDS_WITH: dict[str, tuple[JointKind, ...]] = {
 _REQUIRED = {JointKind.SCREW: "pitch", JointKind.UNIVERSAL: "axis2"}
 _NEED_LIMITS = (JointKind.REVOLUTE, JointKind.PRISMATIC)
 _TOLERANCE = 1e-9
-"""How far [rad or m] a drawn position may be beyond a limit that it was rounded to."""
+"""Tolerance [rad or m] for an assembled position that was rounded to a limit."""
 
 
 def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -49,7 +49,7 @@ def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
         if joint.pitch == 0.0:
             found.add(
                 "SB125",
-                f"joint '{name}': pitch: a screw advances, so it is not 0",
+                f"joint '{name}': pitch: must not be 0",
                 sidecar.span("joints", name, "pitch"),
             )
 
@@ -59,23 +59,23 @@ def _check_keys(
 ) -> None:
     for key, kinds in _KINDS_WITH.items():
         if key in joint.model_fields_set and joint.type not in kinds:
-            help = [f"joints that have it: {', '.join(kinds)}"]
-            message = f"joint '{name}': a {joint.type} joint has no '{key}'"
+            help = [f"valid types: {', '.join(kinds)}"]
+            message = f"joint '{name}': '{key}' is not valid for type {joint.type}"
             found.add("SB137", message, sidecar.key_span("joints", name, key), help=help)
     if joint.limits == "todo" and "lower" not in settings_of(joint.type):
-        message = f"joint '{name}': a {joint.type} joint has no position limits, so they cannot be `todo`"
+        message = f"joint '{name}': position limits are not valid for type {joint.type}"
         found.add("SB137", message, sidecar.span("joints", name, "limits"), help=["remove `limits: todo`"])
     for field, setting in settings.items():
         if field not in settings_of(joint.type):
             keys = ".".join(map(str, setting.keys[2:]))
-            message = f"joint '{name}': a {joint.type} joint has no '{keys}'"
-            help = ["a joint that turns between limits is revolute"] if joint.type is JointKind.CONTINUOUS else []
+            message = f"joint '{name}': '{keys}' is not valid for type {joint.type}"
+            help = ["use `type: revolute` for a joint with limits"] if joint.type is JointKind.CONTINUOUS else []
             found.add("SB137", message, sidecar.key_span(*setting.keys), help=help)
     required = _REQUIRED.get(joint.type)
     if required is not None and getattr(joint, required) is None:
         example = {"pitch": "pitch: 2 mm/rev", "axis2": "axis2: x"}[required]
-        message = f"joint '{name}': key '{required}' is missing: a {joint.type} joint needs it"
-        found.add("SB121", message, sidecar.key_span("joints", name), help=[f"for example `{example}`"])
+        message = f"joint '{name}': missing key '{required}', required for type {joint.type}"
+        found.add("SB121", message, sidecar.key_span("joints", name), help=[f"example: `{example}`"])
 
 
 def _check_units(
@@ -103,15 +103,14 @@ def check_unit(
     keys: Keys,
     found: Diagnostics,
 ) -> None:
-    """Report SB138 where a unit was written that is not of the dimension that a joint of this kind needs."""
+    """Report SB138 if the unit of a value does not match the joint type."""
     if written is None or written == needed:
         return
-    moves = "slides" if kind is JointKind.PRISMATIC else "turns"
+    a = "an" if needed.name[0] in "aeiou" else "a"
     key = keys[-1] if keys[0] != "joint_defaults" else f"{keys[-1]} of {subject(keys[:2])}"
-    message = (
-        f"{who}: {key}: '{sidecar.written(*keys)}' is no {needed.name} [{needed.unit}], and a {kind} joint {moves}"
-    )
-    help = [f"for example {needed.example}"]
+    written_as = sidecar.written(*keys)
+    message = f"{who}: {key}: '{written_as}' is not {a} {needed.name} [{needed.unit}], required for a {kind} joint"
+    help = [f"example: {needed.example}"]
     if keys[0] == "joint_defaults":
         help.append(f"or set `{keys[-1]}` on {who} itself")
     found.add("SB138", message, sidecar.span(*keys), help=help)
@@ -125,37 +124,45 @@ def _check_limits(
     missing = [field for field in ("lower", "upper") if field not in settings]
     if joint.limits == "todo":
         if missing:
-            message = f"{who}: limits are `todo`: the joint has no {' and no '.join(missing)} limit"
+            message = f"{who}: placeholder `limits: todo`: no {' or '.join(missing)} limit"
             help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
             found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
     elif joint.type in _NEED_LIMITS and missing:
         help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
         if joint.type is JointKind.REVOLUTE:
-            help.append("a joint that turns without end is `type: continuous`")
-        message = f"{who}: a {joint.type} joint needs limits: no {' and no '.join(missing)}"
+            help.append("use `type: continuous` for unlimited rotation")
+        message = f"{who}: missing limits of a {joint.type} joint: {', '.join(missing)}"
         found.add("SB455", message, sidecar.key_span("joints", name, "limits"), help=help)
     position = position_dimension(joint.type)
     if lower is None or upper is None or not {lower.dimension, upper.dimension} <= {None, position}:
         return
     if joint.type is JointKind.REVOLUTE and (lower.value, upper.value) == (-inf, inf):
-        help = ["write `type: continuous`, without lower and upper"]
-        found.add("SB455", f"{who}: turns without end, so it is not revolute", sidecar.span(*lower.keys), help=help)
+        help = ["use `type: continuous`, without lower and upper"]
+        found.add("SB455", f"{who}: revolute joint with infinite limits", sidecar.span(*lower.keys), help=help)
     elif lower.value >= upper.value:
         _report_swapped(sidecar, who, lower, upper, found)
     else:
-        _check_drawn_position(sidecar, name, joint, lower, upper, found)
+        _check_assembled_position(sidecar, name, joint, lower, upper, found)
 
 
 def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, found: Diagnostics) -> None:
     low, high = sidecar.written(*lower.keys), sidecar.written(*upper.keys)
     if lower.value == upper.value:
-        message, help = f"{who}: lower and upper are both {low}", ["a joint that does not move is `type: fixed`"]
+        message, help = (
+            f"{who}: lower and upper limits are both {low}",
+            ["use `type: fixed` for a joint that does not move"],
+        )
     else:
-        message, help = f"{who}: lower {low} is above upper {high}", [f"swap them: {{lower: {high}, upper: {low}}}"]
-    found.add("SB456", message, sidecar.span(*lower.keys), help=help, notes=[f"upper at {sidecar.span(*upper.keys)}"])
+        message, help = (
+            f"{who}: lower limit {low} is above upper limit {high}",
+            [f"swap the limits: {{lower: {high}, upper: {low}}}"],
+        )
+    found.add(
+        "SB456", message, sidecar.span(*lower.keys), help=help, notes=[f"upper limit at {sidecar.span(*upper.keys)}"]
+    )
 
 
-def _check_drawn_position(
+def _check_assembled_position(
     sidecar: Sidecar, name: str, joint: JointSection, lower: Setting, upper: Setting, found: Diagnostics
 ) -> None:
     q = joint.zero.value
@@ -166,9 +173,11 @@ def _check_drawn_position(
         return
     bound, limit, side = ("lower", lower, "below") if q < lower.value else ("upper", upper, "above")
     given = "zero" in joint.model_fields_set
-    drawn = sidecar.written("joints", name, "zero") if given else f"0 {position.unit}"
-    message = f"joint '{name}': the drawn position {drawn} is {side} {bound} {sidecar.written(*limit.keys)}"
-    help = ["`zero` says which position the CAD drew; without it that is 0, and limits count from there"]
+    assembled = sidecar.written("joints", name, "zero") if given else f"0 {position.unit}"
+    message = (
+        f"joint '{name}': assembled position {assembled} is {side} the {bound} limit {sidecar.written(*limit.keys)}"
+    )
+    help = ["set `zero` to the position of the joint as modelled in CAD (default 0); limits are measured from q = 0"]
     keys: Keys = ("joints", name, "zero") if given else limit.keys
     found.add("SB457", message, sidecar.span(*keys), help=[] if given else help)
 
@@ -178,9 +187,7 @@ def _check_second_axis(sidecar: Sidecar, name: str, joint: JointSection, found: 
     dot = exact_sum(a * b for a, b in zip(joint.axis, joint.axis2, strict=True))
     if abs(dot) > 1.0 - 1e-6:
         message = f"joint '{name}': axis and axis2 are parallel"
-        found.add(
-            "SB462", message, sidecar.span("joints", name, "axis2"), help=["for example `axis: z` and `axis2: x`"]
-        )
+        found.add("SB462", message, sidecar.span("joints", name, "axis2"), help=["example: `axis: z` and `axis2: x`"])
 
 
 def _example(kind: JointKind) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""From a file to a sidecar: read, composed, validated, every fault at its place."""
+"""Load a sidecar: read, compose and validate; every error has a position."""
 
 from pathlib import Path
 from typing import Any
@@ -20,10 +20,10 @@ from .tree import Keys, Mapping, Scalar, plain_data
 
 
 def load_sidecar(path: Path, found: Diagnostics) -> Sidecar | None:
-    """Read a sidecar; None where it has errors, all of which are then in ``found``.
+    """Read a sidecar; None if it has errors, which are all added to ``found``.
 
-    Reports SB001 and SB1xx; where the rest of a faulty file allows it, also what
-    :func:`stepbot.sidecar.check.check_sidecar` would find.
+    Reports SB001 and SB1xx; where possible also the errors of
+    :func:`stepbot.sidecar.check.check_sidecar`.
     """
     text = read_text(path, found)
     return parse_sidecar(text, path, found) if text is not None else None
@@ -48,10 +48,10 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
     root = composed.tree
     if not isinstance(root, Mapping):
         if root is not None and composed.whole:
-            help = ["a sidecar starts with `version: 1` at the left margin"]
-            found.add("SB109", "sidecar: the file is not a mapping", root.span, help=help)
+            help = ["start the sidecar with `version: 1`, without indentation"]
+            found.add("SB109", "sidecar: top level is not a mapping", root.span, help=help)
         elif composed.whole and not found.has_errors:
-            found.add("SB103", "sidecar: the file holds nothing but comments", Span(file))
+            found.add("SB103", "sidecar: empty file (comments only)", Span(file))
         return None
     data: dict[str, Any] = plain_data(root)
     if not _has_known_version(root, data, found):
@@ -70,9 +70,9 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
 
 
 def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) -> bool:
-    """Whether the rest can be read: of another version, keys may mean something else.
+    """Whether the version is supported; keys may have another meaning in other versions.
 
-    A version that is no number is reported, and read as ours.
+    A version that is not a number is reported and then replaced by the current one.
     """
     entry = root.entries.get("version")
     if entry is None or entry.value.faulty:
@@ -80,14 +80,14 @@ def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) 
     version = data["version"]
     if isinstance(version, int) and not isinstance(version, bool):
         if version != VERSION:
-            help = [f"this stepbot reads `version: {VERSION}`"]
-            found.add("SB127", f"sidecar: version {version} is not known", entry.value.span, help=help)
+            help = [f"supported: `version: {VERSION}`"]
+            found.add("SB127", f"sidecar: unsupported version {version}", entry.value.span, help=help)
         return bool(version == VERSION)
     written_as = (
         f"'{entry.value.text}'" if isinstance(entry.value, Scalar) and entry.value.plain else described(version)
     )
     message = f"sidecar: version must be the number {VERSION}, not {written_as}"
-    help = [f"write `version: {VERSION}`, without quotes and without decimals"]
+    help = [f"write `version: {VERSION}`, without quotes or decimals"]
     found.add("SB127", message, entry.value.span, help=help)
     data["version"] = VERSION
     return True

@@ -51,11 +51,11 @@ class Sidecar:
         line = self.text.split("\n")[value.span.line - 1]
         before, after = line[: value.span.column - 1], line[value.span.end_column - 1 :]
         if comment := re.match(r" +#\S[^,\]}]*", after):
-            return (f'a # after a blank starts a comment; in quotes it does not: "{value.text}{comment[0].rstrip()}"',)
+            return (f'# after a space starts a comment; quote the text: "{value.text}{comment[0].rstrip()}"',)
         above = way(self.root, keys)[-2] if keys else None
         if isinstance(above, Listing) and above.flow and (before.endswith(",") or re.match(r",\S", after)):
             whole = _cut_at_commas(line, value)
-            return (f'a comma in a list without quotes separates two values; if it is one name, write ["{whole}"]',)
+            return (f'an unquoted comma separates list items; quote a name that contains a comma: ["{whole}"]',)
         return ()
 
     def plain_number(self, *keys: str | int) -> float | None:

@@ -1,4 +1,4 @@
-"""Values whose unit is likely another one: plain numbers far from what robots have, torques in kg.cm."""
+"""Implausible values that suggest a wrong unit: numbers without a unit, torques in kg.cm, densities."""
 
 import re
 from collections.abc import Iterator
@@ -40,9 +40,9 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
         if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
             _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
         elif named[-1] in _LENGTHS and abs(number) > _MOST_METRES:
-            _report(sidecar, keys, f"{number:g} m is larger than most robots", "mm", "m", found)
+            _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
         elif named[-1] == "density" and 0.0 < number < _LIGHTEST:
-            _report(sidecar, keys, f"{number:g} kg/m^3 is lighter than foam", "g/cm^3", "kg/m^3", found)
+            _report(sidecar, keys, f"{number:g} kg/m^3 is less than the density of foam", "g/cm^3", "kg/m^3", found)
 
 
 def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -55,8 +55,8 @@ def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
         except UnitError:  # reported where the value was read
             continue
         if quantity.taken_as:
-            message = f"{subject(keys)}: '{text}' is taken as {quantity.taken_as}, which is {quantity.value:.6g} N*m"
-            help = [f"write `{quantity.taken_as}`, and the note is gone"]
+            message = f"{subject(keys)}: '{text}' is interpreted as {quantity.taken_as} = {quantity.value:.6g} N*m"
+            help = [f"write `{quantity.taken_as}` to suppress this note"]
             found.add("SB140", message, sidecar.span(*keys), help=help)
 
 
@@ -71,9 +71,16 @@ def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
             continue
         if density > _DENSEST:
             number = _LEADING_NUMBER.match(scalar.text)
-            help = [f"if kg/m^3 is meant, write `{number[0]} kg/m^3`"] if number and float(number[0]) < _DENSEST else []
-            message = f"{subject(keys)}: {density:g} kg/m^3 is denser than any material"
-            found.add("SB143", message, sidecar.span(*keys), help=help or ["gold has 19300 kg/m^3, 19.3 g/cm^3"])
+            help = (
+                [f"if the unit is kg/m^3, write `{number[0]} kg/m^3`"] if number and float(number[0]) < _DENSEST else []
+            )
+            message = f"{subject(keys)}: {density:g} kg/m^3 exceeds the density of any material"
+            found.add(
+                "SB143",
+                message,
+                sidecar.span(*keys),
+                help=help or ["for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"],
+            )
 
 
 def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
@@ -81,14 +88,14 @@ def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagno
     if number is None or not isfinite(number):
         return
     if kind is JointKind.PRISMATIC and abs(number) > _MOST_METRES:
-        _report(sidecar, keys, f"{number:g} m is larger than most robots", "mm", "m", found)
+        _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
     elif kind is not JointKind.PRISMATIC and abs(number) > _MOST_RADIANS:
         _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
 
 
 def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, found: Diagnostics) -> None:
     written = sidecar.written(*keys)
-    help = [f"if {other} is meant, write `{written} {other}`; if not, `{written} {own}`"]
+    help = [f"write `{written} {other}` if the unit is {other}, or `{written} {own}` to confirm {own}"]
     found.add("SB139", f"{subject(keys)}: {message}", sidecar.span(*keys), help=help)
 
 

@@ -1,4 +1,4 @@
-"""Names that the formats keep for themselves, or that two things of the robot share."""
+"""Check for reserved and duplicate names."""
 
 from collections.abc import Iterator
 
@@ -13,14 +13,14 @@ Named = tuple[str, str]
 
 
 def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report reserved names, SB126, and names used twice, SB135."""
+    """Report SB126 reserved names and SB135 duplicate names."""
     first: dict[str, Named] = {}
     for section, name in _shared_names(sidecar.document):
         if name in first:
             place = sidecar.key_span(*first[name])
-            message = f"{subject((section, name))}: {subject(first[name])} has the same name"
-            help = [f"rename one of them: '{name}_{section.removesuffix('s')}', say"]
-            found.add("SB135", message, sidecar.key_span(section, name), help=help, notes=[f"first at {place}"])
+            message = f"{subject((section, name))}: duplicate name (also used by {subject(first[name])})"
+            help = [f"rename one of them, for example to '{name}_{section.removesuffix('s')}'"]
+            found.add("SB135", message, sidecar.key_span(section, name), help=help, notes=[f"first defined at {place}"])
         first.setdefault(name, (section, name))
     for section, name in _all_names(sidecar.document):
         if reason := _reserved(section, name):
@@ -47,9 +47,9 @@ def _all_names(document: Document) -> Iterator[Named]:
 def _reserved(section: str, name: str) -> str:
     """Why a name cannot be used, or nothing."""
     if name == "world":
-        return "'world' is the world itself in SDFormat and MJCF"
+        return "'world' is reserved for the world in SDFormat and MJCF"
     if name == "assembly" and section == "links":
-        return "'assembly' is the frame of the STEP, where an origin says `relative_to`"
+        return "'assembly' is reserved for the STEP assembly frame in `relative_to`"
     if name.startswith("__") and name.endswith("__"):
-        return "names between double underscores belong to SDFormat"
-    return "'::' separates scopes in SDFormat" if "::" in name else ""
+        return "names with leading and trailing double underscores are reserved by SDFormat"
+    return "'::' is the scope separator of SDFormat" if "::" in name else ""

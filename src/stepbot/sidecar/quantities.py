@@ -1,7 +1,7 @@
-"""The scalar types of the sidecar: numbers in SI, or with their unit, as pydantic types.
+"""Scalar types of the sidecar as pydantic types: numbers in SI units, or numbers with a unit.
 
-A value that cannot be read raises an error whose type is the diagnostic's code and whose context holds its message and
-remedies; :mod:`stepbot.sidecar.schema_faults` adds the place and the subject.
+An invalid value raises an error with the diagnostic code as its type, and the message and remedies in its context.
+:mod:`stepbot.sidecar.schema_faults` adds the position and the subject.
 """
 
 import math
@@ -24,7 +24,7 @@ Parser = Callable[[Any], float]
 
 
 class JointValue(float):
-    """A number of a joint in SI that remembers its unit; whether that fits is for the joint's type to say."""
+    """An SI value with the dimension of its unit, to be checked against the joint type."""
 
     __slots__ = ("dimension",)
 
@@ -47,7 +47,7 @@ class JointValue(float):
 
 
 class ToleranceValue(NamedTuple):
-    """A mesh tolerance: a share of each solid's diagonal, or a length."""
+    """A mesh tolerance: a fraction of each solid's diagonal, or a length."""
 
     relative: float
     absolute: float
@@ -55,19 +55,19 @@ class ToleranceValue(NamedTuple):
 
 
 def fault(code: str, text: str, *help: str) -> PydanticCustomError:
-    """A value that cannot be what its key needs."""
+    """An error for an invalid value."""
     return PydanticCustomError(code, "{text}", {"text": text, "help": help})
 
 
 def described(value: Any) -> str:
-    """What a YAML value is, for people."""
+    """A YAML value in words."""
     match value:
         case bool():
             return "true" if value else "false"
         case int() | float():
             return f"the number {value:g}"
         case str():
-            return f"the text '{value if len(value) <= 40 else value[:37] + '...'}'"
+            return f"the string '{value if len(value) <= 40 else value[:37] + '...'}'"
         case dict():
             return "a mapping"
         case None:
@@ -84,8 +84,8 @@ def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
     """
     example = " or ".join(dict.fromkeys(d.example for d in dimensions))
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        wanted = f"a number, or a text with a unit of {units.described(*dimensions)}"
-        raise fault("SB122", f"must be {wanted}, not {described(value)}", f"for example {example}")
+        wanted = f"a number, or a string with a unit of {units.described(*dimensions)}"
+        raise fault("SB122", f"expected {wanted}, not {described(value)}", f"example: {example}")
     if isinstance(value, str):
         try:
             quantity = read_quantity(value, *dimensions)
@@ -97,7 +97,7 @@ def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
     except OverflowError:
         number = math.inf if value > 0 else -math.inf
     if math.isnan(number):
-        raise fault("SB125", "NaN is not a number", f"write a number [{dimensions[0].unit}], for example {example}")
+        raise fault("SB125", "NaN is not allowed", f"write a number [{dimensions[0].unit}]; example: {example}")
     return JointValue(number)
 
 
@@ -111,11 +111,11 @@ def _finite(
         if not math.isfinite(number):
             raise fault("SB125", f"{number:g} is not finite")
         if number < low or number <= above:
-            bound = f"of at least {low:g}" if number < low else f"greater than {above:g}"
-            raise fault("SB125", f"{number:g} {dimension.unit} is not a {dimension.name} {bound}")
+            bound = f"at least {low:g}" if number < low else f"greater than {above:g}"
+            raise fault("SB125", f"{number:g} {dimension.unit} is out of range: {dimension.name} must be {bound}")
         if number > high:
-            hint = f"a plain number is in {dimension.unit}; with its unit it reads, for example, {dimension.example}"
-            raise fault("SB125", f"{number:g} {dimension.unit} is more than {high:g} {dimension.unit}", hint)
+            hint = f"a number without a unit is in {dimension.unit}; example with a unit: {dimension.example}"
+            raise fault("SB125", f"{number:g} {dimension.unit} exceeds the maximum of {high:g} {dimension.unit}", hint)
         return number
 
     return parse
@@ -126,7 +126,7 @@ def _joint_value(
 ) -> Callable[[Any], JointValue]:
     """Parser of a value that has one of several dimensions, remembered for the check against the joint's type.
 
-    ``above`` is for limits, which formats and engines take for none where they are 0.
+    ``above`` excludes limits of 0, which formats and engines interpret as unlimited.
     """
 
     def parse(value: Any) -> JointValue:
@@ -134,10 +134,12 @@ def _joint_value(
         if finite and not math.isfinite(number):
             raise fault("SB125", f"{number:g} is not finite")
         if number < low:
-            raise fault("SB125", f"{number:g} is not a {dimensions[0].name} of at least {low:g}")
+            raise fault("SB125", f"{number:g} is out of range: {dimensions[0].name} must be at least {low:g}")
         if above is not None and number <= above:
-            hint = "leave the key out where there is no limit"
-            raise fault("SB125", f"{number:g} is not a {dimensions[0].name} greater than {above:g}", hint)
+            hint = "remove the key for an unlimited value"
+            raise fault(
+                "SB125", f"{number:g} is out of range: {dimensions[0].name} must be greater than {above:g}", hint
+            )
         return number
 
     return parse
@@ -145,9 +147,9 @@ def _joint_value(
 
 def _three(value: Any) -> Any:
     if isinstance(value, str) or not isinstance(value, Sequence):
-        raise fault("SB122", f"three values are needed, [x, y, z], not {described(value)}")
+        raise fault("SB122", f"expected three values [x, y, z], not {described(value)}")
     if len(value) != 3:
-        raise fault("SB122", f"three values are needed, [x, y, z], not {len(value)}")
+        raise fault("SB122", f"expected three values [x, y, z], not {len(value)}")
     return value
 
 
@@ -166,17 +168,17 @@ def _axis(value: Any) -> Vector3:
     if isinstance(value, str):
         if value not in _AXES:
             near = did_you_mean(value, _AXES) if len(value) <= 2 else ()
-            raise fault("SB123", f"'{value}' is not an axis", *near, "an axis is x, y, z, -x, -y, -z or [x, y, z]")
+            raise fault("SB123", f"invalid axis '{value}'", *near, "write x, y, z, -x, -y, -z or [x, y, z]")
         return _AXES[value]
     numbers = [_finite(units.RATIO)(v) for v in _three(value)]
     try:
         x, y, z = unit(numbers).tolist()
     except ValueError:
-        raise fault("SB125", f"{numbers} has no direction", "an axis needs a length other than zero") from None
+        raise fault("SB125", f"axis {numbers} has zero length", "an axis must have a non-zero length") from None
     return (x, y, z)
 
 
-_COLOR_HELP = 'a colour is "#rrggbb", "#rrggbbaa" (in quotes) or [red, green, blue] with numbers from 0 to 1'
+_COLOR_HELP = 'write "#rrggbb" or "#rrggbbaa" in quotes, or [red, green, blue] with numbers from 0 to 1'
 
 
 def _color(value: Any) -> Rgba:
@@ -186,19 +188,19 @@ def _color(value: Any) -> Rgba:
         if len(digits) in (3, 4):
             digits = "".join(2 * digit for digit in digits)
         if not value.startswith("#") or re.fullmatch(r"[0-9a-fA-F]{6}([0-9a-fA-F]{2})?", digits) is None:
-            raise fault("SB123", f"'{value}' is not a colour", _COLOR_HELP)
+            raise fault("SB123", f"invalid colour '{value}'", _COLOR_HELP)
         channels = [int(digits[i : i + 2], 16) / 255 for i in range(0, len(digits), 2)]
     elif isinstance(value, Sequence) and len(value) in (3, 4):
         channels = [_finite(units.RATIO, low=0.0, high=1.0)(v) for v in value]
     else:
-        raise fault("SB122", f"a colour is not {described(value)}", _COLOR_HELP)
+        raise fault("SB122", f"expected a colour, not {described(value)}", _COLOR_HELP)
     red, green, blue, alpha = [*channels, 1.0][:4]
     return (red, green, blue, alpha)
 
 
 def _code_page(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, str | int):
-        raise fault("SB122", f"must be the name of a code page, not {described(value)}", "for example cp1251")
+        raise fault("SB122", f"expected the name of a code page, not {described(value)}", "example: cp1251")
     try:
         return code_page(str(value))
     except UnknownCodePage as failure:
@@ -214,17 +216,17 @@ def _tolerance(value: Any) -> ToleranceValue:
 def _count(value: Any) -> int:
     """A whole number of at least one."""
     if isinstance(value, bool) or not isinstance(value, int):
-        raise fault("SB122", f"must be a whole number, not {described(value)}")
+        raise fault("SB122", f"expected an integer, not {described(value)}")
     if value < 1:
-        raise fault("SB125", f"{value} is not a number of at least 1")
+        raise fault("SB125", f"{value} is out of range: must be at least 1")
     return value
 
 
 def _two(value: Any) -> Any:
     if isinstance(value, str) or not isinstance(value, Sequence):
-        raise fault("SB122", f"two values are needed, [first, second], not {described(value)}")
+        raise fault("SB122", f"expected two values [first, second], not {described(value)}")
     if len(value) != 2:
-        raise fault("SB122", f"two values are needed, [first, second], not {len(value)}")
+        raise fault("SB122", f"expected two values [first, second], not {len(value)}")
     return value
 
 
@@ -232,7 +234,7 @@ def _distance(value: Any) -> float:
     """A length that is not negative, perhaps infinite."""
     number = float(_quantity(value, units.LENGTH))
     if number < 0.0:
-        raise fault("SB125", f"{number:g} m is not a length of at least 0")
+        raise fault("SB125", f"{number:g} m is out of range: length must be at least 0")
     return number
 
 
@@ -250,12 +252,12 @@ def _json(*dimensions: Dimension, **bounds: float) -> WithJsonSchema:
 
 def _written_as(*dimensions: Dimension) -> str:
     examples = ", ".join(dict.fromkeys(f"`{d.example}`" for d in dimensions))
-    return f"{units.described(*dimensions)}: a plain number is SI; with its unit: {examples}."
+    return f"{units.described(*dimensions)}: a number without a unit is SI; with a unit: {examples}."
 
 
 def _json_vector(dimension: Dimension) -> WithJsonSchema:
     item = {"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}
-    description = f"`[x, y, z]`, each a {dimension.name} [{dimension.unit}] or with its unit: `{dimension.example}`."
+    description = f"`[x, y, z]`, each a {dimension.name} [{dimension.unit}] or with a unit: `{dimension.example}`."
     return WithJsonSchema(
         {
             "type": "array",
@@ -312,7 +314,7 @@ AxisVector = Annotated[
     WithJsonSchema(
         {
             "anyOf": [{"enum": list(_AXES)}, _NUMBERS3],
-            "description": "`x`, `y`, `z`, `-x`, `-y`, `-z`, or `[x, y, z]` of any length but zero.",
+            "description": "`x`, `y`, `z`, `-x`, `-y`, `-z`, or `[x, y, z]` of non-zero length.",
         }
     ),
 ]
@@ -338,7 +340,7 @@ RelativeOrLength = Annotated[
     WithJsonSchema(
         {
             "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": units.QUANTITY_PATTERN}],
-            "description": "A share of each solid's diagonal, `0.2 %`, or a length [m], `0.1 mm`.",
+            "description": "A fraction of each solid's diagonal, `0.2 %`, or a length [m], `0.1 mm`.",
             "examples": ["0.2 %", "0.1 mm"],
         }
     ),

@@ -1,4 +1,4 @@
-"""Links, joints and materials that are named must exist; what needs one or two of them must have them."""
+"""Check references to links, joints and materials."""
 
 from collections.abc import Collection
 from fnmatch import fnmatchcase
@@ -51,31 +51,31 @@ def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
             continue
         help = _candidates(link, document.links, "links")
         if link == "world":
-            help = ("`base: fixed` fixes the root link to the world; the world itself is not a link",)
-        found.add("SB130", f"{_user(keys)}: no link '{link}'", sidecar.span(*keys), help=help)
+            help = ("the world is not a link; `base: fixed` fixes the root link to the world",)
+        found.add("SB130", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
 
 
 def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -> None:
     if joint not in sidecar.document.joints:
         help = _candidates(joint, sidecar.document.joints, "joints")
         if joint in sidecar.document.closures:
-            help = ("it is a closure; those follow from the joints of the tree",)
-        found.add("SB131", f"{_user(keys)}: no joint '{joint}'", sidecar.span(*keys), help=help)
+            help = ("it is a closure; only joints of the tree can be referenced",)
+        found.add("SB131", f"{_user(keys)}: unknown joint '{joint}'", sidecar.span(*keys), help=help)
 
 
 def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
     keys = ("sensors", name)
     help = _sensor_place(sensor.type)
     if sensor.link is None and sensor.joint is None:
-        message = "names neither a link nor a joint"
+        message = "neither `link` nor `joint` is set"
     elif sensor.link is not None and sensor.joint is not None:
-        message = "names a link and a joint; it can be on one of them"
+        message = "both `link` and `joint` are set"
         both = sensor.type in _ON_LINKS and sensor.type in _ON_JOINTS
         help = f"remove `{'joint' if sensor.type in _ON_LINKS else 'link'}`{', or `link`' if both else ''}"
     elif sensor.joint is not None and sensor.type not in _ON_JOINTS:
-        message = f"a sensor of type {sensor.type} is on a link"
+        message = f"a sensor of type {sensor.type} requires `link`, not `joint`"
     elif sensor.link is not None and sensor.type not in _ON_LINKS:
-        message = f"a sensor of type {sensor.type} is on a joint"
+        message = f"a sensor of type {sensor.type} requires `joint`, not `link`"
     else:
         return
     found.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[help])
@@ -83,8 +83,8 @@ def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Dia
 
 def _sensor_place(kind: SensorKind) -> str:
     if kind in _ON_JOINTS:
-        return "give it `joint`" + (", or `link`" if kind in _ON_LINKS else "")
-    return "give it `link`"
+        return "set `joint`" + (", or `link`" if kind in _ON_LINKS else "")
+    return "set `link`"
 
 
 def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -94,7 +94,7 @@ def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
     for keys, material in named:
         if material is not None and material not in document.materials:
             help = _candidates(material, document.materials, "materials")
-            found.add("SB132", f"{_user(keys)}: no material '{material}'", sidecar.span(*keys), help=help)
+            found.add("SB132", f"{_user(keys)}: unknown material '{material}'", sidecar.span(*keys), help=help)
 
 
 def _check_patterns(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -103,22 +103,28 @@ def _check_patterns(sidecar: Sidecar, found: Diagnostics) -> None:
         if not any(fnmatchcase(name, pattern) for name in joints):
             keys = ("joint_defaults", pattern)
             help = _candidates(pattern, joints, "joints")
-            found.add("SB133", f"{subject(keys)}: matches no joint", sidecar.key_span(*keys), help=help)
+            found.add("SB133", f"{subject(keys)}: does not match any joint", sidecar.key_span(*keys), help=help)
 
 
 def _check_rest(sidecar: Sidecar, found: Diagnostics) -> None:
     taking = [name for name, link in sidecar.document.links.items() if link.rest]
     for name in taking[1:]:
-        message = f"link '{name}': link '{taking[0]}' takes the rest already"
-        notes = [f"first at {sidecar.key_span('links', taking[0], 'rest')}"]
-        found.add("SB134", message, sidecar.key_span("links", name, "rest"), help=["keep one"], notes=notes)
+        message = f"link '{name}': link '{taking[0]}' already has `rest: true`"
+        notes = [f"first defined at {sidecar.key_span('links', taking[0], 'rest')}"]
+        found.add(
+            "SB134",
+            message,
+            sidecar.key_span("links", name, "rest"),
+            help=["keep `rest: true` on one link"],
+            notes=notes,
+        )
 
 
 def _check_origins(sidecar: Sidecar, found: Diagnostics) -> None:
     for keys, origin in _origins_of_one_link(sidecar.document):
         if origin == "auto" or isinstance(origin, AutoOrigin):
-            message = f"{subject(keys)}: 'auto' needs two links, and here is one"
-            help = ['say where: {axis_of: "..."}, {center: "..."}, {component: "..."} or {xyz: [...]}']
+            message = f"{subject(keys)}: `auto` requires two links"
+            help = ['use {axis_of: "..."}, {center: "..."}, {component: "..."} or {xyz: [...]}']
             found.add("SB128", message, sidecar.span(*keys), help=help)
 
 
@@ -136,6 +142,6 @@ def _user(keys: Keys) -> str:
 def _candidates(name: str, names: Collection[str], what: str) -> tuple[str, ...]:
     near = did_you_mean(name, names)
     if near or not names:
-        return near or (f"there are no {what}",)
+        return near or (f"no {what} are defined",)
     listed = list(names)[:_MOST_LISTED]
     return (f"{what}: {', '.join(listed)}" + (", ..." if len(names) > len(listed) else ""),)

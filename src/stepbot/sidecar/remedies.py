@@ -27,7 +27,7 @@ def quoted(text: str) -> str:
 
 
 def remedy(keys: Keys, value: Tree) -> str:
-    """What to write at ``keys`` in the place of a value of the wrong type; empty where nobody knows."""
+    """Replacement for a value of the wrong type; empty if unknown."""
     name = str(keys[-1])
     if triple := _triple(value, name):
         return f"write `{name}: {triple}`"
@@ -57,7 +57,7 @@ def _for_list(keys: Keys, name: str, value: Listing) -> str:
     if len(keys) == 2 and keys[0] == "links":
         return f"write `{name}: {{parts: {written(value)}}}`"
     if len(keys) == 1 and (snippets := _named_items(value.values)):
-        return f"write a name and a colon for each, without `-`: {', '.join(snippets)}"
+        return f"replace the list by a mapping from names: {', '.join(snippets)}"
     return ""
 
 
@@ -74,7 +74,7 @@ def _named_items(values: Sequence[Tree]) -> list[str]:
 
 def _for_text(keys: Keys, name: str, value: Scalar) -> str:
     if missing := re.fullmatch(r"([^:\s]+):([\[{].*)", name):  # a colon without a blank made it one key
-        return f"a colon needs a blank after it: `{missing[1]}: {missing[2]}: {value.text}`"
+        return f"add a space after the colon: `{missing[1]}: {missing[2]}: {value.text}`"
     if len(keys) == 2 and keys[0] == "links":
         return f"write `{name}: {{parts: [{quoted(value.text)}]}}`"
     if len(keys) == 2 and keys[0] == "joints":

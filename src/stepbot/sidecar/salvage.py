@@ -1,4 +1,4 @@
-"""Checks what is left of a faulty sidecar, so that all its faults are told at once.
+"""Checks the valid parts of a sidecar with errors, so that all errors are reported in one run.
 
 Faulty values are cut out until the rest is a document; then it is checked like any other, and only what does not follow
 from the cuts is reported.
@@ -20,7 +20,7 @@ from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree
 
 _ROUNDS = 6
-"""How often cutting may uncover new faults."""
+"""Maximum number of passes that remove invalid values."""
 _STAND_INS = {"version": VERSION, "robot": "robot", "step": "robot.step"}
 _FOLLOWS_FROM_CUT: dict[str, tuple[str, ...]] = {
     "links": ("SB130",),
@@ -51,7 +51,7 @@ _STANDS_ALONE = (
 
 
 def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, found: Diagnostics) -> None:
-    """Check the parts of a document that the faults leave whole.
+    """Check the parts of a document that are not affected by schema errors.
 
     Args:
         root: The tree of the file.
@@ -85,7 +85,7 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
 
 
 def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:
-    """Whether a finding may be no more than the effect of a cut."""
+    """Whether a diagnostic may be caused by a removed value."""
     for cut in cuts:
         is_about_cut = diagnostic.message.startswith(subject(cut[:2]) + ":")
         if is_about_cut and (diagnostic.code not in _STANDS_ALONE or {"origin", "frame"} & set(cut[1:])):
@@ -101,12 +101,12 @@ def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:
 
 
 def _is_on_one_joint_with(actuator: str, diagnostic: Diagnostic) -> bool:
-    """Whether a finding is that another actuator is of the kind that one without a kind is taken to be of."""
-    return diagnostic.code == "SB459" and f": '{actuator}' is a " in diagnostic.message
+    """Whether a diagnostic is a duplicate of an actuator whose invalid kind was removed."""
+    return diagnostic.code == "SB459" and f"(first is '{actuator}')" in diagnostic.message
 
 
 def _consequences(section: str) -> tuple[str, ...]:
-    """What cutting a section may cause; for an unknown one, what the one that may be meant would."""
+    """Codes that removing a section may cause; for an unknown section, those of the closest match."""
     if section in Document.model_fields:
         return _FOLLOWS_FROM_CUT.get(section, ())
     meant = get_close_matches(section, _FOLLOWS_FROM_CUT, n=1) or _FOLLOWS_FROM_CUT

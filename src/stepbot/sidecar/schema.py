@@ -26,8 +26,8 @@ _SHARED: dict[str, Json] = {
 }
 """Schemas that stand in so many places that they are written once."""
 _SHARED_DESCRIPTIONS = {
-    "Name": "A name that every output format can carry as it is.",
-    "Quantity": "A number with its unit, such as `45 deg`, `12 mm`, `1.5 N*m`.",
+    "Name": "A name that is valid in every output format.",
+    "Quantity": "A number with a unit, such as `45 deg`, `12 mm`, `1.5 N*m`.",
 }
 
 

@@ -1,4 +1,4 @@
-"""What pydantic refuses, in a roboticist's words, with subject, place and remedy."""
+"""Diagnostics for pydantic validation errors, with subject, position and remedy."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -20,10 +20,10 @@ from .vocabulary import ALSO_CALLED, NOT_SAID_SO, likely_meant, meant_by
 
 _FIRST_LINES = {
     "version": "add the line `version: 1` at the top",
-    "robot": "add a line such as `robot: arm` at the top: the name of the robot, and of the files that are written",
-    "step": "add a line such as `step: arm.step` at the top: the path of the STEP file, relative to the sidecar",
+    "robot": "add the name of the robot and its files at the top, for example `robot: arm`",
+    "step": "add the path of the STEP file, relative to the sidecar, at the top, for example `step: arm.step`",
 }
-"""For keys that every sidecar needs: what to write."""
+"""Remedies for missing top-level keys."""
 _LONGEST_SNIPPET = 60
 """Characters of a value that a snippet repeats."""
 
@@ -35,18 +35,18 @@ class _Fault:
     """Without its subject."""
     help: tuple[str, ...] = ()
     of_key: bool = False
-    """Whether the fault is the key's and not its value's."""
+    """Whether the position is that of the key, not of its value."""
     above: bool = False
-    """Whether it is told of the mapping above, because the key itself is the fault."""
+    """Whether the subject is the parent mapping, because the key itself is invalid."""
 
 
 def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, found: Diagnostics) -> list[Keys]:
-    """Report each fault that the schema finds; returns where they are.
+    """Report all validation errors; returns their positions.
 
     Args:
-        failure: What pydantic says.
-        root: The tree that it says it of.
-        whole: Whether the tree is all of the file; keys that are missing at the top of a part of it are no fault.
+        failure: The validation error of pydantic.
+        root: The validated tree.
+        whole: Whether the tree is the whole file; if not, missing top-level keys are not reported.
         found: Where to report.
     """
     places = []
@@ -65,7 +65,7 @@ def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, foun
 
 
 def _keys(loc: Iterable[str | int], root: Tree) -> Keys:
-    """The place in the file that pydantic means, without the tags of unions."""
+    """The position given by pydantic, without the tags of unions."""
     keys: list[str | int] = []
     value: Tree | None = root
     for part in loc:
@@ -104,14 +104,14 @@ def _unknown_key(loc: tuple[str | int, ...], place: Keys, root: Tree) -> _Fault:
     keys = keys_of(sections)
     if is_origin(sections) and key in keys and key not in sections[0].model_fields:
         form = next((name for name in FORMS if name in sections[0].model_fields), "xyz")
-        help = ["keep one of " + ", ".join(("xyz", *FORMS)) + "; radius and near go with axis_of, mate and auto"]
-        return _Fault("SB128", f"'{key}' does not go together with '{form}'", tuple(help), of_key=True, above=True)
+        help = ["keep one of " + ", ".join(("xyz", *FORMS)) + "; radius and near are valid with axis_of, mate and auto"]
+        return _Fault("SB128", f"'{key}' cannot be combined with '{form}'", tuple(help), of_key=True, above=True)
     help = _where_a_key_belongs(place, value, root, keys, keys_below(sections, key))
     return _Fault("SB120", f"unknown key '{key}'", tuple(help or ["keys here: " + ", ".join(keys)]), True, True)
 
 
 def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[str], below: Sequence[str]) -> list[str]:
-    """The key that is meant, or the section that has it: what is certain first, what is only spelt alike last."""
+    """Suggestions for an unknown key: aliases and sections that define it first, similar names last."""
     key = str(place[-1])
     if meant := meant_by(key, keys):
         snippet = remedy((*place[:-1], meant), value) if isinstance(value, Listing) else ""
@@ -119,15 +119,15 @@ def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[st
     if key in NOT_SAID_SO:
         return [NOT_SAID_SO[key]]
     if below:
-        return [f"it belongs in '{section}': `{section}: {{{key}: {_shortly(value)}}}`" for section in below]
+        return [f"move it to '{section}': `{section}: {{{key}: {_shortly(value)}}}`" for section in below]
     elsewhere = top_level_keys_with(key)
     if "parts" in elsewhere and place[0] == "links" and isinstance(value, Scalar):
         parts = child(way(root, place[:-1])[-1], "parts")
         first = written(parts.values[0]) if isinstance(parts, Listing) and parts.values else '"..."'
         rule = f"`parts: {{{first}: {{{key}: {_shortly(value)}}}}}`"
-        return [f"it is a key of component rules, at the left margin: {rule}"]
+        return [f"it belongs to the top-level section `parts`: {rule}"]
     if elsewhere:
-        return ["it is a key of " + ", ".join(f"`{name}`" for name in elsewhere)]
+        return ["it is valid in " + ", ".join(f"`{name}`" for name in elsewhere)]
     return list(did_you_mean(key, keys))
 
 
@@ -148,43 +148,45 @@ def _missing_key(loc: tuple[str | int, ...], keys: Keys, root: Tree) -> _Fault |
             return None  # it is there, under another name: reported as an unknown key
     meaning = descriptions(sections[0]).get(key, "")
     help = _FIRST_LINES.get(key, "") if len(keys) == 1 else ""
-    return _Fault("SB121", f"key '{key}' is missing", (help or f"{key}: {meaning}",), of_key=True, above=True)
+    return _Fault("SB121", f"missing key '{key}'", (help or f"{key}: {meaning}",), of_key=True, above=True)
 
 
 def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Keys) -> _Fault:
     of_key, text = error["loc"][-1] == "[key]", str(error["input"])
     if kind == "string_too_short":
-        return _Fault("SB126", "a name cannot be empty", of_key=of_key)
+        return _Fault("SB126", "empty name", of_key=of_key)
     if kind == "string_too_long":
-        return _Fault("SB126", f"has {len(text)} characters, more than {context['max_length']}", of_key=of_key)
+        return _Fault("SB126", f"name has {len(text)} characters (maximum {context['max_length']})", of_key=of_key)
     allowed = "use letters, digits, '_', '-' and '.'"
     if text != text.strip():
-        return _Fault("SB126", f"'{text}' starts or ends with a blank", (allowed,), of_key)
+        return _Fault("SB126", f"'{text}' starts or ends with a space", (allowed,), of_key)
     names_material = keys[0] == "materials" or keys[-1] == "material"
     characters = NOT_IN_FILE_NAMES if keys == ("robot",) else "" if names_material else NOT_IN_NAMES
     wrong = [f"'{c}'" if c.isprintable() else f"U+{ord(c):04X}" for c in text if c in characters or not c.isprintable()]
     if not wrong:
-        return _Fault("SB126", f"'{text}' starts or ends with a point, and files get this name", (allowed,), of_key)
+        return _Fault(
+            "SB126", f"'{text}' starts or ends with a dot, which is not allowed in file names", (allowed,), of_key
+        )
     has = " and ".join(dict.fromkeys(wrong))
-    why = "and files get this name" if keys == ("robot",) else "which not every output can carry"
-    return _Fault("SB126", f"'{text}' has {has} in it, {why}", (allowed,), of_key)
+    why = "which is not allowed in file names" if keys == ("robot",) else "which is not supported by all formats"
+    return _Fault("SB126", f"'{text}' contains {has}, {why}", (allowed,), of_key)
 
 
 def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
     if keys[-1] in ("origin", "frame"):
-        form = "'auto' or a mapping, such as {axis_of: \"...\"}"
-        return _Fault("SB123", f"an origin is {form}, not {_shown(value)}", _auto_hint(keys, value))
+        form = "'auto' or a mapping such as {axis_of: \"...\"}"
+        return _Fault("SB123", f"expected {form}, not {_shown(value)}", _auto_hint(keys, value))
     if keys[-1] == "limits":
-        help = ("write {lower: ..., upper: ...}, or `todo` while they are unknown",)
-        return _Fault("SB123", f"must be a mapping or `todo`, not {_shown(value)}", help)
+        help = ("write {lower: ..., upper: ...}, or `todo` as a placeholder",)
+        return _Fault("SB123", f"expected a mapping or `todo`, not {_shown(value)}", help)
     if not isinstance(value, Scalar):
-        return _Fault("SB122", f"must be one of {_words(error)}, not {_shown(value)}")
+        return _Fault("SB122", f"expected one of {_words(error)}, not {_shown(value)}")
     if keys[-1] == "auto":
-        return _Fault("SB123", "must be true: leave it out, or choose another form of origin")
+        return _Fault("SB123", "the only valid value is true; remove `auto` to use another form of origin")
     words = [word.strip("'") for word in _words(error).split(", ")]
     also = ALSO_CALLED.get(value.text.lower())
     near = (f"did you mean '{also}'?",) if also in words else did_you_mean(value.text, words)
-    return _Fault("SB123", f"'{value.text}' is not possible here", (*near, f"possible: {', '.join(words)}"))
+    return _Fault("SB123", f"invalid choice '{value.text}'", (*near, f"choices: {', '.join(words)}"))
 
 
 def _words(error: ErrorDetails) -> str:
@@ -200,23 +202,25 @@ def _auto_hint(keys: Keys, value: Tree) -> tuple[str, ...]:
 def _shape_without_type(value: Tree) -> _Fault:
     shapes = "box, cylinder, sphere, capsule"
     if not isinstance(value, Mapping):
-        return _Fault("SB122", f"a shape is a mapping with a type, not {_shown(value)}", (f"types: {shapes}",))
+        return _Fault(
+            "SB122", f"expected a mapping with `type`, not {_shown(value)}", (f"choices for `type`: {shapes}",)
+        )
     if "type" not in value.entries:
         return _Fault("SB121", "key 'type' is missing", (f"type: one of {shapes}",), of_key=True)
     kind = value.entries["type"].value
     near = did_you_mean(kind.text, shapes.split(", ")) if isinstance(kind, Scalar) else ()
-    return _Fault("SB123", f"there is no shape of type {_shown(kind)}", (*near, f"possible: {shapes}"))
+    return _Fault("SB123", f"invalid shape type: {_shown(kind)}", (*near, f"choices: {shapes}"))
 
 
 def _wrong_count(keys: Keys, value: Tree) -> _Fault:
     if keys == ("links",):
-        return _Fault("SB121", "there is no link", ("a robot has at least one: `base: {rest: true}`",))
+        return _Fault("SB121", "no links are defined", ("add at least one link: `base: {rest: true}`",))
     count = f", not {len(value.values)}" if hasattr(value, "values") else ""
-    return _Fault("SB122", f"two component paths are needed{count}", ('mate: ["first", "second"]',))
+    return _Fault("SB122", f"expected two component paths{count}", ('mate: ["first", "second"]',))
 
 
 _TYPES = {
-    "string_type": "text",
+    "string_type": "a string",
     "bool_type": "true or false",
     "dict_type": "a mapping",
     "model_type": "a mapping",
@@ -228,7 +232,7 @@ _TYPES = {
 def _wrong_type(kind: str, keys: Keys, value: Tree, error: ErrorDetails) -> _Fault:
     if kind not in _TYPES:
         return _Fault("SB122", error["msg"][:1].lower() + error["msg"][1:])
-    return _Fault("SB122", f"must be {_TYPES[kind]}, not {_shown(value)}", _type_hint(kind, keys, value))
+    return _Fault("SB122", f"expected {_TYPES[kind]}, not {_shown(value)}", _type_hint(kind, keys, value))
 
 
 def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
@@ -236,13 +240,13 @@ def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
         return (snippet,)
     if isinstance(value, Scalar):
         if kind == "string_type":
-            return (f'write it in quotes: "{value.text}"',)
+            return (f'quote the value: "{value.text}"',)
         if kind == "bool_type" and value.text.lower() in ("yes", "no", "on", "off", "y", "n"):
-            return ("YAML 1.2 knows only true and false",)
+            return ("YAML 1.2 booleans are true and false",)
         if kind == "tuple_type":
-            return (f'a list of one: ["{value.text}"]',)
+            return (f'write a list: ["{value.text}"]',)
         if kind != "bool_type" and value.plain and ":" in value.text:
-            return ("a colon needs a space after it: `key: value`",)
+            return ("add a space after the colon: `key: value`",)
     if "dict" in kind or "model" in kind:
         names = len(keys) < 2 or kind == "dict_type"
         return ("write `name: {key: value}` for each",) if names else ("write `key: value` lines, or {key: value}",)

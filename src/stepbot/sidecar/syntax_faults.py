@@ -1,7 +1,7 @@
-"""YAML syntax faults in a roboticist's words, and what of the text can still be read around them.
+"""Diagnostics for YAML syntax errors, and recovery of the remaining text.
 
-A parser stops at its first fault. To report more than that one, the top-level section around it is blanked, line
-numbers stay, and the rest is read again.
+The parser stops at the first error. To report further errors, the enclosing top-level section is blanked, which keeps
+line numbers, and the text is parsed again.
 """
 
 import re
@@ -17,9 +17,9 @@ from .compose import STAR, TooMuchError, compose
 from .tree import Tree
 
 MOST_ATTEMPTS = 8
-"""How many syntax faults of one file are looked for."""
+"""Maximum number of syntax errors reported per file."""
 MOST_TEXT = 1 << 18
-"""Characters that are read in all attempts together, so that a large broken file does not take minutes."""
+"""Maximum number of characters parsed in all attempts, which bounds the time for large invalid files."""
 
 _OPENERS = {"sequence": ("[", "]"), "mapping": ("{", "}")}
 _TOP_LEVEL_KEY = re.compile(r"[^\s#\]})]")
@@ -27,7 +27,7 @@ _TOP_LEVEL_KEY = re.compile(r"[^\s#\]})]")
 
 @dataclass(frozen=True)
 class Composed:
-    """What could be read of a text."""
+    """The parsed part of a text."""
 
     tree: Tree | None
     whole: bool
@@ -81,9 +81,9 @@ def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None
     for number, line in enumerate(lines):
         if match := _STARRED_KEY.match(line):
             path, column = match["path"], match.start("path")
-            help = [f'a path that starts with * goes in quotes: "{path}"']
+            help = [f'quote paths that start with *: "{path}"']
             span = Span(file, number + 1, column + 1, column + 1 + len(path))
-            found.add("SB106", f"sidecar: {path} without quotes is an alias", span, help=help)
+            found.add("SB106", f"sidecar: undefined alias {path}", span, help=help)
             lines[number] = line[:column] + STAR + line[column + 1 :]
 
 
@@ -107,12 +107,12 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
         if not body or body.startswith("#"):
             continue
         if "\t" in indent:
-            column, end, what = indent.index("\t"), len(indent), "the line is indented with a tab"
-            help = f"indent with blanks, two for each level: `{indent.replace(chr(9), '  ')}{body}`"
+            column, end, what = indent.index("\t"), len(indent), "tab in indentation"
+            help = f"indent with spaces, two per level: `{indent.replace(chr(9), '  ')}{body}`"
             # One blank for a tab: lines that are indented with tabs alone keep their order, and columns stay.
             lines[number] = line.replace("\t", " ", indent.count("\t"))
         elif refused := _refused_tab(line, mark if mark is not None and mark.line == number else None):
-            (column, end), what = refused, "a tab in the place of a blank"
+            (column, end), what = refused, "tab used as a separator"
             help = f"write `{re.sub(r' *' + chr(9) + r'+ *', ' ', body)}`"
             lines[number] = line.replace("\t", " ")
         else:
@@ -139,7 +139,7 @@ def _blank(lines: list[str], section: Iterable[int]) -> bool:
 
 
 class _Fault:
-    """A syntax fault: where it is, and what to say about it."""
+    """A syntax error with its position and message."""
 
     def __init__(self, failure: MarkedYAMLError, lines: Sequence[str], file: str) -> None:
         self._lines, self._file = lines, file
@@ -158,12 +158,12 @@ class _Fault:
         return range(first, last)
 
     def report(self, found: Diagnostics) -> None:
-        """Say what is wrong."""
+        """Add the diagnostic."""
         path = self._unquoted_path()
         if path is not None:
             span = self._span(self._mark[0], self._lines[self._mark[0]].index(path), len(path))
-            help = [f'a path that starts with * goes in quotes: "{path}"']
-            found.add("SB106", f"sidecar: {path} without quotes is an alias", span, help=help)
+            help = [f'quote paths that start with *: "{path}"']
+            found.add("SB106", f"sidecar: undefined alias {path}", span, help=help)
             return
         message, help = self._message()
         place = self._start if self._is_unclosed() else self._mark
@@ -181,52 +181,50 @@ class _Fault:
     def _message(self) -> tuple[str, list[str]]:
         problem, line = self._problem, self._lines[self._mark[0]]
         if match := re.search(r"character '(.+)' that cannot start", problem):
-            return f"a value cannot start with {match[1]}", ["put the text in quotes"]
+            return f"value starts with the reserved character {match[1]}", ["quote the text"]
         if "mapping values are not allowed" in problem:
             if glued := re.match(r"\s*(?P<key>[^\s:'\"{\[]+):(?P<value>[{\[].*)", line):
-                return "a colon without a blank after it", [f"write `{glued['key']}: {glued['value']}`"]
-            return "a colon where no key can be", [
-                "text that has ': ' in it goes in quotes",
-                "or the line above lacks its colon, or this line is indented too far",
+                return "missing space after a colon", [f"write `{glued['key']}: {glued['value']}`"]
+            return "unexpected colon", [
+                "quote text that contains ': '",
+                "or the line above lacks a colon, or this line is indented too far",
             ]
         if "sequence entries are not allowed" in problem:
-            return "a list item where none can be", ["start the list on a line of its own, or write it as [a, b]"]
+            return "unexpected list item", ["start the list on a new line, or write it as [a, b]"]
         if "unknown escape character" in problem:
-            return f"{problem.removeprefix('found ')}: in double quotes a backslash starts an escape", [
+            return f"{problem.removeprefix('found ')} in a double-quoted string", [
                 _backslash_remedy(line, self._mark[1])
             ]
         if "quoted scalar" in self._context:
-            return "a quote that is not closed", ["close it on the same line"]
+            return "unclosed quote", ["close the quote on the same line"]
         if self._is_unclosed():
             kind = "mapping" if "mapping" in self._context else "sequence"
             opened, closing = _OPENERS[kind]
-            return f"'{opened}' is not closed, or a comma is missing in it", [
+            return f"unclosed '{opened}' or missing comma", [
                 *self._cut_off_by_comment(),
                 *self._missing_comma(),
-                f"add '{closing}', or ',' between two values",
+                f"add '{closing}', or ',' between values",
             ]
         if "<block end>" in problem and not line[: self._mark[1]].strip():
-            return "the line is indented unlike its neighbours", ["align keys of one mapping, and items of one list"]
+            return "inconsistent indentation", ["align the keys of a mapping and the items of a list"]
         if re.search("<block end>|<document start>|node content|comment or a line break", problem):
             token = re.search(r"found \(?'([^<>]+?)'", problem)
             what = f"'{token[1]}'" if token else "text"
-            return f"{what} is not expected here", [
-                "a text with quotes, brackets or commas in it goes in quotes as a whole"
-            ]
-        return f"not YAML: {problem or self._context}", ["put text with special characters in quotes"]
+            return f"unexpected {what}", ["quote text that contains quotes, brackets or commas"]
+        return f"invalid YAML: {problem or self._context}", ["quote text that contains special characters"]
 
     def _cut_off_by_comment(self) -> Iterator[str]:
         """The text with a # in it, if the line ends in a comment that takes the closing bracket with it."""
         line = self._lines[self._start[0]]
         if comment := re.search(r"(?P<before>[\[{,:]| \S*)\s+(?P<text>#[^\s,\]}#]+)[^#]*[\]}]", line[self._start[1] :]):
-            yield f'a # after a blank starts a comment; in quotes it does not: "{comment["text"]}"'
+            yield f'# after a space starts a comment; quote the text: "{comment["text"]}"'
 
     def _missing_comma(self) -> Iterator[str]:
         """The pair of values with the comma that the parser missed between them."""
         line, column = self._lines[self._mark[0]], self._mark[1]
         before = re.search(r"(?P<value>[^\s,:{}\[\]]+)\s+(?P<key>[\w-]+)$", line[:column])
         if before and line[column : column + 1] == ":" and self._mark[0] == self._start[0]:
-            yield f"perhaps `{before['value']}, {before['key']}:`"
+            yield f"did you mean `{before['value']}, {before['key']}:`?"
 
     def _span(self, line: int, column: int, width: int = 1) -> Span:
         return Span(self._file, line + 1, column + 1, column + 1 + width)
@@ -236,8 +234,8 @@ def _backslash_remedy(line: str, column: int) -> str:
     """The text in double quotes around a column, in single quotes."""
     for text in re.finditer(r'"(?P<text>[^"]*)"', line):
         if text.start() <= column < text.end() and "'" not in text["text"]:
-            return f"write the backslash twice, or use single quotes: '{text['text']}'"
-    return "write the backslash twice, or use single quotes"
+            return f"escape the backslash as \\\\, or use single quotes: '{text['text']}'"
+    return "escape the backslash as \\\\, or use single quotes"
 
 
 def _clipped(mark: StringMark, lines: Sequence[str]) -> tuple[int, int]:

@@ -14,12 +14,12 @@ _BYTE_ORDER_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
 def file_name(path: Path) -> str:
-    """How diagnostics call the file: as the user gave it, with forward slashes."""
+    """The path as given, with forward slashes."""
     return path.as_posix()
 
 
 def read_text(path: Path, found: Diagnostics) -> str | None:
-    """The text of a file with line feeds at line ends, or None where there is none to read.
+    """The text of a file with line feeds at line ends, or None if it cannot be read.
 
     Reports SB001 not found, SB101 too large, SB102 not UTF-8, SB103 empty, SB109 a STEP file in place of a sidecar.
     """
@@ -32,20 +32,18 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         return None
     if content.lstrip()[:12] == b"ISO-10303-21":
         help = [
-            f"`stepbot init {path.as_posix()}` drafts a sidecar for it, with the joints that it finds; name that one",
-            f"`stepbot inspect {path.as_posix()}` shows its parts; docs/sidecar.md has all keys of a sidecar",
+            f"`stepbot init {path.as_posix()}` drafts a sidecar from it; pass that sidecar instead",
+            f"`stepbot inspect {path.as_posix()}` lists its components; docs/sidecar.md describes all keys",
         ]
-        found.add("SB109", "sidecar: this is a STEP file", whole, help=help)
+        found.add("SB109", "sidecar: file is a STEP file", whole, help=help)
         return None
     if len(content) > LARGEST_FILE:
-        help = ["check that the path names the sidecar; globs and `rest: true` make long lists of parts short"]
-        found.add(
-            "SB101", f"sidecar: larger than {LARGEST_FILE // 1024} KiB, too large for a sidecar", whole, help=help
-        )
+        help = ["check that the path names the sidecar; shorten lists of parts with globs and `rest: true`"]
+        found.add("SB101", f"sidecar: file exceeds the limit of {LARGEST_FILE // 1024} KiB", whole, help=help)
         return None
     text = _decoded(content, whole.file, found)
     if text is not None and not text.strip("\ufeff \t\n"):
-        found.add("SB103", "sidecar: the file is empty", whole, help=["start with `version: 1`; see docs/sidecar.md"])
+        found.add("SB103", "sidecar: empty file", whole, help=["start with `version: 1`; see docs/sidecar.md"])
         return None
     return text
 
@@ -57,7 +55,7 @@ def _decoded(content: bytes, file: str, found: Diagnostics) -> str | None:
         before = content[: failure.start].decode("utf-8", "replace")
         encoding = _BYTE_ORDER_MARKS.get(content[:2])
         is_bytes = (
-            f"the file is {encoding}, not UTF-8" if encoding else f"byte 0x{content[failure.start]:02x} is not UTF-8"
+            f"file is {encoding}, not UTF-8" if encoding else f"invalid UTF-8: byte 0x{content[failure.start]:02x}"
         )
         found.add("SB102", f"sidecar: {is_bytes}", _place(file, before), help=["save the file as UTF-8"])
         return None
@@ -65,21 +63,21 @@ def _decoded(content: bytes, file: str, found: Diagnostics) -> str | None:
 
 
 def is_text(text: str, file: str, found: Diagnostics) -> bool:
-    """Whether all characters are those of a text; reports the first that is not, SB102."""
+    """Whether the text has no control characters; reports the first one, SB102."""
     match = _NO_TEXT.search(text)
     if match is not None:
         place = _place(file, text[: match.start()])
-        found.add("SB102", f"sidecar: character {character(match[0])} does not belong in a text file", place)
+        found.add("SB102", f"sidecar: control character {character(match[0])}", place)
     return match is None
 
 
 def has_only_text(text: str) -> bool:
-    """Whether a value, its escapes undone, can be written and shown."""
+    """Whether an unescaped value has no control characters."""
     return _NO_TEXT.search(text) is None
 
 
 def character(c: str) -> str:
-    """How a character that cannot be shown is called."""
+    """The code point of a control character."""
     return f"U+{ord(c):04X}"
 
 
@@ -90,12 +88,12 @@ def _place(file: str, before: str) -> Span:
 
 
 def _meant(path: Path) -> tuple[str, ...]:
-    """The sidecars that are there, where one is asked for that is not."""
+    """Suggestions of existing sidecars."""
     folder = path if path.is_dir() else path.parent
     near = [one.name for one in folder.glob("*.yaml")] + [one.name for one in folder.glob("*.yml")]
     if path.is_dir() and near:
-        return (f"name a file in it: {', '.join(sorted(near)[:3])}",)
-    return did_you_mean(path.name, sorted(near)) or ("name the sidecar, usually `<robot>.robot.yaml`",)
+        return (f"use a file in it: {', '.join(sorted(near)[:3])}",)
+    return did_you_mean(path.name, sorted(near)) or ("sidecars are usually named `<robot>.robot.yaml`",)
 
 
 def _reason(path: Path, failure: OSError) -> str:

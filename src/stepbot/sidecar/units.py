@@ -21,7 +21,7 @@ Powers = tuple[int, int, int, int]
 
 @dataclass(frozen=True)
 class Dimension:
-    """What kind of quantity a value is."""
+    """A physical dimension."""
 
     name: str
     unit: str
@@ -58,21 +58,21 @@ class UnitOfMeasure(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """A value that was read."""
+    """A parsed value."""
 
     value: float
     """[SI]."""
     dimension: Dimension | None
     """The dimension of the unit that was written; None for a plain number."""
     taken_as: str = ""
-    """How it reads in forces, where a mass stands for its weight: ``20 kgf*cm`` for ``20 kg.cm``; else empty."""
+    """The interpretation of a mass as a force, ``20 kgf*cm`` for ``20 kg.cm``; else empty."""
 
 
 class UnitError(ValueError):
-    """A text is not a quantity of the dimension that is asked for; the message says why.
+    """A string is not a quantity of the expected dimension.
 
     Attributes:
-        hints: What may have been meant.
+        hints: Suggestions.
     """
 
     def __init__(self, message: str, hints: tuple[str, ...] = ()) -> None:
@@ -97,7 +97,9 @@ def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
     """
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
-        raise UnitError(f"{_shown(text)} is not {_a(dimensions)}", _number_hints(text, dimensions[0]))
+        raise UnitError(
+            f"invalid quantity {_shown(text)}: expected {_a(dimensions)}", _number_hints(text, dimensions[0])
+        )
     if match["unit"] is None:
         return Quantity(_float(match["number"]), None)
     unit = _parse_unit(match["unit"])
@@ -107,12 +109,12 @@ def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
     if unit.powers == _MASS_TIMES_LENGTH and TORQUE in dimensions:  # as data sheets of servos print torques
         weight = UnitOfMeasure(unit.scale * _G0, unit.turns, _TORQUE_POWERS)
         return Quantity(_scaled(match["number"], weight), TORQUE, f"{match['number']} {_with_forces(match['unit'])}")
-    message = f"'{match['unit']}' is not a unit of {described(*dimensions)}"
+    message = f"wrong unit '{match['unit']}': expected {described(*dimensions)}"
     raise UnitError(message, _dimension_hints(match["number"], match["unit"], unit, dimensions))
 
 
 def described(*dimensions: Dimension) -> str:
-    """Names and SI units, for people: ``angle [rad] or length [m]``, ``damping [N*m*s/rad] or [N*s/m]``."""
+    """Names and SI units: ``angle [rad] or length [m]``, ``damping [N*m*s/rad] or [N*s/m]``."""
     units_of: dict[str, list[str]] = {}
     for dimension in dimensions:
         units_of.setdefault(dimension.name, []).append(f"[{dimension.unit}]")
@@ -299,15 +301,17 @@ def _dimension_hints(number: str, text: str, unit: UnitOfMeasure, dimensions: tu
     if unit.powers == _MASS_POWERS and text in _FORCE_OF:
         force, arm = _FORCE_OF[text], "in" if text in ("oz", "lb") else "cm"
         if TORQUE in dimensions:
-            hints.append(f"a torque is a force times a length: `{number} {force}*{arm}`, if the data sheet means that")
+            hints.append(
+                f"torque is force times length: `{number} {force}*{arm}`, if that is the unit of the data sheet"
+            )
         if FORCE in dimensions:
-            hints.append(f"a force is written `{number} {force}`; {text} is a mass")
+            hints.append(f"{text} is a unit of mass; for a force write `{number} {force}`")
         if DENSITY in dimensions:
-            hints.append("a density is a mass per volume: g/cm^3 or kg/m^3")
+            hints.append("density is mass per volume: g/cm^3 or kg/m^3")
     as_force = _multiplied(unit.powers, (0, 1, -2, 0), 1)
     if not hints and any(as_force in dimension.powers for dimension in dimensions):
-        hints.append("a force is written in N, kgf, lbf or ozf; kg, lb and oz are masses")
-    return (*hints, f"for example {' or '.join(d.example for d in dimensions)}")
+        hints.append("units of force are N, kgf, lbf and ozf; kg, lb and oz are units of mass")
+    return (*hints, f"example: {' or '.join(d.example for d in dimensions)}")
 
 
 _DECIMAL_COMMA = re.compile(r"(?P<whole>\s*[+-]?\d+),(?P<decimals>\d+)(?P<rest>[^,]*)", re.ASCII)
@@ -316,12 +320,12 @@ _DECIMAL_COMMA = re.compile(r"(?P<whole>\s*[+-]?\d+),(?P<decimals>\d+)(?P<rest>[
 def _number_hints(text: str, dimension: Dimension) -> tuple[str, ...]:
     if match := _DECIMAL_COMMA.fullmatch(text) if len(text) <= _LONGEST else None:
         corrected = (match["whole"] + "." + match["decimals"] + match["rest"]).strip()
-        hint = f"the decimal separator is a point: write `{corrected}`"
+        hint = f"use a decimal point: `{corrected}`"
         if len(match["decimals"]) == 3 and match["whole"].strip(" +-0"):  # 1,000 may be a thousand
             thousand = (match["whole"] + match["decimals"] + match["rest"]).strip()
-            hint += f"; if the comma separates thousands, `{thousand}`"
+            hint += f"; if the comma is a thousands separator: `{thousand}`"
         return (hint,)
-    return (f"write a number [{dimension.unit}], or a number with its unit, such as {dimension.example}",)
+    return (f"write a number [{dimension.unit}], or a number with a unit, such as {dimension.example}",)
 
 
 def _a(dimensions: tuple[Dimension, ...]) -> str:

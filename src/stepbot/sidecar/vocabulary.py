@@ -1,4 +1,4 @@
-"""What other programs and formats call the words of the sidecar, and which of its keys may stand for an unknown one."""
+"""Synonyms of keys and values in other programs and formats, and suggestions for unknown keys."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -47,20 +47,20 @@ ALSO_CALLED = {
     "cad": "step",
     "file": "step",
 }
-"""What other programs call the words of the sidecar."""
+"""Names in other programs, and the corresponding names in the sidecar."""
 
 NOT_SAID_SO = {
-    "units": "each value carries its unit: `12 mm`, `45 deg`; a plain number is SI",
-    "unit": "each value carries its unit: `12 mm`, `45 deg`; a plain number is SI",
-    "base_link": "the root link is `root: {link: base}`; without it, the link that no joint moves",
+    "units": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
+    "unit": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
+    "base_link": "set the root link with `root: {link: base}`; the default is the link without a parent joint",
 }
-"""For keys of other programs that the sidecar has no key for: how it says the same."""
+"""Remedies for keys of other programs without an equivalent key."""
 
 
 def meant_by(key: str, keys: Iterable[str]) -> str:
-    """The key among ``keys`` that an unknown one stands for beyond doubt; empty where there is none.
+    """The key among ``keys`` that is a synonym of an unknown key; empty if there is none.
 
-    It is the word of another program, or the same word in other case or without its plural's `s`.
+    Matches names of other programs, and the same name in another case or number.
     """
     known = tuple(keys)
     if ALSO_CALLED.get(key.lower()) in known:
@@ -69,7 +69,7 @@ def meant_by(key: str, keys: Iterable[str]) -> str:
 
 
 def likely_meant(key: str, keys: Iterable[str]) -> str:
-    """The key among ``keys`` that an unknown one most likely stands for; empty where none is near."""
+    """The key among ``keys`` that is closest to an unknown key; empty if none is similar."""
     known = tuple(keys)
     return meant_by(key, known) or next(iter(get_close_matches(key, known, n=1)), "")
 

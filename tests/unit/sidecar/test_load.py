@@ -117,8 +117,8 @@ def test_form_of_an_origin_is_told_by_its_keys(origin: str, form: str, found: Di
 @pytest.mark.parametrize(
     ("parts", "index", "hint"),
     [
-        ("[XL,XC-330 v1]", 0, 'if it is one name, write ["XL,XC-330 v1"]'),
-        ("[a, XL,XC-330 v1, b]", 2, 'if it is one name, write ["XL,XC-330 v1"]'),
+        ("[XL,XC-330 v1]", 0, 'quote a name that contains a comma: ["XL,XC-330 v1"]'),
+        ("[a, XL,XC-330 v1, b]", 2, 'quote a name that contains a comma: ["XL,XC-330 v1"]'),
         ("[XL, XC-330 v1]", 0, ""),
         ('["XL,XC-330 v1"]', 0, ""),
         ("\n    - ID #71\n", 0, '"ID #71"'),

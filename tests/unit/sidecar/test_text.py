@@ -55,9 +55,9 @@ def test_sidecar_that_is_meant(tmp_path: Path, found: Diagnostics) -> None:
     assert read_text(tmp_path, found) is None
     helps = [diagnostic.help for diagnostic in found]
     assert helps == [
-        ("name the sidecar, usually `<robot>.robot.yaml`",),
+        ("sidecars are usually named `<robot>.robot.yaml`",),
         ("did you mean 'arm.robot.yml'?",),
-        ("name a file in it: arm.robot.yml",),
+        ("use a file in it: arm.robot.yml",),
     ]
 
 
