@@ -13,6 +13,7 @@ import pytest
 
 from stepbot.jobs.library import library_robot
 from stepbot_cli import main
+from tests.corpus.test_first_hour import comparable
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -40,15 +41,21 @@ def test_opens_with_two_commands() -> None:
     assert blocks("sh")[0].splitlines()[1].startswith("make test")
 
 
-def test_example_runs(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Every command of the example ends well, and the files that the text names are there."""
-    commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("stepbot ")]
+def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every command of the example succeeds and prints what the page shows, and the files that it names exist."""
+    commands = re.findall(r"^(?:\$ )?(stepbot .*)$", "\n".join(blocks("(?:sh|console)")), re.MULTILINE)
     names = [command.split()[1] for command in commands]
     assert names == ["library", "inspect", "check", "convert", "library", "library", "library", "batch", "uptodate"]
+    shown = {command: lines for command, *lines in (block.splitlines() for block in blocks("console"))}
+    assert len(shown) == 3
+    monkeypatch.setenv("COLUMNS", "100")
     for command in commands:
         code = main(shlex.split(command)[1:])
         captured = capsys.readouterr()
         assert code == 0, captured.err
+        if lines := shown.get(f"$ {command}"):
+            printed = [line.rstrip() for line in (captured.err + captured.out).splitlines()]
+            assert comparable(printed) == comparable(lines)
     written = {file.name for file in (example / "arm").iterdir()}
     assert {"arm.urdf", "arm.sdf", "arm.xml", "meshes", "report.json"} <= written
     assert written == {file.name for file in (example / "build" / "arm").iterdir()}

@@ -15,7 +15,7 @@ from .conftest import Stepbot
 LOADED = Check("a.urdf", "urdf", "mujoco", "load", Status.PASSED)
 MASS = Check("a.urdf", "urdf", "mujoco", "mass", Status.PASSED, 2.5e-16, 1e-9, "kg", "link 'arm'")
 MESHES = Check("a.urdf", "urdf", "pybullet", "meshes", Status.PASSED, 3.4e-6, 2e-5, "m", "link 'arm'")
-NOT_TOLD = Check("a.urdf", "urdf", "yourdfpy", "meshes", Status.NOT_RUN, why="yourdfpy does not tell")
+NOT_TOLD = Check("a.urdf", "urdf", "yourdfpy", "meshes", Status.NOT_RUN, why="yourdfpy does not report it")
 OWN = Check("a.sdf", "sdf", "reader", "mass", Status.PASSED, 1e-16, 1e-9, "kg")
 FAILED = Check("a.sdf", "sdf", "pybullet", "mass", Status.FAILED, 0.5, 1e-9, "kg", why="0.5 kg too heavy")
 NEVER = Check("a.xml", "mjcf", "drake", "mass", Status.NOT_RUN, why="drake is not installed")

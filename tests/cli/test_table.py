@@ -10,7 +10,7 @@ from stepbot_cli.table import show_table
 
 PASSED = Check("a.urdf", "urdf", "mujoco", "mass", Status.PASSED, 2.5e-16, 1e-9, "kg", "link 'arm'")
 LINKS = Check("a.urdf", "urdf", "mujoco", "links", Status.PASSED)
-NOT_TOLD = Check("a.urdf", "urdf", "mujoco", "meshes", Status.NOT_RUN, why="mujoco does not tell")
+NOT_TOLD = Check("a.urdf", "urdf", "mujoco", "meshes", Status.NOT_RUN, why="mujoco does not report it")
 FAILED = Check("a.sdf", "sdf", "pybullet", "mass", Status.FAILED, 0.5, 1e-9, "kg", "link 'arm'", why="0.5 kg too heavy")
 ABSENT = Check("a.xml", "mjcf", "pybullet", "mass", Status.NOT_RUN, why="pybullet is not installed")
 
@@ -35,13 +35,13 @@ def test_one_line_per_file_and_engine(capsys: pytest.CaptureFixture[str]) -> Non
 def test_reasons_and_counts(capsys: pytest.CaptureFixture[str]) -> None:
     """Below stand what failed, what did not run and why, and the counts; not run is never counted as passed."""
     lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
-    assert "a.urdf in mujoco: meshes not run: mujoco does not tell" in lines
+    assert "a.urdf in mujoco: meshes not run: mujoco does not report it" in lines
     assert "a.sdf in pybullet: mass: 0.5 kg too heavy" in lines
     assert lines[-1] == "5 checks: 2 passed, 1 failed, 2 not run"
 
 
 def test_what_own_parsers_say_is_counted_apart(capsys: pytest.CaptureFixture[str]) -> None:
-    """What passed because no engine told of it, but a parser of stepbot's own, has a line before the counts."""
+    """What passed because no engine told of it, but stepbot's own parser, has a line before the counts."""
     own = Check("a.urdf", "urdf", "extensions", "sensors", Status.PASSED)
     lines = table(capsys, PASSED, own)
     assert lines[-2].startswith("1 passed by what stepbot's own parsers read back")

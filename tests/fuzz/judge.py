@@ -240,7 +240,7 @@ def _unsound_body(body: Body) -> Iterator[str]:
     if not np.isfinite(mesh.vertices).all():
         yield "a vertex is not finite"
     if len(mesh.faces) and not (mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.vertices)):
-        yield "a face names a vertex that is not there"
+        yield "a face refers to a vertex that does not exist"
     if len(body.face_colors) != len(mesh.faces):
         yield f"{len(body.face_colors)} colours for {len(mesh.faces)} faces"
     if len(body.face_colors) and not 0 <= body.face_colors.min() <= body.face_colors.max() < len(body.colors):

@@ -158,7 +158,7 @@ def test_urdf_is_the_spanning_tree_and_says_so(four_bar: Conversion) -> None:
         for check in four_bar.report["checks"]
         if check["quantity"] == "closures"
     }
-    assert told["four_bar.urdf", "mujoco"] == ("not run", "URDF holds no loops")
+    assert told["four_bar.urdf", "mujoco"] == ("not run", "URDF cannot represent closed loops")
 
 
 def _pose_of(frame: Mapping[str, Any]) -> np.ndarray:

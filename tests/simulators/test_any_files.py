@@ -191,7 +191,7 @@ def test_names_of_files_are_those_of_the_user(
         pytest.param("urdf", '"kp">100', '"kp">101', "actuators", "kp of actuator 'shoulder_motor'"),
         pytest.param("mjcf", 'forcerange="-12.5', 'forcerange="-12.6', "actuators", "lowest force of actuator"),
         pytest.param("sdf", "<cmd_max>12.5", "<cmd_max>12.6", "actuators", "highest force of actuator"),
-        pytest.param("sdf", "<ambient>0.9", "<ambient>0.8", "shapes", "colour in the shade of visual"),
+        pytest.param("sdf", "<ambient>0.9", "<ambient>0.8", "shapes", "ambient colour of visual"),
     ],
 )
 def test_a_number_that_one_engine_reads_is_compared(
@@ -212,7 +212,7 @@ def test_a_number_that_one_engine_reads_is_compared(
 def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     side: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """URDF holds no loops: a site of MJCF's that is moved is compared with the closing joint of SDFormat."""
+    """A moved site of the MJCF differs from the closing joint of the SDFormat, whatever the URDF."""
     skip_without("mujoco")
     folder = write(ROBOTS["four_bar"](), tmp_path)
     sites = folder.written["mjcf"].path.read_text(encoding="utf-8")

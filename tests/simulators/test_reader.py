@@ -187,7 +187,7 @@ def test_joints_without_kinematics_are_told_but_not_moved(tmp_path: Path) -> Non
             '<link name="a"/><link name="b"><pose relative_to="nowhere"/></link>' + joint("j", "a", "b"),
             "no frame 'nowhere'",
         ),
-        ('<link name="a"/>' + joint("j", "a", "b"), "there is no frame 'b'"),
+        ('<link name="a"/>' + joint("j", "a", "b"), "no frame 'b'"),
         (
             '<link name="a"/><link name="b"><pose relative_to="c">0 0 0 0 0 0</pose></link>'
             '<link name="c"><pose relative_to="b">0 0 0 0 0 0</pose></link>'

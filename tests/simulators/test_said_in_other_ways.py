@@ -192,7 +192,7 @@ def test_hinges_with_limits_are_no_ball_joint(hip: Path) -> None:
     """The message names a joint that has them."""
     ball = hip.with_name("ball.xml")
     ball.write_text(_mjcf('<joint name="hip" type="ball"/>'), encoding="utf-8")
-    assert "(the limits of 'hip_x' are none of a ball joint)" in differences(hip, ball)["joints"][0]
+    assert "(the limits of 'hip_x' are not those of a ball joint)" in differences(hip, ball)["joints"][0]
 
 
 @pytest.mark.mujoco
@@ -240,25 +240,25 @@ WRONG_BALLS: dict[str, tuple[str, tuple[tuple[str, str], ...], str, str]] = {
         "shoulder_pitch",
         (('xyz="0 1 0"', 'xyz="0.1 1 0"'),),
         "joints",
-        "the axes of 'shoulder_pitch' and 'shoulder_roll' are 0.0997 rad from normal to each other",
+        "the axes of 'shoulder_pitch' and 'shoulder_roll' are 0.0997 rad from perpendicular",
     ),
     "an axis moved": (
         "shoulder_roll",
         (("<parent", '<origin xyz="0 0.001 0"/><parent'),),
         "joints",
-        "the axes of 'shoulder_yaw', 'shoulder_pitch' and 'shoulder_roll' pass each other by",
+        "the axes of 'shoulder_yaw', 'shoulder_pitch' and 'shoulder_roll' miss each other by",
     ),
     "a limit on one axis": (
         "shoulder_pitch",
         (("continuous", "revolute"), ("<limit", '<limit lower="-1.5" upper="1.5"')),
         "joints",
-        "the limits of 'shoulder_pitch' are none of a ball joint",
+        "the limits of 'shoulder_pitch' are not those of a ball joint",
     ),
     "one joint slides": (
         "shoulder_yaw",
         (("continuous", "prismatic"), ("<limit", '<limit lower="-1e9" upper="1e9"')),
         "joints",
-        "'shoulder_yaw', 'shoulder_pitch' and 'shoulder_roll' do not turn as a ball joint does",
+        "'shoulder_yaw', 'shoulder_pitch' and 'shoulder_roll' do not rotate as a ball joint does",
     ),
     "all moved": (
         "shoulder_yaw",
@@ -390,4 +390,4 @@ def test_a_ball_joint_that_is_held_in_a_cone(tmp_path: Path) -> None:
     free, held = tmp_path / "free.xml", tmp_path / "held.xml"
     free.write_text(_mjcf(_hinges("", "", "")), encoding="utf-8")
     held.write_text(_mjcf('<joint name="hip" type="ball" range="0 1"/>'), encoding="utf-8")
-    assert "(the limits of 'hip' are none of a ball joint)" in differences(free, held)["joints"][0]
+    assert "(the limits of 'hip' are not those of a ball joint)" in differences(free, held)["joints"][0]

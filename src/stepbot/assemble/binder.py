@@ -55,9 +55,9 @@ class Binder:
             count = f"{len(named)} paths hold" if len(named) > 1 else "one path holds"
             self.found.add(
                 "SB305",
-                f"{self.assembly.source}: {count} by #n alone, because the CAD gives equal siblings no names",
+                f"{self.assembly.source}: {count} only by #n, because equal siblings have no names in the CAD",
                 next(iter(self._fragile.values())),
-                help=("give these occurrences names in the CAD",),
+                help=("name these occurrences in the CAD",),
                 notes=listed(named),
             )
 

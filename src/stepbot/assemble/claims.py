@@ -91,30 +91,28 @@ def _report_empty_claim(
 ) -> None:
     bodies = [index for index in below if _can_be_taken(binder, index)]
     if not bodies:
-        why = "it holds no body"
+        why = "it contains no body"
     elif all(of[index].ignored for index in bodies):
         why = "`parts` ignores it"
     else:
-        why = "nearer claims take all of it"
+        why = "more specific claims take all of it"
     pattern = binder.document.links[link].parts[position]
-    binder.report("SB306", ("links", link, "parts", position), f"nothing of '{pattern}' is left for the link: {why}")
+    binder.report("SB306", ("links", link, "parts", position), f"'{pattern}' adds no part to the link: {why}")
 
 
 def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) -> None:
     """One error for all components in no link, by subassembly where the whole of it is."""
     whole = _whole_subassemblies(binder, set(left))
     count = f"{len(left)} components are" if len(left) > 1 else "one component is"
-    misspelt = (
-        (f"a path of link '{incomplete[0]}' names nothing: it may be meant for one of these",) if incomplete else ()
-    )
+    misspelt = (f"a path of link '{incomplete[0]}' matches nothing; one of these may be meant",) if incomplete else ()
     binder.found.add(
         "SB304",
         f"{binder.assembly.source}: {count} in no link",
         binder.span(("links",)),
         help=(
             *misspelt,
-            "add them to the `parts` of a link, or say `rest: true` on the link that takes what is left",
-            f"or leave them out: `parts: {{{quoted(binder.path(whole[0]))}: {{ignore: true}}}}`",
+            "add them to the `parts` of a link, or set `rest: true` on the link that takes all remaining components",
+            f"or ignore them: `parts: {{{quoted(binder.path(whole[0]))}: {{ignore: true}}}}`",
         ),
         notes=listed(tuple(quoted(binder.path(index)) for index in whole)),
     )

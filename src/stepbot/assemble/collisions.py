@@ -68,9 +68,9 @@ class Collisions:
             what = f"{len(self._flat)} components are" if len(self._flat) > 1 else f"{self._flat[0]} is"
             self._binder.found.add(
                 "SB308",
-                f"{self._binder.assembly.source}: {what} too flat for a collision shape",
+                f"{self._binder.assembly.source}: {what} too flat for a convex hull",
                 self._binder.span(("links",)),
-                help=("say `collision: none` for them in `parts`, or give the link primitive shapes",),
+                help=("set `collision: none` for them in `parts`, or give the link primitive shapes",),
                 notes=listed(tuple(self._flat)),
             )
 

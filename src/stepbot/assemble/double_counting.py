@@ -15,8 +15,8 @@ from .masses import PartMass
 from .overlaps import MAX_FACES, OverlapSearch
 from .reading import MASS_TOLERANCE
 
-_CUT = "cut one solid out of the other in the CAD"
-_WEIGH = "or say what was weighed: `mass` in `parts`, or `inertial` in the link"
+_CUT = "subtract one solid from the other in the CAD"
+_WEIGH = "or state the weighed mass: `mass` in `parts`, or `inertial` in the link"
 
 
 class DoubleCounting:
@@ -74,7 +74,7 @@ class DoubleCounting:
 def _warn(binder: Binder, link: str, overlaps: Overlaps, total: float) -> None:
     repeated = [pair for pair in overlaps.pairs if pair.is_repeated]
     again = [quoted(binder.path(max(pair.first, pair.second))) for pair in repeated[:1]]
-    once = [f"{path} is there a second time at the same place: `parts: {{{path}: {{ignore: true}}}}`" for path in again]
+    once = [f"{path} is duplicated at the same place: `parts: {{{path}: {{ignore: true}}}}`" for path in again]
     binder.report(
         "SB512",
         ("links", link),
@@ -92,7 +92,7 @@ def _note_slight(binder: Binder, slight: Mapping[str, Overlaps]) -> None:
         f"{_names(binder, overlaps.pairs[0])}: {_measure(overlaps.pairs[0])}"
         for link, overlaps in slight.items()
     )
-    message = f"{binder.assembly.source}: {pairs} a little, by less than a thousandth of their link's mass"
+    message = f"{binder.assembly.source}: {pairs} by less than a thousandth of their link's mass"
     binder.found.add("SB513", message, binder.span(("links",)), notes=listed(tuple(notes)))
 
 

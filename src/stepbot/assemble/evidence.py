@@ -47,11 +47,11 @@ def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
     """Why the evidence for a line that nobody selected is weak; empty where it is not."""
     if line.basis is Basis.TOUCH:
         a, b = line.faces
-        return f"{_face(a)} and {_face(b)} {_along(line)}, but do not fit"
+        return f"{_face(a)} and {_face(b)} {_along(line)}, but their radii do not match"
     wider = [one for one in others if one.basis is Basis.TOUCH and one.weight >= OUTWEIGHS * line.weight]
     if wider and line.basis is not Basis.AXIS:
-        several = f"{len(wider)} wider axes carry" if len(wider) > 1 else "a wider axis carries"
-        return f"{several} faces that touch but do not fit"
+        several = f"{len(wider)} axes with wider faces have" if len(wider) > 1 else "an axis with wider faces has"
+        return f"{several} faces that touch with different radii"
     return ""
 
 

@@ -1,6 +1,6 @@
 """Where joints, closures and frames are in the assembly: every form of ``origin``.
 
-All of it is in the pose that the CAD drew, where each joint is at its ``zero``. The origin of a joint gives the joint's
+All of it is in the drawn pose, where each joint is at its ``zero``. The origin of a joint gives the joint's
 frame J, which stays with the parent. The frame of the child coincides with it at q = 0, so as drawn it is J moved by
 ``zero``. The root's frame is the assembly's, unless the sidecar gives another.
 """
@@ -160,7 +160,7 @@ class Frames:
             return None
         box = self._binder.assembly.bounds(index)
         if box is None:
-            self._binder.report("SB404", keys, f"'{pattern}' has no geometry, so no centre")
+            self._binder.report("SB404", keys, f"'{pattern}' has no geometry, hence no centre")
             return None
         return Pose.of(position=[0.5 * (low + high) for low, high in zip(*box, strict=True)])
 
@@ -196,7 +196,7 @@ class Frames:
             return None  # what the link is made of is not known; the path that does not bind has been reported
         for link, word in zip(wanted.links, words, strict=True):
             if not self._claims.parts_of(link):
-                self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` finds no line in it")
+                self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` cannot find a line")
                 return None
         a, b = (self._link_faces(link) for link in wanted.links)
         return self._shared(a, b, words, origin, wanted, "{auto: true")
@@ -259,7 +259,7 @@ class Frames:
         self._binder.report(
             "SB402",
             wanted.keys,
-            f"{words} {len(choice.rivals)} {several}, and none is twice as wide as the next",
+            f"{words} {len(choice.rivals)} {several}, and no line has faces twice as wide as the next",
             help=listed(tuple(f"origin: {start}{offered[line]}}}" for line in choice.rivals)),
             notes=listed(tuple(described(line, self._binder.path) for line in choice.rivals)),
         )
@@ -273,7 +273,7 @@ class Frames:
         self._binder.report(
             "SB406",
             wanted.keys,
-            f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no faces that touch",
+            f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no touching faces",
             help=listed(tuple(f"origin: {start}{selector(line, found)}}}" for line in lines)),
             notes=listed(tuple(described(line, self._binder.path) for line in lines)),
         )
@@ -324,4 +324,4 @@ class Frames:
         joint = self._joint_above.get(name)
         keys: Keys = ("joints", joint, "origin") if joint is not None else ("root", "frame")
         waits = " waits for ".join(f"link '{link}'" for link in circle)
-        self._binder.report("SB403", keys, f"its origin depends on itself: {waits}")
+        self._binder.report("SB403", keys, f"circular origin reference: {waits}")

@@ -32,7 +32,7 @@ def tree_order(document: Document) -> tuple[str, tuple[str, ...]]:
     children = {joint.child for joint in document.joints.values()}
     roots = [link for link in document.links if link not in children]
     if len(roots) != 1:
-        raise ValueError(f"a tree has one root, not {roots}")
+        raise ValueError(f"a tree has one root; found {roots}")
     joints_of: dict[str, list[str]] = {}
     for name, joint in document.joints.items():
         joints_of.setdefault(joint.parent, []).append(name)

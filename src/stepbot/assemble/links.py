@@ -52,15 +52,15 @@ class Links:
                 self._binder.report(
                     "SB503",
                     ("links", name, "inertial"),
-                    "its parts have no volume from which com and inertia could be computed",
-                    help=("give `com` and `inertia` beside `mass`",),
+                    "com and inertia cannot be computed: its parts have no volume",
+                    help=("give `com` and `inertia` with `mass`",),
                 )
         if unknown:
             paths = tuple(quoted(self._binder.path(index)) for index in sorted(unknown))
             count = f"{len(paths)} components have" if len(paths) > 1 else f"component {paths[0]} has"
             materials = [name for i in unknown if (name := self._binder.assembly.components[i].material.strip())]
             listed_materials = [
-                f"or the material that the STEP names: `materials: {{{quoted(name)}: {{density: 1240 kg/m^3}}}}`"
+                f"or define the material of the STEP: `materials: {{{quoted(name)}: {{density: 1240 kg/m^3}}}}`"
                 for name in list(dict.fromkeys(materials))[:3]
             ]
             self._binder.found.add(
@@ -68,8 +68,8 @@ class Links:
                 f"{self._binder.assembly.source}: {count} no density",
                 self._binder.span(("defaults",)),
                 help=(
-                    "give them all one: `defaults: {density: 1240 kg/m^3}`",
-                    f"or this one: `parts: {{{paths[0]}: {{density: 1240 kg/m^3}}}}`, or its `mass`",
+                    "set a default: `defaults: {density: 1240 kg/m^3}`",
+                    f"or set it for one component: `parts: {{{paths[0]}: {{density: 1240 kg/m^3}}}}`, or its `mass`",
                     *listed_materials,
                 ),
                 notes=listed(paths),

@@ -109,9 +109,9 @@ class _Sharing:
             self._binder.report(
                 "SB503",
                 ("parts", pattern, "mass"),
-                f"'{self._binder.path(index)}' has no volume that could weigh {self._materials.given[index].mass:g} kg",
+                f"'{self._binder.path(index)}' has no volume for its mass of {self._materials.given[index].mass:g} kg",
                 help=(
-                    "give its link an `inertial` with mass, com and inertia, or the mass to a component with solids",
+                    "give its link an `inertial` with mass, com and inertia, or set `mass` on a component with solids",
                 ),
             )
         return False
@@ -121,7 +121,7 @@ class _Sharing:
         self._binder.report(
             "SB504",
             ("parts", given.pattern, "mass"),
-            f"'{self._binder.path(index)}' weighs {given.mass:g} kg, but the masses within it add up to {within:g} kg",
+            f"'{self._binder.path(index)}' weighs {given.mass:g} kg, but the masses below it add up to {within:g} kg",
             notes=tuple(
                 f"'{self._binder.path(i)}': {self._given[i].mass:g} kg by parts rule '{self._given[i].pattern}'"
                 for i in inner

@@ -149,7 +149,7 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ..
         density = f"{next(iter(densities)):g} kg/m^3" + (f" ({', '.join(names)})" if names else "")
         binder.found.add(
             "SB502",
-            f"{assembly.source}: all {len(definitions)} parts carry {density}: a CAD default, not a measurement",
+            f"{assembly.source}: all {len(definitions)} parts carry {density}: probably a CAD default",
             binder.span(("step_density",)),
             help=("write `step_density: ignore` and `defaults: {material: ...}`, with exceptions in `parts`",),
         )
@@ -172,9 +172,9 @@ def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ..
         parts = f"{count} parts are" if count > 1 else "one part is"
         binder.found.add(
             "SB515",
-            f"{binder.assembly.source}: {parts} of a material whose density nothing gives, and made of the default",
+            f"{binder.assembly.source}: {parts} of a material without a density; the default density is used",
             binder.span(("materials",)),
-            help=(f"give it one: `materials: {{{quoted(next(iter(unlisted)))}: {{density: ...}}}}`",),
+            help=(f"define it: `materials: {{{quoted(next(iter(unlisted)))}: {{density: ...}}}}`",),
             notes=listed(tuple(f"'{name}': {quoted(binder.path(of[0]))}{_more(of)}" for name, of in unlisted.items())),
         )
 

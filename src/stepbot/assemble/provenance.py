@@ -38,7 +38,7 @@ def measured_bodies(
                 exact=body.exact.unit_density if body.exact is not None else None,
                 deviation=mesh.deviation_from(body.exact)[0] if mesh is not None and body.exact is not None else None,
                 error=_shown(body.exact_error) if body.exact is not None and body.exact_error else None,
-                written=weighing.method or body.defect or f"a {body.kind} weighs nothing",
+                written=weighing.method or body.defect or f"a {body.kind} has no volume",
             )
         )
     return tuple(found)

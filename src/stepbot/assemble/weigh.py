@@ -49,13 +49,11 @@ def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: C
     span = binder.span(("mass",))
     bodies = f"{len(deviating)} of {len(first)} bodies"
     if mode is MassMode.MESH:
-        message = (
-            f"{bodies}: the mesh is further than {MASS_TOLERANCE:g} from the exact solid, or one of them is missing"
-        )
+        message = f"{bodies}: mesh and exact solid differ by more than {MASS_TOLERANCE:g}, or one of them is missing"
         binder.found.add("SB511", f"mass: {message}", span, notes=listed(deviating))
     else:
-        asked = "exact" if mode is MassMode.EXACT else "the mesh's"
-        message = f"{bodies}: mass properties are not {asked}"
+        used = "mesh's" if mode is MassMode.EXACT else "exact solid's"
+        message = f"{bodies}: {used} mass properties used"
         binder.found.add("SB505", f"mass: {message}", span, notes=listed(deviating))
 
 
@@ -73,12 +71,12 @@ def report_weightless(binder: Binder, weighings: Sequence[Weighing], components:
     source, span = binder.assembly.source, binder.span(("links",))
     if surfaces:
         count = sum(map(len, surfaces.values()))
-        what = f"{count} surfaces weigh" if count > 1 else "one surface weighs"
+        what = f"{count} surface bodies have" if count > 1 else "one surface body has"
         binder.found.add(
             "SB506",
-            f"{source}: {what} nothing",
+            f"{source}: {what} no mass",
             span,
-            help=("where one stands for something heavy, give its link an `inertial` with mass, com and inertia",),
+            help=("if one represents a heavy part, give its link an `inertial` with mass, com and inertia",),
             notes=_bodies(binder, surfaces),
         )
     if uncertain:
@@ -130,18 +128,22 @@ def _weigh(body: Body, measure: VolumeProperties | None, mode: MassMode) -> Weig
     if exact is None or mesh is None:
         return _only_one(exact, mesh, mode, body.defect)
     worst, quantity = mesh.deviation_from(exact)
-    off = f"mesh is {worst:.1e} off in {quantity}"
+    differs = f"differs by {worst:.1e} in {quantity}"
     if mode is MassMode.EXACT:
         return Weighing(exact, "exact", worst)
     if mode is MassMode.MESH:
-        return Weighing(mesh, "mesh" if worst <= MASS_TOLERANCE else f"mesh: {off.removeprefix('mesh is ')}", worst)
-    return Weighing(mesh, "mesh", worst) if worst <= MASS_TOLERANCE else Weighing(exact, f"exact: {off}", worst)
+        return Weighing(mesh, "mesh" if worst <= MASS_TOLERANCE else f"mesh: {differs}", worst)
+    return (
+        Weighing(mesh, "mesh", worst) if worst <= MASS_TOLERANCE else Weighing(exact, f"exact: mesh {differs}", worst)
+    )
 
 
 def _only_one(exact: VolumeProperties | None, mesh: VolumeProperties | None, mode: MassMode, defect: str) -> Weighing:
-    """What there is, where the solid or its mesh encloses no volume."""
+    """The mass properties available where the solid or its mesh encloses no volume."""
     if exact is not None:
-        return Weighing(exact, "exact" if mode is MassMode.EXACT else f"exact: {defect or 'the mesh is not closed'}")
+        return Weighing(
+            exact, "exact" if mode is MassMode.EXACT else f"exact: {defect or 'the mesh is not watertight'}"
+        )
     if mesh is not None:
         return Weighing(mesh, "mesh" if mode is not MassMode.EXACT else "mesh: there is no exact solid")
     return Weighing(None)

@@ -105,10 +105,10 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
                 continue
             included = main.parent / name
             if not included.resolve().is_relative_to(main.parent.resolve()):
-                message = f"includes '{name}', which is outside of the folder of {main.name}"
+                message = f"includes '{name}', which is outside the folder of {main.name}"
                 yield Refusal(OUTSIDE, message, str(path), element.sourceline or 0)
             elif _is_irregular(included):
-                yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
+                yield Refusal(NOT_REGULAR, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
             elif included.is_file() and included.resolve() not in seen and len(seen) < _MOST_INCLUDES:
                 seen.add(included.resolve())
                 pending.append(included)
@@ -144,7 +144,7 @@ def _irregular(element: Element, main: Path, folders: list[Path], path: Path) ->
     for name in filter(None, names):
         places = [*candidates(name, main), *(folder / one for folder in folders for one in (name, Path(name).name))]
         if any(map(_is_irregular, places)):
-            yield Refusal(NOT_REGULAR, f"'{name}' is no regular file", str(path), element.sourceline or 0)
+            yield Refusal(NOT_REGULAR, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
 
 
 def _is_irregular(path: Path) -> bool:

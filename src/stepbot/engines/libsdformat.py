@@ -19,7 +19,7 @@ OPTIONAL = True
 INSTALL = "apt-get install libsdformat-dev ignition-tools"
 
 _TOLD = frozenset({Quantity.LOAD, Quantity.WARNINGS})
-_ONLY_PARSES = "its command says whether a file is valid, and no more"
+_ONLY_PARSES = "its command only validates files"
 _COLOR = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r"^(Error|Warning) \[[^\]]*\]\s*|^Error Code \d+:\s*(\[[^\]]*\]:\s*)?(Msg:\s*)?")
 _LATER = re.compile(r"Unable to convert from SDF version (\S+) to (\S+)")
@@ -66,12 +66,12 @@ def observe(request: Request) -> Observation:
     """
     program = _command()
     if program is None:
-        raise EngineCannotRead("neither `gz sdf` nor `ign sdf` is there")
+        raise EngineCannotRead("neither `gz sdf` nor `ign sdf` is installed")
     folder = f"{Path(request.file).parent.as_posix()}/"
     text = _COLOR.sub("", _run(program, "--check", request.file)).replace(folder, "")
     later = _LATER.search(text)
     if later is not None:
-        raise EngineCannotRead(f"the file says version {later[1]}, libsdformat here reads up to {later[2]}")
+        raise EngineCannotRead(f"the file has version {later[1]}; the installed libsdformat reads up to {later[2]}")
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     # A library that only makes backtraces prettier; its absence says nothing of the file.
     lines = [line for line in lines if "backward.so" not in line]

@@ -38,16 +38,16 @@ OPTIONAL = True
 INSTALL = "pip install 'stepbot[verify]'"
 
 _NOT_RUN: Mapping[Quantity, str] = {
-    Quantity.MESHES: "left to the engines that simulate",
+    Quantity.MESHES: "checked by the simulating engines only",
     Quantity.SIMULATION: "Pinocchio does not simulate",
-    Quantity.CLOSURES: "left to the engines that simulate",
-    Quantity.ACTUATORS: "Pinocchio does not read actuators",
-    Quantity.SENSORS: "Pinocchio does not read sensors",
+    Quantity.CLOSURES: "checked by the simulating engines only",
+    Quantity.ACTUATORS: "Pinocchio ignores actuators",
+    Quantity.SENSORS: "Pinocchio ignores sensors",
 }
 _MJCF_NOT_RUN: Mapping[Quantity, str] = {
-    Quantity.MIMIC: "Pinocchio does not read equalities of joints",
-    Quantity.LIMITS: "Pinocchio takes other bounds where MJCF gives none, and no actuatorfrcrange",
-    Quantity.DYNAMICS: "Pinocchio reads springs and friction of MJCF in ways of its own",
+    Quantity.MIMIC: "Pinocchio ignores joint equalities",
+    Quantity.LIMITS: "Pinocchio assumes other bounds where MJCF has none, and ignores actuatorfrcrange",
+    Quantity.DYNAMICS: "Pinocchio interprets MJCF springs and friction differently",
 }
 _TURNING = ("R", "Revolute")
 _HOME = "home"
@@ -97,7 +97,7 @@ def _mimics(engine: Any, request: Request) -> dict[str, Mimic] | str:
     try:
         model = engine.buildModelFromUrdf(request.file, mimic=True)
     except (ValueError, RuntimeError) as error:
-        return f"Pinocchio follows none of them: {error}"
+        return f"Pinocchio does not support mimics of mimics: {error}"
     mimics = {}
     for follower, leader in zip(model.mimicking_joints, model.mimicked_joints, strict=True):
         joint = model.joints[follower].extract()
@@ -179,7 +179,7 @@ class _Built:
         for index, joint in enumerate(self.model.joints):
             kind, name = joint.shortname(), self.model.names[index]
             if kind == "JointModelComposite":
-                raise EngineCannotRead(f"Pinocchio forgets the names of several joints in one body ({name})")
+                raise EngineCannotRead(f"Pinocchio drops the names of several joints in one body ({name})")
             if kind == "JointModelSpherical":
                 columns |= dict.fromkeys(self.request.balls.get(name, ()), index)
             elif index and kind != "JointModelFreeFlyer":

@@ -159,7 +159,7 @@ def check_required(names: Iterable[str], found: Diagnostics) -> None:
         engine = known.get(name.lower())
         if engine is None:
             help = did_you_mean(name.lower(), known) or (f"engines: {', '.join(known)}",)
-            found.add("SB005", f"--require {name}: there is no such engine", Span("stepbot"), help=help)
+            found.add("SB005", f"--require {name}: no such engine", Span("stepbot"), help=help)
             continue
         reason = engine.available()
         if reason is not None:

@@ -1,6 +1,6 @@
 """yourdfpy as an observer of URDF: a parser of its own, with forward kinematics that obeys mimics.
 
-It has no dynamics, and its meshes are left to the engines that simulate with them.
+It has no dynamics, and its meshes are checked by the simulating engines only with them.
 https://github.com/clemense/yourdfpy
 """
 
@@ -25,14 +25,14 @@ NAME = "yourdfpy"
 FORMATS = ("urdf",)
 
 _NO_DYNAMICS = "yourdfpy has no dynamics"
-_EXTENSION = "yourdfpy passes over the blocks that hold it"
+_EXTENSION = "yourdfpy ignores the extension blocks that contain it"
 _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.MASS_MATRIX: _NO_DYNAMICS,
     Quantity.GRAVITY: _NO_DYNAMICS,
     Quantity.INVERSE_DYNAMICS: _NO_DYNAMICS,
     Quantity.SIMULATION: _NO_DYNAMICS,
-    Quantity.MESHES: "left to the engines that simulate",
-    Quantity.CLOSURES: "URDF holds no loops",
+    Quantity.MESHES: "checked by the simulating engines only",
+    Quantity.CLOSURES: "URDF cannot represent closed loops",
     Quantity.ACTUATORS: _EXTENSION,
     Quantity.SENSORS: _EXTENSION,
 }

@@ -21,7 +21,7 @@ def number(value: float) -> str:
     """
     value = float(value)
     if isnan(value):
-        raise ValueError("no file says NaN")
+        raise ValueError("NaN cannot be written")
     if value == 0.0:
         return "0"
     text = repr(value)

@@ -31,14 +31,14 @@ class TriMesh:
         """Mesh from anything array-like, snapped to the vertex grid.
 
         Raises:
-            ValueError: A shape is wrong, a face names a vertex that is not there, or a coordinate is not finite.
+            ValueError: A shape is wrong, a face refers to a vertex that does not exist, or a coordinate is not finite.
         """
         v = np.array(vertices, dtype=np.float64).reshape(-1, 3)
         f = np.array(faces, dtype=np.int32).reshape(-1, 3)
         if not np.isfinite(v).all():
             raise ValueError("a vertex is not finite")
         if len(f) and (f.min() < 0 or f.max() >= len(v)):
-            raise ValueError("a face names a vertex that is not there")
+            raise ValueError("a face refers to a vertex that does not exist")
         v = np.rint(v * GRID_PER_METRE) / GRID_PER_METRE + 0.0  # adding zero turns -0.0 into 0.0
         v.setflags(write=False)
         f.setflags(write=False)

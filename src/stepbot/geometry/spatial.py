@@ -268,7 +268,7 @@ def join_bounds(boxes: Iterable[tuple[Vector3, Vector3]]) -> tuple[Vector3, Vect
     """
     corners = [corner for box in boxes for corner in box]
     if not corners:
-        raise ValueError("no box to join")
+        raise ValueError("no boxes to join")
     return bounds(corners)
 
 

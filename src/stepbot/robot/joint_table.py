@@ -85,7 +85,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class JointRow:
-    """One joint or closure, in the pose that the CAD drew."""
+    """One joint or closure, in the drawn pose."""
 
     name: str
     kind: str

@@ -91,7 +91,7 @@ def _check_names(robot: Robot, report: Report) -> bool:
     for group, members in groups.items():
         for name, count in Counter(member.name for member in members).items():
             if count > 1:
-                report("SB413", f"{group}: {count} of them are called '{name}'")
+                report("SB413", f"{group}: {count} have the name '{name}'")
                 sound = False
     return sound
 
@@ -113,7 +113,7 @@ def _check_references(robot: Robot, report: Report) -> bool:
     ]
     missing = [(who, kind, name) for who, kind, name, there in wanted if name not in there]
     for who, kind, name in missing:
-        report("SB417", f"{who}: there is no {kind} '{name}'")
+        report("SB417", f"{who}: no {kind} '{name}'")
     return not missing
 
 
@@ -172,7 +172,7 @@ def _check_tree(robot: Robot, report: Report) -> bool:
     known = {robot.root.name} if robot.links else set()
     for joint in robot.joints:
         if not faults and joint.parent not in known:
-            faults.append(f"joint '{joint.name}' comes before its parent, or goes round in a circle")
+            faults.append(f"joint '{joint.name}' comes before its parent, or is part of a cycle")
         known.add(joint.child)
     for fault in faults:
         report("SB412", f"robot '{robot.name}': {fault}")
@@ -190,7 +190,7 @@ def _check_limits(robot: Robot, report: Report) -> None:
             report(
                 "SB410",
                 f"joint '{joint.name}': drawn at {q:g}, outside its limits {limit.lower:g} to {limit.upper:g}",
-                help=("widen the limits, or say with `zero` which position the CAD drew",),
+                help=("widen the limits, or set the drawn position with `zero`",),
             )
         if limit.velocity < 0.0 or limit.effort < 0.0:
             report("SB416", f"joint '{joint.name}': a limit of velocity or effort is negative")
@@ -208,7 +208,7 @@ def _check_masses(robot: Robot, report: Report) -> None:
             report(
                 "SB509",
                 f"link '{link.name}': {fault}",
-                help=("repair its solids in CAD: they are open or cross themselves; or give it an `inertial`",),
+                help=("repair its solids in CAD: they are open or self-intersecting; or give it an `inertial`",),
             )
 
 
@@ -219,8 +219,8 @@ def _report_massless(members: list[Link], report: Report) -> None:
         help = "give it an `inertial` with mass, com and inertia"
     else:
         why = "it has no parts"
-        help = "give it parts, or an `inertial`; or make it a frame of the link above"
-    report("SB508", f"link '{members[0].name}': it moves and has no mass: {why}", help=(help,))
+        help = "give it parts or an `inertial`, or make it a frame of its parent link"
+    report("SB508", f"link '{members[0].name}': moving link without mass: {why}", help=(help,))
 
 
 def inertia_fault(properties: MassProperties) -> str:
@@ -229,7 +229,7 @@ def inertia_fault(properties: MassProperties) -> str:
     if properties.mass < 0.0:
         return f"its mass is {properties.mass:g} kg"
     if properties.mass == 0.0:
-        return "it has an inertia without a mass" if np.abs(moments).max() > 0.0 else ""
+        return "it has inertia but no mass" if np.abs(moments).max() > 0.0 else ""
     words = ", ".join(f"{moment:.4g}" for moment in moments.tolist())
     if moments[0] <= 0.0:
         return f"its inertia is not positive definite: principal moments {words} kg m^2"
@@ -245,13 +245,13 @@ def _check_mimics(robot: Robot, report: Report) -> bool:
         try:
             mimic_relation(robot, joint.name)
         except ValueError:
-            report("SB412", f"joint '{joint.name}': it mimics itself, directly or through others")
+            report("SB412", f"joint '{joint.name}': circular mimic")
             sound = False
     return sound
 
 
 def _check_closures(robot: Robot, report: Report) -> None:
-    """Both sides of each closure meet in the pose that the CAD drew."""
+    """Both sides of each closure meet in the drawn pose."""
     if not robot.closures:
         return
     poses = link_poses(robot, initial_configuration(robot))
@@ -260,7 +260,7 @@ def _check_closures(robot: Robot, report: Report) -> None:
         if distance > CLOSURE_DISTANCE or angle > CLOSURE_ANGLE:
             report(
                 "SB411",
-                f"closure '{closure.name}': open by {distance:.3g} m and {angle:.3g} rad in the pose that the CAD drew",
+                f"closure '{closure.name}': open by {distance:.3g} m and {angle:.3g} rad in the drawn pose",
                 help=("check `zero` of the joints in the loop, and the closure's origin",),
             )
 
@@ -269,8 +269,8 @@ def _check_contacts(robot: Robot, report: Report) -> None:
     """A contact sensor feels what its link touches with."""
     for sensor in robot.sensors:
         if sensor.kind is SensorKind.CONTACT and not robot.link_by_name[sensor.link].collisions:
-            message = f"sensor '{sensor.name}': link '{sensor.link}' has no collision geometry to feel with"
-            report("SB418", message, help=("give the link a `collision`, or leave the sensor out",))
+            message = f"sensor '{sensor.name}': link '{sensor.link}' has no collision geometry"
+            report("SB418", message, help=("give the link a `collision`, or remove the sensor",))
 
 
 def _check_scale(robot: Robot, report: Report, unit: str) -> None:

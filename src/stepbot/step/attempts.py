@@ -55,6 +55,6 @@ class Attempt:
         if self.reason(number) is not None:
             return None
         if late.stat().st_size:  # the timer's traceback
-            reason = f"it took more than {self.seconds:g} s"
+            reason = f"time limit of {self.seconds:g} s exceeded"
         at_hand.unlink()
         return replace(self, died=(*self.died, (number, reason)))

@@ -71,7 +71,7 @@ def read_model(path: Path) -> StepModel:
     reader = STEPCAFControl_Reader()
     status = reader.ReadFile(str(path))
     if status != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise StepUnreadable(f"the kernel cannot read it ({str(status).rpartition('_Ret')[2].lower()})")
+        raise StepUnreadable(f"the kernel could not read it ({str(status).rpartition('_Ret')[2].lower()})")
     return StepModel(reader, reader.Reader().WS())
 
 
@@ -91,7 +91,7 @@ def transfer(model: StepModel) -> Any:
         getattr(reader, f"Set{mode}Mode")(False)
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
     if not reader.Transfer(document):
-        raise StepUnreadable("the kernel finds no shape in it")
+        raise StepUnreadable("the kernel found no shape")
     return document
 
 

@@ -131,7 +131,7 @@ def run(
         # Processes that died leave numbers that nobody took: they are done in a new round, without the fatal one.
         left = [number for number in batch if number not in results] + left
         if len(results) == done:
-            raise OSError("forked processes end before they begin")
+            raise OSError("forked processes end at start")
     return {number: _expected(results[number]) for number in order}
 
 
@@ -196,7 +196,7 @@ def _payload(function: Callable[[int], T], number: int, failures: tuple[type[Exc
 
 def _reason(code: int, seconds: float) -> str:
     if code == -signal.SIGPROF:
-        return f"it took more than {seconds:g} s of processor time"
+        return f"processor time limit of {seconds:g} s exceeded"
     if code >= 0:
         return f"exit code {code}"
     try:

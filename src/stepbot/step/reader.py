@@ -145,7 +145,7 @@ def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assem
 def _report_death(death: WorkerDied, place: str, found: Diagnostics) -> None:
     found.add(
         "SB902",
-        f"the geometry kernel ended while it read the file: {death.reason}",
+        f"the geometry kernel died while reading the file: {death.reason}",
         Span(place),
         help=["open the file in another CAD program and export it again", "raise `--timeout` or `--memory-limit`"],
         notes=death.last_lines,
@@ -165,8 +165,8 @@ def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
     packages = " ".join(_SYSTEM_LIBRARIES[library] for library in missing)
     what = ", ".join([*missing, *others]) or error.text
     remedies = [f"on Debian or Ubuntu: apt-get install {packages}"] if missing else []
-    remedies += [f"install the system package that has {library}" for library in others]
-    found.add("SB002", f"the geometry kernel does not load: {what} is missing", Span(place), help=remedies)
+    remedies += [f"install the system package that provides {library}" for library in others]
+    found.add("SB002", f"the geometry kernel failed to load: {what} is missing", Span(place), help=remedies)
     return True
 
 

@@ -114,11 +114,11 @@ def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> 
     except OUT_OF_MEMORY:
         raise MemoryError from None  # the process ends, and whoever waits for it knows why
     except KERNEL_ERRORS as error:
-        message = f"the kernel gave up on it: {type(error).__name__} {error}".rstrip()
+        message = f"kernel error: {type(error).__name__} {error}".rstrip()
         found.add("SB205", message, Span(place), help=remedy)
         return None
     if content is not None and not content.tree.variants:
-        found.add("SB206", "there is no geometry that the kernel can build", Span(place), help=["export it as a B-rep"])
+        found.add("SB206", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
         return None
     return content
 
@@ -162,7 +162,7 @@ def _check_solids(written: int, definitions: list[Definition], place: str, found
     if read < written:
         found.add(
             "SB220",
-            f"{written - read} of the {written} solids in the file are not in its products, or cannot be built",
+            f"{written - read} of the {written} solids in the file are not part of a product, or could not be built",
             Span(place),
             help=["compare the solids of `stepbot inspect` with those in CAD"],
         )
@@ -246,8 +246,8 @@ class _Bodies:
         reason = result.reason if isinstance(result, Died) else f"{result.kind} {result.text}".rstrip()
         help = "repair the body in CAD and export again"
         if isinstance(result, Raised) and result.kind in (kind.__name__ for kind in OUT_OF_MEMORY):
-            reason, help = "out of memory", "raise `--memory-limit`, or ask for a coarser mesh"
-        message = f"the geometry kernel failed on it ({reason})"
+            reason, help = "out of memory", "raise `--memory-limit`, or use a coarser mesh"
+        message = f"the geometry kernel failed ({reason})"
         self._report(number, Finding("SB213", message, (help,)))
         return replace(_outline(self._sources[number]), defect=message)
 
@@ -259,9 +259,7 @@ class _Bodies:
         self._found.add(finding.code, message, Span(self._place), help=finding.help)
 
     def _report_curves(self, definition: Definition) -> None:
-        self._found.add(
-            "SB218", f"'{definition.name}': curves or points beside its bodies are left out", Span(self._place)
-        )
+        self._found.add("SB218", f"'{definition.name}': its curves and points are ignored", Span(self._place))
 
     def _first_components(self) -> dict[int, tuple[Component, int]]:
         """For each body the first component that shows it, and how many more do."""

@@ -33,7 +33,7 @@ def admitted(
             try:
                 refusals: tuple[Refusal, ...] = worker.submit(str(path), written_in).result(timeout)
             except WorkerDied as death:
-                message = f"the process that looks at what the file refers to ended: {death.reason}"
+                message = f"the process that reads the file's references died: {death.reason}"
                 found.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)
                 continue
         for one in refusals:

@@ -71,7 +71,9 @@ def check_of(subject: Subject, compared: Compared) -> Check:
     failures = compared.deviations.failures
     shown = failures[0] if failures else worst
     untold = ", ".join(dict.fromkeys(compared.deviations.untold))
-    why = "; ".join(str(deviation) for deviation in failures[:2]) if failures else (untold and f"not told: {untold}")
+    why = (
+        "; ".join(str(deviation) for deviation in failures[:2]) if failures else (untold and f"not reported: {untold}")
+    )
     return Check(
         subject.file,
         subject.format,

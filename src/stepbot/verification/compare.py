@@ -50,7 +50,7 @@ def compare(reference: Observation, observed: Observation) -> tuple[Compared, ..
             if not deviations.deviations and has and (quantity in _OPTIONAL or not has(reference)):
                 continue
             if not deviations.deviations:
-                reason = f"{observed.engine} does not tell"
+                reason = f"{observed.engine} does not report it"
         results.append(Compared(quantity, deviations, reason))
     return tuple(results)
 
@@ -231,7 +231,7 @@ def _compare_initial(deviations: Deviations, reference: Observation, observed: O
 
 def _compare_simulation(deviations: Deviations, _reference: Observation, observed: Observation) -> None:
     if observed.simulation_finite is not None:
-        deviations.equal(observed.simulation_finite, "the robot flies apart when it is let go")
+        deviations.equal(observed.simulation_finite, "simulation diverged")
 
 
 def _compare_warnings(deviations: Deviations, _reference: Observation, observed: Observation) -> None:

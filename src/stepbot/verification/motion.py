@@ -26,7 +26,7 @@ def compare_poses(deviations: Deviations, reference: Observation, observed: Obse
             deviations.off(angle, where, "rad")
     missing = len(reference.poses) - len(observed.poses)
     if observed.poses and missing:
-        deviations.equal(False, f"{missing} of {len(reference.poses)} configurations were not observed")
+        deviations.equal(False, f"{missing} of {len(reference.poses)} configurations were not reported")
 
 
 def compare_mass_matrix(deviations: Deviations, reference: Observation, observed: Observation) -> None:
@@ -78,7 +78,7 @@ def _order(deviations: Deviations, reference: Observation, observed: Observation
     missing = [name for name in reference.coordinates if name not in observed.coordinates]
     extra = [name for name in observed.coordinates if name not in reference.coordinates]
     for name in (*missing, *extra):
-        deviations.equal(False, f"joint '{name}' is a coordinate of one side only")
+        deviations.equal(False, f"joint '{name}' is a coordinate in one file only")
     if missing or extra or not reference.coordinates:
         return None
     return [observed.coordinates.index(name) for name in reference.coordinates]

@@ -97,19 +97,19 @@ def _turning_freely(steps: Sequence[Step]) -> tuple[Step, ...]:
     taken = tuple(steps[: 1 if steps[0].kind == "ball" else 3])
     names = [step.told.name for step in taken]
     if steps[0].kind != "ball" and [step.kind for step in taken] != ["turn"] * 3:
-        raise NotTheSame(f"{_listed(names)} do not turn as a ball joint does")
+        raise NotTheSame(f"{_listed(names)} do not rotate as a ball joint does")
     for step in taken:
         limit = step.told.limit
         if limit is not None and (isfinite(limit.lower) or isfinite(limit.upper)):
-            raise NotTheSame(f"the limits of '{step.told.name}' are none of a ball joint")
+            raise NotTheSame(f"the limits of '{step.told.name}' are not those of a ball joint")
     if len(taken) == 1:
         return taken
     for one, other, slant in zip(names, names[1:], _angles(taken).slant, strict=False):
         if slant > _ANGLE:
-            raise NotTheSame(f"the axes of '{one}' and '{other}' are {slant:.3g} rad from normal to each other")
+            raise NotTheSame(f"the axes of '{one}' and '{other}' are {slant:.3g} rad from perpendicular")
     _, astray = common_point(_twists(taken))
     if astray > _DISTANCE:
-        raise NotTheSame(f"the axes of {_listed(names)} pass each other by {astray:.3g} m")
+        raise NotTheSame(f"the axes of {_listed(names)} miss each other by {astray:.3g} m")
     return taken
 
 

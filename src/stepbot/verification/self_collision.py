@@ -109,7 +109,7 @@ def _reach(geometry: Geometry) -> float:
         case Capsule(radius, length):
             return radius + length / 2
         case MeshRef():
-            raise ValueError("a mesh has no reach")
+            raise ValueError("a mesh has no radius")
 
 
 def _primitive(geometry: Geometry) -> Any:
@@ -125,7 +125,7 @@ def _primitive(geometry: Geometry) -> Any:
         case Capsule(radius, length):
             return fcl.Capsule(radius, length)
         case MeshRef():
-            raise ValueError("a mesh is no primitive")
+            raise ValueError("a mesh is not a primitive")
 
 
 def _convex(mesh: TriMesh) -> Any:

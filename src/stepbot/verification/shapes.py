@@ -91,7 +91,7 @@ def _compare_series(
         if a.rgba is not None and b.rgba is not None:
             _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:
-            _compare_colors(deviations, f"colour in the shade of {which}", a.ambient, b.ambient)
+            _compare_colors(deviations, f"ambient colour of {which}", a.ambient, b.ambient)
         if a.group is not None and b.group is not None:
             deviations.equal(a.group == b.group, f"{which}: in group {b.group}, {a.group} expected")
 
@@ -110,7 +110,7 @@ def compare_contacts(deviations: Deviations, reference: Observation, observed: O
         return
     deviations.equal(True, "")
     for a, b in dict.fromkeys([*reference.excluded_pairs, *observed.excluded_pairs]):
-        wrong = "may touch" if (a, b) in reference.excluded_pairs else "can never touch"
+        wrong = "may touch" if (a, b) in reference.excluded_pairs else "can never collide"
         deviations.equal(
             ((a, b) in reference.excluded_pairs) == ((a, b) in observed.excluded_pairs),
             f"links '{a}' and '{b}' {wrong}",

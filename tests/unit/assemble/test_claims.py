@@ -161,7 +161,10 @@ def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None
     )
     assert build(shop, tmp_path, text, found) is not None
     assert found.codes() == ["SB306", "SB306"]
-    assert [d.message.rsplit(": ", 1)[1] for d in found] == ["nearer claims take all of it", "`parts` ignores it"]
+    assert [d.message.rsplit(": ", 1)[1] for d in found] == [
+        "more specific claims take all of it",
+        "`parts` ignores it",
+    ]
 
 
 def test_binding_by_number_draws_one_warning(tmp_path: Path, found: ReadDiagnostics) -> None:

@@ -146,7 +146,10 @@ def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnosti
     assert build(shop, tmp_path, _joint("auto"), found) is None
     (fault,) = found
     assert fault.code == "SB402"
-    assert fault.message == "joint 'j': link 'base' and link 'arm' share 3 axes, and none is twice as wide as the next"
+    assert (
+        fault.message
+        == "joint 'j': link 'base' and link 'arm' share 3 axes, and no line has faces twice as wide as the next"
+    )
     assert fault.help[0] == "origin: {auto: true, near: [10 mm, 0 mm, 0 mm]}"
     assert fault.help[2] == "origin: {auto: true, radius: 2 mm}"
     for text, x, y in ((fault.help[0], 10, 0), (fault.help[1], -10, 0), (fault.help[2], 0, 10)):
@@ -186,7 +189,7 @@ def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, found: ReadD
         assert build(shop, tmp_path, _joint(origin), found) is None
     first, second = found
     assert (first.code, second.code) == ("SB406", "SB406")
-    words = "have faces on one line, but no shaft in a bore and no faces that touch"
+    words = "have faces on one line, but no shaft in a bore and no touching faces"
     assert first.message == f"joint 'j': link 'base' and link 'arm' {words}"
     assert first.notes == (
         'shaft of radius 10 mm of "base" and bore of radius 10.2 mm of "arm" are 228 mm apart; '
@@ -215,7 +218,7 @@ def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadD
     _expect(robot, (0, 0, 0.5))
     (doubt,) = found
     assert (doubt.code, doubt.severity) == ("SB407", "warning")
-    words = "bore of radius 5 mm and shaft of radius 10 mm overlap by 3 mm, but do not fit"
+    words = "bore of radius 5 mm and shaft of radius 10 mm overlap by 3 mm, but their radii do not match"
     assert doubt.message == f"joint 'j': weak evidence for its axis: {words}"
     assert doubt.help == ("origin: {auto: true, radius: 10 mm}",)
     _expect(built(shop, tmp_path, _joint(doubt.help[0].removeprefix("origin: "))), (0, 0, 0.5))

@@ -113,7 +113,7 @@ def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -
     (note,) = found
     assert (note.code, note.severity, note.span.line) == ("SB515", "note", 5)
     assert note.notes == ("'paint': \"colored\"", "'Steel': \"unlisted\"")
-    assert note.help == ('give it one: `materials: {"paint": {density: ...}}`',)
+    assert note.help == ('define it: `materials: {"paint": {density: ...}}`',)
 
     again = Diagnostics()
     robot = build(shop, tmp_path, "    step_density: ignore\n" + text + ONE, again)
@@ -405,7 +405,7 @@ def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics)
     # The polar moment of an inscribed n-gon is (2 + cos t) sin t / 3 t of the circle's, t = 2 pi / n.
     t = 2 * np.pi / 24
     off = 1 - (2 + np.cos(t)) * np.sin(t) / (3 * t)
-    assert note.notes == (f"coarse: exact: mesh is {off:.1e} off in inertia",)
+    assert note.notes == (f"coarse: exact: mesh differs by {off:.1e} in inertia",)
 
 
 def test_com_and_inertia_count_too(tmp_path: Path, found: ReadDiagnostics) -> None:

@@ -236,7 +236,7 @@ def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) 
     shop.measures[0] = None
     assert build(shop, tmp_path, WATER + ONE, found) is not None
     assert found.codes() == ["SB505", "SB514"]
-    assert list(found)[1].notes == ('"a" and "b": a mesh is not closed; at most 0.5 g are counted twice',)
+    assert list(found)[1].notes == ('"a" and "b": a mesh is not watertight; at most 0.5 g are counted twice',)
 
 
 def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -46,7 +46,7 @@ def test_a_surface_is_drawn_and_weighs_nothing(tmp_path: Path, found: ReadDiagno
     assert robot.root.mass_properties.mass == pytest.approx(1000 * drawing.body.mass, rel=1e-9)
     np.testing.assert_allclose(robot.root.mass_properties.com, drawing.body.com, atol=1e-12)
     note = next(d for d in found if d.code == "SB506")
-    assert (note.severity, note.notes) == ("note", ("sheet: encloses no volume: faces without a solid",))
+    assert (note.severity, note.notes) == ("note", ("sheet: encloses no volume: surface without a solid",))
     assert "`inertial`" in note.help[0]
 
 

@@ -77,7 +77,7 @@ def test_pipes_are_refused_wherever_they_are_named(tmp_path: Path) -> None:
 
 
 def test_ordinary_files_are_admitted(tmp_path: Path) -> None:
-    """Meshes that are there, missing, or elsewhere on the disk are left to the engines."""
+    """Meshes that are there, missing, or elsewhere on the disk are checked by the engines."""
     (tmp_path / "a.obj").write_text("v 0 0 0\n", encoding="utf-8")
     (tmp_path / "in").mkdir()
     mesh = '<robot name="r"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'

@@ -184,7 +184,7 @@ def test_frames_become_links_in_urdf() -> None:
 
 
 def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> None:
-    """Where links, joints and frames share their names, joints and frames give way, and what refers to them follows."""
+    """Where links, joints and frames share one namespace, joints and frames are renamed, with all references."""
     robot = odd_names()
     robot = replace(robot, frames=(*robot.frames, Frame("joint no. 1", "末端"), Frame("звено 1,5", "末端")))
     said = lower(robot, FORMATS["sdf"], found)

@@ -19,5 +19,5 @@ def test_a_body_that_takes_too_long(tmp_path: Path, found: ReadDiagnostics, monk
     assert assembly is not None
     (diagnostic,) = found
     assert diagnostic.code == "SB213"
-    assert "it took more than 5 s" in diagnostic.message
+    assert "time limit of 5 s exceeded" in diagnostic.message
     assert [len(body.mesh.faces) > 0 for body in assembly.bodies].count(False) == 1

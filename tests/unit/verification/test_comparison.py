@@ -252,7 +252,7 @@ def test_what_is_not_told_is_not_run(name: str) -> None:
     results = {one.quantity: one for one in compare(ARM, change(ARM))}
     check = check_of(Subject("file", "mjcf", "engine"), results[quantity])
     assert check.status is Status.NOT_RUN
-    assert check.why == "engine does not tell"
+    assert check.why == "engine does not report it"
     assert check.deviation is None
 
 
@@ -270,7 +270,7 @@ def test_fields_that_are_not_told_are_named() -> None:
     results = {one.quantity: one for one in compare(ARM, observed)}
     check = check_of(Subject("f", "mjcf", "e"), results[Quantity.LIMITS])
     assert check.status is Status.PASSED
-    assert check.why == "not told: velocity, effort"
+    assert check.why == "not reported: velocity, effort"
 
 
 def test_what_a_robot_does_not_have_is_left_out() -> None:

@@ -1,7 +1,7 @@
 """Drake as an observer of SDFormat, URDF and MJCF: libsdformat's reading of poses and frames, and a plant of its own.
 
-Drake takes no joint that closes a loop: a robot with loops has a file of its own for it, with ball constraints. What it
-knows it cannot do, such as joint friction, it says while it reads; that is no fault of the file, and noted.
+Drake does not support a joint that closes a loop: a robot with loops gets a separate file, with ball constraints.
+Warnings about features that Drake does not support, such as joint friction, are noted; they are no fault of the file.
 https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
 """
 
@@ -31,28 +31,28 @@ FORMATS = ("urdf", "sdf", "mjcf", "drake.sdf")
 OPTIONAL = True
 INSTALL = "pip install 'stepbot[verify]'"
 
-_NOT_TOLD = "pydrake does not tell"
-_EFFORTS = "Drake keeps an effort limit for each actuator, compared with those of the joints"
-_NO_SENSORS = "Drake does not read sensors"
+_NOT_TOLD = "pydrake does not report it"
+_EFFORTS = "Drake stores effort limits per actuator; they are compared as joint limits"
+_NO_SENSORS = "Drake ignores sensors"
 _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     "urdf": {
-        Quantity.CLOSURES: "URDF holds no loops",
+        Quantity.CLOSURES: "URDF cannot represent closed loops",
         Quantity.MIMIC: _NOT_TOLD,
         Quantity.ACTUATORS: _EFFORTS,
         Quantity.SENSORS: _NO_SENSORS,
     },
     "sdf": {
-        Quantity.MIMIC: "Drake does not read <mimic> of SDFormat",
+        Quantity.MIMIC: "Drake ignores <mimic> in SDFormat",
         Quantity.ACTUATORS: _EFFORTS,
         Quantity.SENSORS: _NO_SENSORS,
     },
     "mjcf": {
-        Quantity.MIMIC: "Drake does not read equalities of joints",
-        Quantity.CLOSURES: "Drake does not read equalities of sites",
-        Quantity.FRAMES: "Drake does not read sites",
+        Quantity.MIMIC: "Drake ignores joint equalities",
+        Quantity.CLOSURES: "Drake ignores site equalities",
+        Quantity.FRAMES: "Drake ignores sites",
         Quantity.ACTUATORS: "Drake reads motors only",
         Quantity.SENSORS: _NO_SENSORS,
-        Quantity.LIMITS: "Drake reads no actuatorfrcrange",
+        Quantity.LIMITS: "Drake ignores actuatorfrcrange",
     },
 }
 _GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
@@ -131,11 +131,11 @@ def _check_mjcf(path: Path) -> None:
     except etree.XMLSyntaxError as error:
         raise EngineRefused(f"not XML: {error.msg}") from error
     if any(len(body.findall("joint")) > 1 for body in top.iter("body")):
-        raise EngineCannotRead("Drake turns several joints in one body about wrong axes")
+        raise EngineCannotRead("Drake uses wrong axes for several joints in one body")
     if any("inf" in joint.get("range", "") for joint in top.iter("joint")):
-        raise EngineCannotRead("Drake reads no infinite range in MJCF")
+        raise EngineCannotRead("Drake does not support infinite ranges in MJCF")
     if any(float(inertial.get("mass") or 1.0) == 0.0 for inertial in top.iter("inertial")):
-        raise EngineCannotRead("Drake ends the process over a body without mass in MJCF")
+        raise EngineCannotRead("Drake aborts on a massless body in MJCF")
 
 
 def _static(built: Built, request: Request) -> Observation:

@@ -109,7 +109,7 @@ def _axes(built: "Built", joint: Any, kind: str) -> tuple[Array, Array | None]:
     R_CM: Array = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
     if kind == "universal":
         return R_CM[:, 0], R_CM[:, 1]
-    if kind == "screw":  # its axis is not told: it is what a turn leaves where it is
+    if kind == "screw":  # its axis is not reported: it is what a turn leaves where it is
         built.place({joint.name(): 1.0})
         X_FM = built.plant.CalcRelativeTransform(built.context, joint.frame_on_parent(), joint.frame_on_child())
         R_FM: Array = X_FM.rotation().matrix()

@@ -105,7 +105,7 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
     except RuntimeError as error:
         text = str(error).replace(f"{path.parent.as_posix()}/", "").strip()
         if _LOOP in text:
-            raise EngineCannotRead("Drake takes no joint that closes a loop") from error
+            raise EngineCannotRead("Drake does not support a joint that closes a loop") from error
         raise EngineRefused(text) from error
     whole = diagram.CreateDefaultContext()
     context = plant.GetMyMutableContextFromRoot(whole)

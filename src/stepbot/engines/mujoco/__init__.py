@@ -35,10 +35,10 @@ NAME = "mujoco"
 FORMATS = ("urdf", "mjcf")
 
 _URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
-_EXTENSION = "MuJoCo passes over the blocks of a URDF that hold it"
+_EXTENSION = "MuJoCo ignores the URDF extension blocks that contain it"
 _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     "urdf": {
-        Quantity.CLOSURES: "URDF holds no loops",
+        Quantity.CLOSURES: "URDF cannot represent closed loops",
         Quantity.ACTUATORS: _EXTENSION,
         Quantity.SENSORS: _EXTENSION,
     },
@@ -128,7 +128,7 @@ def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]
         index = engine.mj_name2id(model, engine.mjtObj.mjOBJ_BODY, name)
         model.body_mass[index], model.body_inertia[index] = 0.0, 0.0
     engine.mj_setConst(model, engine.MjData(model))
-    return model, (f"compiled with a mass for moving links that have none: {', '.join(weightless)}",)
+    return model, (f"compiled with a placeholder mass for massless moving links: {', '.join(weightless)}",)
 
 
 def _urdf_copy(path: Path) -> str:

@@ -207,7 +207,7 @@ def _cameras(compiled: "Compiled") -> Iterator[ObservedSensor]:
         stays = model.cam_mode[c] == compiled.engine.mjtCamLight.mjCAMLIGHT_FIXED
         yield ObservedSensor(
             compiled.name("CAMERA", c),
-            SensorKind.CAMERA.value if stays else "camera that turns by itself",
+            SensorKind.CAMERA.value if stays else "camera with its own rotation",
             compiled.name("BODY", int(model.cam_bodyid[c])),
             X_LS=Pose.of(X_LC.R @ _R_SC.T, X_LC.p),
             fov=fov,

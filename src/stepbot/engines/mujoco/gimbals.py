@@ -32,7 +32,7 @@ class Gimbals:
     def notes(self) -> tuple[str, ...]:
         """What was done to the motion, for people."""
         return tuple(
-            f"motion reversed where hinges {names} come near gimbal lock; the ball joint that they stand for has none"
+            f"motion reversed where hinges {names} approach gimbal lock; the ball joint they replace has no gimbal lock"
             for names in self._names
             if names in self._reversed
         )

@@ -42,8 +42,8 @@ from .body import Body, body_of, pose
 NAME = "pybullet"
 FORMATS = ("urdf", "sdf", "mjcf")
 
-_NO_INERTIA = "loadSDF ignores <inertia> and takes it from the collision shapes"
-_NOT_READ = "PyBullet does not read it from the file"
+_NO_INERTIA = "loadSDF ignores <inertia> and computes it from the collision shapes"
+_NOT_READ = "PyBullet ignores it"
 _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     "urdf": {Quantity.MIMIC: _NOT_READ, Quantity.ACTUATORS: _NOT_READ, Quantity.SENSORS: _NOT_READ},
     "sdf": {
@@ -52,13 +52,13 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
         Quantity.INVERSE_DYNAMICS: _NO_INERTIA,
         Quantity.SIMULATION: _NO_INERTIA,
         Quantity.MIMIC: _NOT_READ,
-        Quantity.CLOSURES: "PyBullet crashes on loops in SDFormat: it read a copy without them",
+        Quantity.CLOSURES: "PyBullet crashes on closed loops in SDFormat; tested on a copy without them",
         Quantity.FRAMES: _NOT_READ,
         Quantity.ACTUATORS: _NOT_READ,
         Quantity.SENSORS: _NOT_READ,
     },
 }
-_MJCF_REASON = "PyBullet's MJCF reader gets poses wrong: it only loads the file"
+_MJCF_REASON = "PyBullet's MJCF reader computes wrong poses; only loading is tested"
 _KINDS = {0: "revolute", 1: "prismatic", 2: "ball", 3: "planar", 4: "fixed"}
 _TESSELLATED = b"unknown_file"
 """Name of the mesh that loadSDF makes of a cylinder, with 32 sides."""

@@ -99,7 +99,7 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
             _drive(body, request.driven, q, held)
             deviation = max(deviation, _deviation(body, request, q))
     closures = tuple(replace(one.observed, residual=one.widest, angle_error=deviation) for one in held)
-    return closures, ("loops closed by point-to-point constraints of ours, 1 ms steps, 1 rad/s",)
+    return closures, ("loops closed by stepbot's point-to-point constraints, 1 ms steps, 1 rad/s",)
 
 
 class _Held:

@@ -1,4 +1,4 @@
-"""SDFormat read back by a parser of stepbot's own, because no engine of the core install reads all of it.
+"""SDFormat read back by stepbot's own parser, because no engine of the core install reads all of it.
 
 It is written from the specification (http://sdformat.org/spec) and knows nothing of the writer. It tells of inertias,
 limits, closing joints, frames and mimics, which PyBullet ignores; poses and dynamics are those of stepbot's kinematics
@@ -48,7 +48,7 @@ NO_LIMIT = 1e15
 """Limits beyond this are the format's word for none, 1e16."""
 _MOVED = MOVING | {JointKind.FIXED, JointKind.BALL, JointKind.UNIVERSAL}
 """Kinds of joints of the format that the model has too."""
-_NOTE = "read back by stepbot's own parser, with stepbot's own kinematics"
+_NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 
 
 def available() -> str | None:
@@ -92,7 +92,7 @@ def observe(request: Request) -> Observation:
         sensors=(*model_sensors(model, frames), *plugin_sensors(model)),
         missing_meshes=tuple(missing),
         not_run={
-            Quantity.SIMULATION: "a parser does not simulate",
+            Quantity.SIMULATION: "a parser cannot simulate",
         },
         notes=(_NOTE,),
     )
@@ -244,7 +244,7 @@ def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> R
     for joint in observation.joints:
         for name in (joint.parent, joint.child):
             if name not in links:
-                raise EngineRefused(f"joint '{joint.name}': there is no link '{name}'")
+                raise EngineRefused(f"joint '{joint.name}': no link '{name}'")
     roots = [name for name in links if name not in joint_of]
     if len(roots) != 1:
         raise EngineCannotRead(f"{len(roots)} root links, one expected: {', '.join(roots)}")

@@ -43,7 +43,7 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     text = None if element is None else element.findtext(path)
     values = numbers(text) if text is not None else [default]
     if len(values) != 1:
-        raise EngineRefused(f"<{path}> holds {len(values)} numbers, 1 expected")
+        raise EngineRefused(f"<{path}> has {len(values)} numbers, 1 expected")
     return values[0]
 
 
@@ -117,7 +117,7 @@ class Frames:
             raise EngineRefused(f"frame '{name}' is relative to itself")
         element = self._element.get(name)
         if element is None:
-            raise EngineRefused(f"there is no frame '{name}'")
+            raise EngineRefused(f"no frame '{name}'")
         base = self._relative_to(element) or _DEFAULT_BASE[str(element.tag)](element)
         X = self._resolved(base, (*above, name)) @ read_pose(element)
         self._known[name] = X

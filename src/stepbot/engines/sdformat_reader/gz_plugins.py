@@ -58,7 +58,7 @@ def _controlled(
     high, low = number_at(plugin, "cmd_max", 1000.0), number_at(plugin, "cmd_min", -1000.0)
     word = kind.value
     if kind is ActuatorKind.VELOCITY and plugin.findtext("use_force_commands", "").strip() not in ("true", "1"):
-        word = "velocity without regard to force"
+        word = "velocity without a force limit"
     if i or (d and kind is ActuatorKind.VELOCITY) or plugin.findtext("use_velocity_commands", "").strip() == "true":
         word = f"{word}, controlled otherwise"
     gains = (p, d) if kind is ActuatorKind.POSITION else (0.0, p)

@@ -37,9 +37,9 @@ def read_model(file: Path) -> Element:
     if len(models) != 1:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")
     if models[0].find("model") is not None or models[0].find("include") is not None:
-        raise EngineCannotRead("models within models are not read")
+        raise EngineCannotRead("nested models are not supported")
     if top.find("include") is not None or top.find("world/include") is not None:
-        raise EngineCannotRead("<include> is not read")
+        raise EngineCannotRead("<include> is not supported")
     return models[0]
 
 
@@ -131,12 +131,12 @@ def check_readable(model: Element) -> None:
     """
     relative = model.xpath(".//pose[@relative_to and @relative_to!='']|.//xyz[@expressed_in and @expressed_in!='']")
     if relative:
-        raise EngineCannotRead("PyBullet takes no notice of relative_to and expressed_in")
+        raise EngineCannotRead("PyBullet ignores relative_to and expressed_in")
     kinds = sorted(
         {str(joint.get("type")) for joint in model.findall("joint")} - {"fixed", "revolute", "continuous", "prismatic"}
     )
     if kinds:
-        raise EngineCannotRead(f"PyBullet does not read joints of type {', '.join(kinds)} in SDFormat")
+        raise EngineCannotRead(f"PyBullet ignores joints of type {', '.join(kinds)} in SDFormat")
     children = {ends(joint)[1] for joint in model.findall("joint")}
     roots = [link.get("name", "") for link in model.findall("link") if link.get("name") not in children]
     if len(roots) != 1:

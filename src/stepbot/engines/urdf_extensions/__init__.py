@@ -1,8 +1,8 @@
 """The blocks of a URDF that no engine reads, read back: `<gazebo>`, `<transmission>`, `<ros2_control>`.
 
-It is a parser of stepbot's own, written from the documentation of Gazebo and ros2_control, and knows nothing of the
-writer. It tells of springs, actuators and sensors; all else is left to the engines. What it confirms is the text, and
-no engine: reports count it apart.
+It is stepbot's own parser, written from the documentation of Gazebo and ros2_control, independent of the writer. It
+reports springs, actuators and sensors; the engines check everything else. It confirms the text, not the behaviour of
+an engine: reports count its checks separately.
 """
 
 from collections.abc import Iterator
@@ -26,8 +26,8 @@ NAME = "extensions"
 FORMATS = ("urdf",)
 
 _TOLD = (Quantity.LOAD, Quantity.DYNAMICS, Quantity.ACTUATORS, Quantity.SENSORS, Quantity.WARNINGS)
-_LEFT = "left to the engines"
-_NOTE = "blocks that no engine reads, read back by stepbot's own parser"
+_LEFT = "checked by the engines"
+_NOTE = "extension blocks, read by stepbot's own parser only"
 
 
 def available() -> str | None:

@@ -128,7 +128,7 @@ def _behind_gear(element: Element, old: Element | None, top: Element) -> Observe
         if (joint_1, gear_1) != (joint, gear):
             return ObservedActuator(name, joint, f"{kind_1} with another <transmission> on {joint_1}", gear=gear)
     if kind is None or word not in inputs:
-        return ObservedActuator(name, joint, "drive without a <command_interface> of its kind", gear=gear)
+        return ObservedActuator(name, joint, "actuator without a matching <command_interface>", gear=gear)
     return _commanded(name, joint, kind, inputs[word], gear)
 
 
@@ -157,7 +157,7 @@ def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear
 def _one(parameter: Element) -> float:
     found = numbers(parameter.text)
     if len(found) != 1:
-        raise EngineRefused(f"parameter '{parameter.get('name')}' holds {len(found)} numbers, 1 expected")
+        raise EngineRefused(f"parameter '{parameter.get('name')}' has {len(found)} numbers, 1 expected")
     return found[0]
 
 
@@ -177,7 +177,7 @@ def faults(top: Element) -> Iterator[str]:
             yield from _transmission_faults(element, "plugin")
             roles = [one.get("role") for one in (*element.findall("actuator"), *element.findall("joint"))]
             if roles != ["actuator1", "joint1"]:
-                yield f"transmission '{element.get('name', '')}': its actuator and joint need the roles that it has"
+                yield f"transmission '{element.get('name', '')}': roles 'actuator1' and 'joint1' expected"
     for element in top.findall("transmission"):
         yield from _transmission_faults(element, "type")
         if element.find("actuator/mechanicalReduction") is None:
@@ -185,7 +185,7 @@ def faults(top: Element) -> Iterator[str]:
     old, new = ([one.get("name", "") for one in top.findall(path)] for path in ("transmission", _TRANSMISSION))
     for name in sorted(set(old) ^ set(new)) if old and new else ():
         where = "<robot>" if name in old else "<ros2_control>"
-        yield f"transmission '{name}': it is in {where} alone, unlike others"
+        yield f"transmission '{name}': defined in {where} only, unlike the others"
     for sensor in (*top.findall("gazebo/sensor"), *top.findall("ros2_control/sensor")):
         if not sensor.get("name"):
             yield f"a sensor of type {sensor.get('type', 'unknown')} has no name"
@@ -216,4 +216,4 @@ def _transmission_faults(element: Element, word: str) -> Iterator[str]:
     if not name or motor is None or motor.get("name") != name:
         yield f"transmission '{name}': it needs a name, and an actuator of that name"
     if (element.findtext(word) or "").strip() != _SIMPLE:
-        yield f"transmission '{name}': it is no simple one"
+        yield f"transmission '{name}': not a SimpleTransmission"

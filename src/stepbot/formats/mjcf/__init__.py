@@ -48,16 +48,16 @@ SUFFIX = ".xml"
 TITLE = "MJCF"
 
 EXPRESSES = {
-    Feature.FIXED_BASE: exact("body of the world without a joint"),
+    Feature.FIXED_BASE: exact("child body of the world without a joint"),
     Feature.FLOATING_BASE: exact("`<freejoint>`"),
     Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
     Feature.CAPSULE: exact("`capsule`"),
-    Feature.FLAT_COLLISION: reported("SB712", "MuJoCo makes no hull of a collision mesh in a plane; left out"),
-    Feature.CONCAVE_COLLISION: reported("SB717", "MuJoCo touches with the convex hull of these meshes"),
+    Feature.FLAT_COLLISION: reported("SB712", "MuJoCo cannot build the convex hull of a flat collision mesh; omitted"),
+    Feature.CONCAVE_COLLISION: reported("SB717", "MuJoCo collides with the convex hull of these meshes"),
     Feature.COLOR: exact("`rgba`"),
-    Feature.NEIGHBOURS: exact("`<exclude>` for links that a joint, fixed joint or closure holds together"),
+    Feature.NEIGHBOURS: exact("`<exclude>` for links connected by a joint or closure"),
     Feature.FIXED: exact("body without a joint"),
     Feature.REVOLUTE: exact("`hinge` with `range`"),
     Feature.CONTINUOUS: exact("`hinge`"),
@@ -68,12 +68,14 @@ EXPRESSES = {
     Feature.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
     Feature.PLANAR: exact("two `slide` and a `hinge` in one body"),
     Feature.FLOATING: exact("three `slide` and a `ball` in one body"),
-    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are left out"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
     Feature.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
-    Feature.OPEN_POSITION: exact("infinite `range`, or none"),
+    Feature.OPEN_POSITION: exact("infinite `range`, or no `range`"),
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
-    Feature.VELOCITY: lowered("SB705", "velocity limits are `<numeric>` data that MuJoCo does not enforce"),
+    Feature.VELOCITY: lowered(
+        "SB705", "velocity limits are written as `<numeric>` data, which MuJoCo does not enforce"
+    ),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
     Feature.SPRING: exact("`stiffness`, `springref`"),
     Feature.ARMATURE: exact("`armature`"),
@@ -81,9 +83,11 @@ EXPRESSES = {
     Feature.MIMIC_CHAIN: exact("`<equality>` of two joints"),
     Feature.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
     Feature.SLIDING_CLOSURE: lowered(
-        "SB722", "no constraint lets two bodies slide; the loops are cut at another joint"
+        "SB722", "no equality constraint allows sliding; the loops are cut at another joint"
     ),
-    Feature.STUCK_CLOSURE: refused("SB713", "no constraint lets two bodies slide, and no pin of the loop is plain"),
+    Feature.STUCK_CLOSURE: refused(
+        "SB713", "no equality constraint allows sliding, and the loop has no unlimited passive pin"
+    ),
     Feature.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
     Feature.INITIAL_POSE: exact("keyframe `home`"),
     Feature.FRAME: exact("`<site>`"),
@@ -102,13 +106,13 @@ EXPRESSES = {
     Feature.SENSOR_RATE: exact("`interval`"),
     Feature.ENCODER_RATE: exact("`interval`"),
     Feature.CAMERA_EXTRAS: reported(
-        "SB727", "MuJoCo draws when it is asked to, from one near to one far plane for all"
+        "SB727", "MuJoCo renders on demand, with one near and one far plane for all cameras"
     ),
-    Feature.LIDAR_NEAREST: reported("SB727", "nothing is too near for a `<rangefinder>`"),
+    Feature.LIDAR_NEAREST: reported("SB727", "`<rangefinder>` has no minimum range"),
     Feature.OPEN_VIEW: exact("no `cutoff`"),
-    Feature.JOINT_NAME: exact("each kind of element has names of its own"),
-    Feature.FRAME_NAME: exact("each kind of element has names of its own"),
-    Feature.RESERVED_NAME: refused("SB714", "`world` means the world itself"),
+    Feature.JOINT_NAME: exact("each element type has its own namespace"),
+    Feature.FRAME_NAME: exact("each element type has its own namespace"),
+    Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),
 }
 
 _WORLD = "world"

@@ -1,8 +1,8 @@
 """The SDFormat that Drake reads of a robot with loops: https://drake.mit.edu, ``drake:ball_constraint``.
 
-Drake takes no joint that closes a loop, and a file that holds both its own elements and such a joint is read by nobody:
-hence a file of its own beside the SDFormat that all others read. A constraint holds a point of one body to a point of
-another. Drake wants a discrete plant with the SAP solver for them.
+Drake does not support a joint that closes a loop, and no engine reads a file with both Drake's elements and such a
+joint: hence a separate file. A constraint holds a point of one body to a point of another. Drake requires a discrete
+plant with the SAP solver for them.
 """
 
 from collections.abc import Sequence

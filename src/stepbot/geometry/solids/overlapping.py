@@ -115,7 +115,7 @@ def _intersect(search: Search) -> list[_Found]:
         if spent + work > search.max_faces:
             one.unchecked = f"all pairs together have more than {search.max_faces:,} faces"
         elif not (a.is_sound and b.is_sound):
-            one.unchecked = "a mesh is not closed"
+            one.unchecked = "a mesh is not watertight"
         else:
             spent += work
             common = a.intersection(b, group.X_AB)

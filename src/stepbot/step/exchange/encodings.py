@@ -62,10 +62,10 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
         return None
     found.add(
         "SB210",
-        f"names are neither ASCII nor UTF-8; they are shown as if they were Western European ({FALLBACK})",
+        f"names are neither ASCII nor UTF-8; decoded as Western European ({FALLBACK})",
         span,
         help=[
-            "say in which code page they are: `--encoding cp1251`, or `step_encoding: cp1251` in the sidecar",
+            "declare their code page: `--encoding cp1251`, or `step_encoding: cp1251` in the sidecar",
             "or export with UTF-8 or with \\X2\\ escapes",
         ],
         notes=_readings(data),
@@ -84,7 +84,7 @@ def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found:
             "SB225",
             f"names are read as {declared}, as declared, but they are valid UTF-8",
             Span(place, line_of(data, offset), 1),
-            help=["leave the declaration out: UTF-8 needs none"],
+            help=["remove the declaration: UTF-8 is detected"],
             notes=[f"in {encoding} the first reads '{_first(data, encoding)}'" for encoding in (declared, "utf-8")],
         )
     return declared
@@ -144,9 +144,9 @@ def _refuse(data: Text, declared: str, offset: int, span: Span, found: Diagnosti
     byte = bytes(data[offset : offset + 1]).hex()
     found.add(
         "SB224",
-        f"names are not {declared}, as declared: byte 0x{byte} means nothing there",
+        f"names are not {declared}, as declared: byte 0x{byte} is invalid there",
         span,
-        help=["declare the code page that the file was written in, or none: UTF-8 is seen without"],
+        help=["declare the code page of the file, or remove the declaration: UTF-8 is detected"],
         notes=_readings(data),
     )
 

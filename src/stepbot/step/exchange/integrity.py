@@ -69,7 +69,7 @@ _WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal
 
 _SHOWN = 5
 """Places that a diagnostic lists."""
-_REMEDY = ("export it again, or copy it again from where it was exported",)
+_REMEDY = ("export the file again, or copy it again from its source",)
 
 
 @dataclass(frozen=True, order=True)
@@ -142,9 +142,9 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     lacking = [*_missing(messages, statements), *_wrong_kinds(session, statements)]
     essential = [fault for fault in lacking if fault.is_essential]
     others = [fault for fault in lacking if not fault.is_essential]
-    _report("SB221", "the text of the file is broken", broken, place, found)
-    _report("SB222", "what shapes and places are made of is missing", essential, place, found)
-    _report("SB223", "entities beside the shapes were not read", others, place, found)
+    _report("SB221", "the file has syntax errors", broken, place, found)
+    _report("SB222", "entities of shapes or placements are missing", essential, place, found)
+    _report("SB223", "entities unrelated to shapes were not read", others, place, found)
     return not (broken or essential)
 
 
@@ -157,7 +157,7 @@ def _broken(messages: Sequence[str]) -> Iterator[_Fault]:
 def _doubled(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
     for message in messages:
         if (match := _DOUBLE.search(message)) and (statement := statements.by_number.get(int(match[1]))):
-            yield _Fault(statements.line(statement), f"{statement}: its number stands for another entity too")
+            yield _Fault(statements.line(statement), f"{statement}: duplicate entity number")
 
 
 def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
@@ -187,7 +187,7 @@ def _wrong_kinds(session: Any, statements: _Statements) -> Iterator[_Fault]:
         elif _is_essential(entity, _SHAPES):
             kind = type(entity).__name__.partition("_")[2]
             name, line = (str(statement), statements.line(statement)) if statement is not None else (kind, 0)
-            yield _Fault(line, f"{name}: {', '.join(names)} is of the wrong kind")
+            yield _Fault(line, f"{name}: {', '.join(names)} has the wrong type")
 
 
 def _unknown_items(representation: Statement, statements: _Statements) -> Iterator[_Fault]:
@@ -197,7 +197,7 @@ def _unknown_items(representation: Statement, statements: _Statements) -> Iterat
         if item is None or not isinstance(statements.entity(item), StepData_UndefinedEntity):
             continue
         if not _NOT_SHAPES.search(item.keyword):
-            yield _Fault(statements.line(item), f"{item}: the kind is not known", is_essential=False)
+            yield _Fault(statements.line(item), f"{item}: unknown entity type", is_essential=False)
 
 
 def _is_essential(entity: Any, kinds: tuple[type, ...]) -> bool:

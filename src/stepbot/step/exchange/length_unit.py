@@ -122,5 +122,5 @@ def _check_name(unit: DeclaredUnit, place: str, found: Diagnostics) -> None:
             "SB209",
             f"the file's unit '{unit.name}' is declared as {unit.size:.9g} m, not {known:.9g} m",
             Span(place),
-            help=["compare a known dimension in `stepbot inspect`"],
+            help=["compare a known dimension with `stepbot inspect`"],
         )

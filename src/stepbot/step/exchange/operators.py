@@ -39,14 +39,12 @@ def correct_operators(session: Any) -> int:
         try:
             R, origin = _axes(operator), _coordinates(operator.LocalOrigin())
         except ValueError:
-            raise StepUnreadable(
-                "a transformation operator in it has an axis without a direction, or no place"
-            ) from None
+            raise StepUnreadable("a transformation operator has an axis without a direction, or no origin") from None
         meant = np.column_stack([scale * R, origin])
         if not _is_close(_as_read(operator), meant):
             _rewrite(operator, R, origin, scale)
             if not _is_close(_as_read(operator), meant):
-                raise StepUnreadable("a transformation operator in it is not one that the kernel can follow")
+                raise StepUnreadable("the kernel does not support a transformation operator")
             corrected += 1
     return corrected
 
@@ -89,13 +87,13 @@ def _is_close(a: Array, b: Array) -> bool:
 
 def _ratios(direction: Any) -> Array:
     if direction is None:
-        raise ValueError("something that is no direction")
+        raise ValueError("something that is not a direction")
     return np.array([direction.DirectionRatiosValue(index) for index in (1, 2, 3)])
 
 
 def _coordinates(point: Any) -> Array:
     if point is None:
-        raise ValueError("something that is no point")
+        raise ValueError("something that is not a point")
     return np.array([point.CoordinatesValue(index) for index in (1, 2, 3)])
 
 

@@ -50,7 +50,7 @@ _OTHER_FILES = (
     (b"<?xml", "XML", "stepbot reads the text form of STEP (Part 21), not STEP-XML (Part 28)"),
     (b"\xd0\xcf\x11\xe0", "a native CAD file", "export the assembly as STEP (AP214 or AP242)"),
     (b"version https://git-lfs", "a Git LFS pointer", "fetch the file itself: `git lfs pull`"),
-    (b"solid ", "an STL mesh", "a mesh has no parts and no exact shape: export the assembly as STEP"),
+    (b"solid ", "an STL mesh", "a mesh has no assembly tree and no exact geometry: export the assembly as STEP"),
     (b"%PDF", "a PDF", "export the assembly as STEP (AP214 or AP242)"),
 )
 
@@ -140,7 +140,7 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
     end_mark = data.rfind(_END, section.end() if section else start.end())
     if section is None or end_mark < 0 or data.find(b";", end_mark) < 0:
         end = Span(place, line_of(data, len(data)), 1)
-        found.add("SB204", "the file ends in the middle", end, help=["export or copy it again"])
+        found.add("SB204", "unexpected end of file", end, help=["export or copy it again"])
         return None
     encoding = check_encoding(data, declared, place, found)
     if encoding is None:
@@ -194,7 +194,7 @@ def _has_geometry(data: Text, start: int, encoding: str, place: str, found: Diag
     if not elsewhere:
         if not geometry:
             remedy = "export it with its geometry, as a B-rep (AP203, AP214 or AP242)"
-            found.add("SB206", "there is no geometry in the file", Span(place), help=[remedy])
+            found.add("SB206", "the file has no geometry", Span(place), help=[remedy])
         return geometry
     reference = data.find(b"DOCUMENT_FILE", start)
     message = f"{'parts of the' if geometry else 'all'} geometry is in other files: {_listed(elsewhere)}"

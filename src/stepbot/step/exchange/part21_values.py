@@ -73,7 +73,7 @@ class _Reader:
         while complex_instance and not self._take_mark(b")"):
             found.append(self._record())
         if self._at < len(self._tokens):
-            raise SyntaxFault("text behind the end")
+            raise SyntaxFault("text after the end")
         return tuple(found)
 
     def _record(self, depth: int = 0) -> Record:

@@ -123,7 +123,7 @@ def _healed(source: BodySource, shape: object) -> _Work:
     properties = integrate(body.shape)
     if properties.Mass() < 0.0:
         work.healed = Healed(body.shape.Reversed(), body.origin)
-        work.say("SB217", "its faces look inwards; they were turned round")
+        work.say("SB217", "inward-facing solid reoriented")
         properties = integrate(work.healed.shape)
     work.exact = volume_properties(properties)
     return work
@@ -135,7 +135,7 @@ def _sew(work: _Work) -> bool:
     if closed is None:
         return False
     work.healed, work.exact = closed, volume_properties(integrate(closed.shape))
-    work.say("SB228", "its faces did not share their edges; they were sewn together")
+    work.say("SB228", "faces without shared edges were sewn")
     return True
 
 
@@ -145,31 +145,31 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
     if result.fineness.angle > wanted.angle:
         work.say(
             "SB603",
-            f"at the tolerance asked for it has too many faces; meshed at {_described(result.fineness)}: {count} faces",
+            f"too many faces at the requested tolerance; meshed at {_described(result.fineness)}: {count} faces",
         )
     if result.missing:
         faces = f"{len(result.missing)} of its faces" if len(result.missing) > 1 else "one of its faces"
         _estimate(work, result, is_closed=False)
-        return work.say("SB601", f"the mesher leaves {faces} without triangles")
+        return work.say("SB601", f"{faces} could not be meshed")
     if work.kind != BodyKind.SOLID:
-        return "encloses no volume: faces without a solid"
+        return "encloses no volume: surface without a solid"
     if result.mesh.open_edges:
         work.exact = None  # integrated over faces that do not close, a volume depends on where the origin is
         return work.say(
-            "SB602", f"{result.mesh.open_edges} of its edges belong to one face only: it encloses no volume"
+            "SB602", f"{result.mesh.open_edges} of its edges belong to one face only; it encloses no volume"
         )
     if not watertight:
         _estimate(work, result, is_closed=False)
-        return work.say("SB604", "edges of its mesh do not each join two faces")
+        return work.say("SB604", "mesh is not manifold")
     if work.exact is None or _is_nothing(work.exact, result.mesh):
         work.exact = None
         return work.say("SB602", "it encloses no volume")
     if within := share_within(result.mesh):
         return work.say(
             "SB607",
-            f"it passes through itself: {within:.0%} of its surface lies within it; its volume is that of no real body",
-            "repair it in CAD, or give its mass in the sidecar",
-            "a body of thin walls may need a finer `mesh`",
+            f"self-intersecting: {within:.0%} of its surface lies inside it, so its volume is wrong",
+            "repair it in CAD, or set its mass in the sidecar",
+            "a thin-walled body may need a finer `mesh`",
         )
     return _estimate(work, result, is_closed=True)
 
@@ -183,7 +183,7 @@ def _estimate(work: _Work, result: Tessellation, *, is_closed: bool) -> str:
     if estimate.error <= CERTAIN:
         return ""
     volumes = ", ".join(f"{volume * MILLIMETRES_PER_METRE**3:.6g} mm^3 by {way}" for way, volume in estimate.opinions)
-    return work.say("SB605", f"its mass properties do not converge: {volumes or 'nothing to compare with'}")
+    return work.say("SB605", f"mass properties do not converge: {volumes or 'nothing to compare with'}")
 
 
 def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:
@@ -216,16 +216,16 @@ def _triangles_only(source: BodySource, shape: object) -> ReadBody:
     findings = []
     if watertight and stitched.signed_volume < 0.0:
         stitched = stitched.turned()
-        findings.append(Finding("SB217", "its triangles look inwards; they were turned round"))
+        findings.append(Finding("SB217", "inward-facing triangles reoriented"))
     mesh = TriMesh.of(stitched.vertices / MILLIMETRES_PER_METRE, stitched.faces)
-    defect = "" if watertight else "its triangles do not close: it encloses no volume"
+    defect = "" if watertight else "its triangles are not closed; it encloses no volume"
     face_colors, colors = _colored(source.face_colors, body.origin, stitched)
     return ReadBody(Body(BodyKind.TESSELLATED, mesh, face_colors, colors, watertight, defect), tuple(findings))
 
 
 def _wire() -> Body:
     none = np.empty(0, dtype=np.int32)
-    return Body(BodyKind.WIRE, _NO_MESH, none, (None,), False, "curves and points only: nothing to see or to weigh")
+    return Body(BodyKind.WIRE, _NO_MESH, none, (None,), False, "curves and points only: no surface and no mass")
 
 
 def _colored(

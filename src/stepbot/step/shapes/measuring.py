@@ -63,7 +63,7 @@ def refine(shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties |
             step = min(max(math.sqrt(_AIM * wanted / now), _FINEST_STEP), _COARSEST_STEP)
         if len(mesh.faces) > MAX_MEASURING_FACES * step**2:
             return Refinement(
-                best, f"a measuring mesh of {len(mesh.faces)} faces is still {off:.1e} off the exact shape"
+                best, f"a measuring mesh of {len(mesh.faces)} faces still differs from the exact shape by {off:.1e}"
             )
         fine = fine.scaled(step)
         result = tessellated_once(shape, fine)

@@ -53,7 +53,7 @@ def faceted_faces(faces: list[Any]) -> tuple[list[FacetedFace], list[int]]:
     result = []
     for (place, facets), (nodes, triangles) in zip(meshed, arrays, strict=True):
         if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(nodes):
-            raise BrokenTriangles(f"a triangle names a corner other than the {len(nodes)} that there are")
+            raise BrokenTriangles(f"a triangle refers to a node beyond the {len(nodes)} nodes of its face")
         if not facets.location.IsIdentity():
             nodes = _moved(nodes, facets.location.Transformation())
         if _is_turned(facets):

@@ -77,9 +77,9 @@ class Materials:
             values = ", ".join(f"{value:g}" for value in densities)
             self._found.add(
                 "SB212",
-                f"'{product}': the file gives several densities: {values} kg/m^3",
+                f"'{product}': several densities in the file: {values} kg/m^3",
                 Span(self._place),
-                help=["give the one that holds in the sidecar, under `parts`"],
+                help=["set the right one in the sidecar, under `parts`"],
             )
             return StepMaterial(name)
         return StepMaterial(name, densities[0] if densities else 0.0)
@@ -149,8 +149,8 @@ def _report_strange(strange: list[str], place: str, found: Diagnostics) -> None:
     values: Iterator[str] = iter(dict.fromkeys(strange))
     found.add(
         "SB211",
-        f"{len(strange)} densities in the file have no unit of density and are left out",
+        f"{len(strange)} densities in the file have no density unit and are ignored",
         Span(place),
-        help=["give densities in the sidecar, under `parts` or `defaults`"],
+        help=["set densities in the sidecar, under `parts` or `defaults`"],
         notes=[f"a density of {value}" for value, _ in zip(values, range(3), strict=False)],
     )

@@ -294,7 +294,7 @@ class ComponentPaths:
             pattern,
             problem="ambiguous",
             candidates=tuple(self._components[index].path for index in indices),
-            help=("write as much of the path as tells them apart",),
+            help=("write enough of the path to be unambiguous",),
         )
 
     def _unknown(self, pattern: str, segments: Sequence[_Segment]) -> Binding:

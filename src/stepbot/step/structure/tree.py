@@ -135,7 +135,7 @@ def _follow(
 
 def report_too_large(count: int, place: str, found: Diagnostics) -> None:
     """Report an assembly of at least ``count`` components, more than are followed."""
-    message = f"the assembly has {count:,} components or more; stepbot reads {MAX_COMPONENTS:,}"
+    message = f"the assembly has {count:,} components or more; the limit is {MAX_COMPONENTS:,}"
     found.add("SB215", message, Span(place), help=["export a smaller assembly"])
 
 
@@ -202,9 +202,9 @@ def _report(components: Sequence[Component], growing: _Growing, place: str, foun
     for index in growing.skewed:
         found.add(
             "SB214",
-            f"'{components[index].path}': is placed by a transformation that skews it or scales it unevenly",
+            f"'{components[index].path}': placement is not a rigid transform: it skews or scales unevenly",
             Span(place),
-            help=["make the part its own in CAD, with its true shape"],
+            help=["make it a separate part in CAD, with its true shape"],
         )
     if growing.empty:
         paths = [components[index].path for index in growing.empty]

@@ -148,9 +148,9 @@ def _report(
             notes.append(f"and {len(differing) - _SHOWN} more")
         found.add(
             "SB226",
-            f"{len(differing)} of {len(validations)} validation properties in the file {differ} from what was read",
+            f"{len(differing)} of {len(validations)} validation properties in the file {differ} from the geometry read",
             Span(place),
-            help=["compare these parts with the CAD: the export may have lost or changed a shape"],
+            help=["compare these parts with the CAD: the export may have lost or changed geometry"],
             notes=notes,
         )
     if left_out:

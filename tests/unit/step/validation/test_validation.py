@@ -62,7 +62,7 @@ def test_what_differs_is_said(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert (volume.agrees, volume.deviation) == (False, pytest.approx(0.04))
     gyration = np.sqrt((0.1**2 + 0.06**2 + 0.04**2) / 12)
     assert (centroid.agrees, centroid.deviation) == (False, pytest.approx(0.003 / gyration))
-    assert diagnostic.message == "2 of 3 validation properties in the file differ from what was read"
+    assert diagnostic.message == "2 of 3 validation properties in the file differ from the geometry read"
     assert diagnostic.notes[0] == "'.': volume 250 cm^3 in the file, 240 read, off by 4.00% (tolerance 0.1%)"
     assert "3 mm apart, of the radius of gyration 8.4" in diagnostic.notes[1]
 
