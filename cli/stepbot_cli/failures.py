@@ -6,6 +6,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics, ExitCode, Span, StepbotError
 
+from .render import printable
 from .terminal import show_diagnostics, write_error, write_json
 
 _OURS = ("stepbot", "stepbot_cli")
@@ -34,6 +35,7 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
 def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
     """Report arguments that cannot be understood; returns the exit code."""
     if not as_json:
+        error.message = printable(error.message)  # it may name an argument, or what is in a file
         error.show()
         return 2
     context = error.ctx if isinstance(error, click.UsageError) else None

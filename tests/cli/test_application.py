@@ -116,6 +116,17 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str], capsys: pytest.Capture
     assert "Usage: stepbot" in err
 
 
+@pytest.mark.parametrize(
+    "arguments", [["{}"], ["explain", "{}"], ["convert", "a.yaml", "-f", "{}"], ["inspect", "--{}"]]
+)
+def test_usage_errors_do_not_steer_the_terminal(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Escape sequences in arguments, and so of names near to them, are shown as text."""
+    code, out, err = run(capsys, *(argument.format("arm\x1b]0;title\x07\u202e") for argument in arguments))
+    assert (code, out) == (2, "")
+    assert "arm\\x1b]0;title\\x07\\u202e" in err.replace("\\\\", "\\")
+    assert all(c.isprintable() or c == "\n" for c in err)
+
+
 def test_arguments_default_to_those_of_the_process(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -15,10 +15,12 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from stepbot.runtime.cache.keys import own_code
+
 from . import page
 from .experiment import Experiment, Setting, Trial
 
-NAMES = ("sidecars", "steps", "kills", "caches", "descriptions", "trees")
+NAMES = ("sidecars", "steps", "names", "kills", "caches", "disks", "concurrent", "descriptions", "trees")
 """Modules, each with an ``EXPERIMENT``."""
 _REPORT_EVERY = 500
 
@@ -48,6 +50,12 @@ def trials_of(chosen: Experiment, count: int, seed: int, jobs: int, minutes: flo
     return trials
 
 
+def _code() -> str:
+    """Hash of stepbot's code as it is now: trials compare bytes with those of the first run of an experiment."""
+    own_code.cache_clear()
+    return own_code()
+
+
 def _say(text: str) -> None:
     sys.stdout.write(text + "\n")
     sys.stdout.flush()
@@ -66,13 +74,17 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run experiments; 1 where any finds a fault."""
+    """Run experiments; 1 where any finds a fault, 2 where the code has changed meanwhile."""
     arguments = _arguments(argv)
     faults = 0
     for name in arguments.only or NAMES:
         chosen = experiment(name)
         count = arguments.count or (chosen.short if arguments.short else chosen.long)
+        before = _code()
         trials = trials_of(chosen, count, arguments.seed, arguments.jobs, arguments.minutes)
+        if _code() != before:
+            _say(f"{name}: stepbot's code has changed during the run, so what it found does not count")
+            return 2
         found = sum(bool(trial.faults) for trial in trials)
         faults += found
         _say(f"{name}: {len(trials):,} trials: {page.summary(trials)}; {found} found a fault")

@@ -13,12 +13,14 @@ _HEAD = """\
 # Reliability: what was done to stepbot, and what came of it
 
 `make hostile` harms stepbot in the ways below, as often as the table says, and writes the table: trials, how
-they ended, and how many of them found a fault in that run. `python -m tests.hostile --only NAME` runs one experiment,
-`--seed N` with other random choices; a few trials of each run in every `make test`. A fault is whatever must not come
-of it: a traceback, an internal error (SB901), a hang, an exit code other than 0, 1 and 2, a diagnostic without place or
-remedy, a file that is neither old nor new, a process or temporary file that is left over, bytes that differ.
+they ended, and how many of them found a fault in that run. In brackets is the number of trials of the long form, which
+takes hours; where fewer are shown, the row is of a shorter run. `python -m tests.hostile --only NAME --count N` runs
+one experiment, `--seed N` with other random choices; a few trials of each run in every `make test`. A fault is whatever
+must not come of it: a traceback, an internal error (SB901), a hang, an exit code other than 0, 1 and 2, a diagnostic
+without place or remedy, a file that is neither old nor new, a process or temporary file that is left over, bytes that
+differ.
 
-| experiment | what is done | what must come of it | trials | outcomes | faults |
+| experiment | what is done | what must come of it | trials (long form) | outcomes | faults |
 | --- | --- | --- | --: | --- | --: |
 """
 _REPAIRED = """
@@ -48,7 +50,7 @@ def write_row(experiment: Experiment, trials: Sequence[Trial], known: Sequence[E
         f"`{experiment.name}`",
         experiment.title,
         experiment.expected,
-        f"{len(trials):,}",
+        f"{len(trials):,} ({experiment.long:,})",
         summary(trials),
         str(faults),
     )

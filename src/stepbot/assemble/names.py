@@ -4,6 +4,8 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
+from stepbot.robot.file_names import is_device
+
 LONGEST = 60
 """Characters of a name, before a number is added."""
 FALLBACK = "part"
@@ -12,15 +14,13 @@ _CYRILLIC = "а:a б:b в:v г:g д:d е:e ж:zh з:z и:i й:y к:k л:l м:m �
 _CYRILLIC_LAST = "щ:shch ъ:_ ы:y ь:_ э:e ю:yu я:ya"
 _LATIN = "ß:ss æ:ae ø:o œ:oe đ:d ð:d þ:th ł:l ı:i µ:u ⌀:d"
 _LETTERS = dict(pair.split(":") for pair in f"{_CYRILLIC} {_CYRILLIC_LAST} {_LATIN}".split())
-# Windows opens a device under these names, whatever the extension.
-_RESERVED = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
 
 
 def ascii_name(text: str) -> str:
     """A name in ``[A-Za-z0-9_-]`` that reads like ``text``: accents dropped, Cyrillic letters spelt, the rest ``_``."""
     plain = "".join(_plain(letter) for letter in text)
     name = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9-]", "_", plain)).strip("_-")[:LONGEST].rstrip("_-") or FALLBACK
-    return f"{name}_{FALLBACK}" if _RESERVED.fullmatch(name) else name
+    return f"{name}_{FALLBACK}" if is_device(name) else name
 
 
 def _plain(letter: str) -> str:

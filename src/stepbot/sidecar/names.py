@@ -1,13 +1,17 @@
 """Check for reserved and duplicate names."""
 
+import re
 from collections.abc import Iterator
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.robot.file_names import is_device
 
 from .document import Document
 from .located import Sidecar
 from .subjects import subject
 
+_BIDI = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+"""Bidirectional control characters, which make a name look like another one."""
 Named = tuple[str, str]
 """A top-level key and a name below it."""
 
@@ -22,6 +26,8 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
             help = [f"rename one of them, for example to '{name}_{section.removesuffix('s')}'"]
             found.add("SB135", message, sidecar.key_span(section, name), help=help, notes=[f"first defined at {place}"])
         first.setdefault(name, (section, name))
+    if reason := _not_a_file(sidecar.document.robot):
+        found.add("SB126", f"robot: {reason}", sidecar.span("robot"))
     for section, name in _all_names(sidecar.document):
         if reason := _reserved(section, name):
             found.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
@@ -52,4 +58,15 @@ def _reserved(section: str, name: str) -> str:
         return "'assembly' is reserved for the STEP assembly frame in `relative_to`"
     if name.startswith("__") and name.endswith("__"):
         return "names with leading and trailing double underscores are reserved by SDFormat"
-    return "'::' is the scope separator of SDFormat" if "::" in name else ""
+    return "'::' is the scope separator of SDFormat" if "::" in name else _direction_changes(name)
+
+
+def _not_a_file(robot: str) -> str:
+    """Why no files can be named after a robot, or nothing."""
+    return f"'{robot}' is a device name on Windows" if is_device(robot) else _direction_changes(robot)
+
+
+def _direction_changes(name: str) -> str:
+    """The bidirectional control characters of a name, or nothing."""
+    characters = sorted({f"U+{ord(character):04X}" for character in _BIDI.findall(name)})
+    return f"'{name}' contains characters that change the direction of text: {', '.join(characters)}" if characters else ""

@@ -181,6 +181,26 @@ def test_fault_of_a_default_is_told_where_it_stands() -> None:
     assert diagnostic.message.startswith("joint 'elbow'")
 
 
+@pytest.mark.parametrize("name", ["CON", "nul", "aux.v2", "LPT1"])
+def test_robots_are_not_called_like_devices(name: str) -> None:
+    """Files are named after robots, and Windows opens a device under such a name; links are in no file name."""
+    text = robot(1, []).replace("robot: tree", f"robot: {name}")
+    (diagnostic,) = checked(text)
+    assert (diagnostic.code, diagnostic.span.line) == ("SB126", 2)
+    assert diagnostic.message == f"robot: '{name}' is a device name on Windows"
+    assert codes(robot(1, []).replace("l0", name)) == []
+
+
+@pytest.mark.parametrize("character", ["\u202e", "\u2066", "\u200f"])
+def test_names_are_what_they_look_like(character: str) -> None:
+    """Characters that change the direction of text are refused in names of robots and links."""
+    name = f'"arm\\u{ord(character):04x}jbo.exe"'
+    for sidecar in (robot(1, []).replace("robot: tree", f"robot: {name}"), robot(1, []).replace("l0", name)):
+        diagnostics = list(checked(sidecar))
+        assert [diagnostic.code for diagnostic in diagnostics] == ["SB126"], diagnostics
+        assert f"U+{ord(character):04X}" in diagnostics[0].message
+
+
 @pytest.mark.parametrize(
     ("damage", "expected"),
     [

@@ -1,0 +1,10 @@
+"""Names that no file can have on some system."""
+
+import re
+
+_DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
+
+
+def is_device(name: str) -> bool:
+    """Whether Windows opens a device under this name, whatever its extension."""
+    return _DEVICE.fullmatch(name) is not None
