@@ -1,5 +1,6 @@
 """What the user sees where a command ends in an exception: a diagnostic, and the traceback that a report needs."""
 
+import io
 import traceback
 
 import click
@@ -35,8 +36,9 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
 def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
     """Report arguments that cannot be understood; returns the exit code."""
     if not as_json:
-        error.message = printable(error.message)  # it may name an argument, or what is in a file
-        error.show()
+        text = io.StringIO()
+        error.show(text)
+        write_error(printable(text.getvalue()))  # it may name an argument, or what is in a file
         return 2
     context = error.ctx if isinstance(error, click.UsageError) else None
     command = context.command_path if context is not None else "stepbot"
