@@ -69,4 +69,6 @@ def _not_a_file(robot: str) -> str:
 def _direction_changes(name: str) -> str:
     """The bidirectional control characters of a name, or nothing."""
     characters = sorted({f"U+{ord(character):04X}" for character in _BIDI.findall(name)})
-    return f"'{name}' contains characters that change the direction of text: {', '.join(characters)}" if characters else ""
+    return (
+        f"'{name}' contains characters that change the direction of text: {', '.join(characters)}" if characters else ""
+    )
