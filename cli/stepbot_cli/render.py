@@ -149,11 +149,8 @@ def _frame(diagnostic: Diagnostic, source_line: str, gutter: str, color: bool, w
     )
     bar = paint("|", _FRAME_COLOR, color)
     mark = paint("^" * max(cells(marked), 1), _COLORS[diagnostic.severity], color)
-    return [
-        f"{gutter} {bar}",
-        f"{paint(str(span.line), _FRAME_COLOR, color)} {bar} {before}{marked}{after}",
-        f"{gutter} {bar} {' ' * cells(before)}{mark}",
-    ]
+    frame = [f"{gutter} {bar}", f"{paint(str(span.line), _FRAME_COLOR, color)} {bar} {before}{marked}{after}"]
+    return [*frame, f"{gutter} {bar} {' ' * cells(before)}{mark}"] if span.column else frame
 
 
 def _window(line: str, start: int, room: int) -> tuple[int, int]:

@@ -20,24 +20,35 @@ import re
 import runpy
 import shlex
 import shutil
+import sys
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import pytest
 
 import stepbot
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.engines import engine_of, engines
+from stepbot.engines.prestart import started_engine_server
+from stepbot.pipeline import prestart
+from stepbot.runtime import worker
+from stepbot.runtime.fork_server import ForkServer, can_serve
+from stepbot.verification import files
 from stepbot_cli import main
 from stepbot_cli.render import full, plain
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
+if str(ROOT) not in sys.path:  # the command line removes the current folder
+    sys.path.append(str(ROOT))
 NOT_INPUT = ("command", "engines", "expected.json", "expected.txt", "make.py", "__pycache__")
 CORE = ("extensions", "mujoco", "reader", "yourdfpy")
 """Engines that every installation has; the others are as if they were not installed, unless a folder names them."""
+_MODULES_OF_THE_KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
+_SPAWNED = worker.spawned
 Plain = dict[str, Any]
 """A diagnostic as ``--json`` prints it."""
 
@@ -81,30 +92,68 @@ def missing_engines(folder: Path) -> list[str]:
     return [f"{name}: {reason}" for name, reason in reasons if reason is not None]
 
 
-def transcript(folder: Path, scratch: Path) -> Transcript:
-    """Run the command of a folder in an empty folder ``scratch``."""
-    for path in folder.iterdir():
-        if path.name not in NOT_INPUT:
-            (shutil.copytree if path.is_dir() else shutil.copyfile)(path, scratch / path.name)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(scratch)
-        patch.setenv("STEPBOT_NO_CACHE", "1")
-        patch.delenv("COLUMNS", raising=False)
-        for engine in engines():
-            if engine.NAME not in (*CORE, *_more_engines(folder)):
-                patch.setattr(engine, "available", lambda name=engine.NAME: f"{name} is not installed")
-        made = _made(folder)
-        if "make" in made:
-            made["make"](patch)
-        if "find" in made:
-            found = Diagnostics()
-            made["find"](found)
-            diagnostics, exit_code = [plain(one) for one in found], None
-        else:
-            diagnostics, exit_code = _run([*arguments(folder), "--json"])
-        same = [_same_everywhere(one, scratch) for one in diagnostics]
-        text = full([_diagnostic(one) for one in same])
-    return Transcript(same, _normalised(text, scratch) + "\n", exit_code)
+class Stage:
+    """The folder that all commands run in, one after the other, and processes that have loaded kernel and engines.
+
+    To load them takes longer than all else; a worker is forked here from a process that has.
+    """
+
+    def __init__(self, scratch: Path) -> None:
+        self.scratch = scratch
+
+    @cached_property
+    def _kernel(self) -> ForkServer | None:
+        return ForkServer([*_MODULES_OF_THE_KERNEL, "trimesh"]) if can_serve() else None
+
+    @cached_property
+    def _engines(self) -> ForkServer | None:
+        return started_engine_server()
+
+    def transcript(self, folder: Path) -> Transcript:
+        """Run the command of a folder in an empty folder."""
+        self._set(folder)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(self.scratch)
+            patch.setenv("STEPBOT_NO_CACHE", "1")
+            patch.delenv("COLUMNS", raising=False)
+            patch.setattr(worker, "spawned", self._started)
+            for module in (files, prestart):
+                patch.setattr(module, "started_engine_server", lambda: None)
+            for engine in engines():
+                if engine.NAME not in (*CORE, *_more_engines(folder)):
+                    patch.setattr(engine, "available", lambda name=engine.NAME: f"{name} is not installed")
+            made = _made(folder)
+            if "make" in made:
+                made["make"](patch)
+            if "find" in made:
+                found = Diagnostics()
+                made["find"](found)
+                diagnostics, exit_code = [plain(one) for one in found], None
+            else:
+                diagnostics, exit_code = _run([*arguments(folder), "--json"])
+            same = [_same_everywhere(one, self.scratch) for one in diagnostics]
+            text = full([_diagnostic(one) for one in same])
+        return Transcript(same, _normalised(text, self.scratch) + "\n", exit_code)
+
+    def __enter__(self) -> "Stage":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        for name in ("_kernel", "_engines"):
+            if (server := self.__dict__.get(name)) is not None:
+                server.close()
+
+    def _set(self, folder: Path) -> None:
+        """Empty the folder, and copy the input there."""
+        for path in self.scratch.iterdir():
+            (shutil.rmtree if path.is_dir() and not path.is_symlink() else Path.unlink)(path)
+        for path in folder.iterdir():
+            if path.name not in NOT_INPUT:
+                (shutil.copytree if path.is_dir() else shutil.copyfile)(path, self.scratch / path.name)
+
+    def _started(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> worker.Process:
+        server = self._kernel if function.startswith(_MODULES_OF_THE_KERNEL) else self._engines
+        return server.fork(function, memory_limit, stderr) if server else _SPAWNED(function, memory_limit, stderr)
 
 
 def _made(folder: Path) -> dict[str, Any]:
@@ -140,6 +189,7 @@ _NORMALISED: tuple[tuple[str, str], ...] = (
     (r"\b(MuJoCo|mujoco|PyBullet|pybullet|yourdfpy|lxml|numpy) \d+(\.\d+)+", r"\1 VERSION"),
     (r"0x[0-9a-f]{6,}", "ADDRESS"),
     (r"\bpid \d+", "pid NUMBER"),
+    (r"\bentries-\d+/[0-9a-f]+", "entries/HASH"),
     # Digits that depend on the version of the kernel or an engine: below 1e-9, and all after the third of six or more.
     (r"(?<![\w.])-?\d(\.\d+)?e-(1[0-9]|[2-9]\d)\b", "TINY"),
     (r"(?<![\w.])(-?0\.0*[1-9]\d\d)\d{3,}(e[-+]\d+)?(?!\w)", r"\1…\2"),

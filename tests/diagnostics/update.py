@@ -5,26 +5,29 @@ from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.diagnostics.transcripts import folders, missing_engines, transcript
+from tests.diagnostics.transcripts import Stage, folders, missing_engines
 
 
 def update(codes: list[str]) -> Iterator[str]:
     """Write what is expected of the folders of some codes; yields a line for each that changed or was skipped."""
-    for folder in folders():
-        if codes and folder.name[:5] not in codes and folder.name not in codes:
-            continue
-        if missing := missing_engines(folder):
-            yield f"{folder.name}: skipped, {'; '.join(missing)}"
-            continue
-        with TemporaryDirectory(prefix="stepbot-transcript-") as scratch:
-            now = transcript(folder, Path(scratch))
-        for name, text in (("expected.json", now.json), ("expected.txt", now.text)):
-            path = folder / name
-            if not path.exists() or path.read_text(encoding="utf-8") != text:
-                path.write_text(text, encoding="utf-8", newline="\n")
-                yield f"{folder.name}/{name}: written"
-        if folder.name[:5] not in now.codes:
-            yield f"{folder.name}: does not cause {folder.name[:5]}, but {', '.join(sorted(now.codes)) or 'nothing'}"
+    with TemporaryDirectory(prefix="stepbot-transcripts-") as scratch, Stage(Path(scratch)) as stage:
+        for folder in folders():
+            if not codes or folder.name[:5] in codes or folder.name in codes:
+                yield from _update(folder, stage)
+
+
+def _update(folder: Path, stage: Stage) -> Iterator[str]:
+    if missing := missing_engines(folder):
+        yield f"{folder.name}: skipped, {'; '.join(missing)}"
+        return
+    now = stage.transcript(folder)
+    for name, text in (("expected.json", now.json), ("expected.txt", now.text)):
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8", newline="\n")
+            yield f"{folder.name}/{name}: written"
+    if folder.name[:5] not in now.codes:
+        yield f"{folder.name}: does not cause {folder.name[:5]}, but {', '.join(sorted(now.codes)) or 'nothing'}"
 
 
 if __name__ == "__main__":

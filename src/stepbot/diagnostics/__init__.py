@@ -20,7 +20,7 @@ ExitCode = Literal[0, 1, 2]
 
 @dataclass(frozen=True, order=True)
 class Span:
-    """A place in a file. Lines and columns count from 1; line 0 means the file as a whole."""
+    """A place in a file. Lines and columns count from 1; line 0 means the whole file, column 0 the whole line."""
 
     file: str
     line: int = 0
@@ -29,7 +29,7 @@ class Span:
     """Column after the last character on ``line``; 0 where the extent is unknown."""
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return ":".join(map(str, filter(None, (self.file, self.line, self.column))))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ COULD_NOT_RUN = next(code.id for code in CODES.values() if code.could_not_run)
 def test_place_is_clickable() -> None:
     """A place prints as editors and terminals understand it."""
     assert str(Span("arm.robot.yaml", 14, 7)) == "arm.robot.yaml:14:7"
+    assert str(Span("arm.xml", 14)) == "arm.xml:14"
     assert str(Span("arm.step")) == "arm.step"
 
 

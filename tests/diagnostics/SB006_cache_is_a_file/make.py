@@ -1,0 +1,15 @@
+"""A hinge, and results that are to be kept."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import parts
+
+STEP = Path("robot.step")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    parts.write_hinge(STEP)
+    patch.delenv("STEPBOT_NO_CACHE")

@@ -1,0 +1,16 @@
+"""A density in the unit that Open CASCADE is known to write."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import parts
+from tests.diagnostics.step_files import edited
+
+STEP = Path("robot.step")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    parts.write_box(STEP, density=7850.0)
+    edited(STEP, (r",-3\.\)", ",2.)"))

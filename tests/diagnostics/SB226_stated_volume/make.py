@@ -1,0 +1,19 @@
+"""A box of 240 cm^3 whose file states 250 cm^3."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.step.assembly import Quantity
+from tests import parts
+from tests.stating import Stating
+
+STEP = Path("robot.step")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    parts.write_box(STEP, (100.0, 60.0, 40.0))
+    file = Stating(STEP)
+    file.measure(file.definition("block"), Quantity.VOLUME, 250_000.0)
+    file.write()

@@ -1,0 +1,14 @@
+"""Three pins without names of their own."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import parts
+
+STEP = Path("robot.step")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    parts.write_same_names(STEP)

@@ -1,0 +1,14 @@
+"""A hinge whose bore misses the pin by 0.5 mm."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import parts
+
+STEP = Path("robot.step")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    parts.write_hinge(STEP, miss=0.5)

@@ -1,0 +1,14 @@
+"""A pin that is measured on a coarse mesh, because the sidecar asks for it."""
+
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics
+from tests.unit.assemble.test_overlaps import ONE
+from tests.unit.assemble.workshop import Workshop, build
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    shop = Workshop()
+    shop.rod("pin", sides=24, density=1000)
+    build(shop, Path(), "    mass: mesh\n" + ONE, found)

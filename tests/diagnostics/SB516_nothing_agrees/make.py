@@ -1,0 +1,16 @@
+"""A solid on whose volume no two ways to integrate agree."""
+
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics
+from tests.unit.assemble.test_overlaps import ONE
+from tests.unit.assemble.workshop import Workshop, build
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    shop = Workshop()
+    shop.box("a", density=1000)
+    object.__setattr__(shop.bodies[0], "exact_error", 0.04)
+    object.__setattr__(shop.bodies[0], "defect", "its mass properties do not converge")
+    build(shop, Path(), ONE, found)

@@ -1,0 +1,22 @@
+"""A ball whose mesh lacks a face: no drawing is known that the mesher fails on today."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.step.shapes import bodies
+from tests import parts
+from tests.unit.step.here import read_here
+
+STEP = Path("robot.step")
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    parts.write_sphere(STEP)
+    with pytest.MonkeyPatch.context() as patch:
+        mesh = bodies.fitted
+        patch.setattr(bodies, "fitted", lambda *arguments: replace(mesh(*arguments), missing=(1,)))
+        read_here(STEP, found)

@@ -1,0 +1,20 @@
+"""A ball whose mesh does not close: no drawing is known that ends so today."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.step.shapes import bodies
+from tests import parts
+from tests.unit.step.here import read_here
+
+STEP = Path("robot.step")
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    parts.write_sphere(STEP)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bodies, "is_watertight", lambda faces: False)
+        read_here(STEP, found)

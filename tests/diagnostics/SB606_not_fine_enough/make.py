@@ -1,0 +1,21 @@
+"""A ball, and a limit of faces below those of the mesh that was asked for."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.step.assembly import ReadOptions
+from stepbot.step.shapes import measuring
+from tests import parts
+from tests.unit.step.here import read_here
+
+STEP = Path("robot.step")
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    parts.write_sphere(STEP)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measuring, "MAX_MEASURING_FACES", 5000)
+        read_here(STEP, found, ReadOptions(refine_mass_to=1e-6))

@@ -1,0 +1,16 @@
+"""A robot that another program made: the sidecar's own checks find this before."""
+
+from dataclasses import replace
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.formats import FORMATS
+from stepbot.formats.lowering import lower
+from tests import robots
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    robot = robots.pendulum()
+    root = replace(robot.root, name="world")
+    joint = replace(robot.joints[0], parent="world")
+    lower(replace(robot, links=(root, robot.links[1]), joints=(joint,)), FORMATS["urdf"], found)

@@ -1,0 +1,16 @@
+"""A four-bar linkage one of whose pins is tilted by 0.05 mrad."""
+
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.verification import Provers, verify
+from tests.simulators.conftest import write
+from tests.simulators.test_loops_that_jam import _crooked
+
+
+def find(found: Diagnostics) -> None:
+    """Ask the library."""
+    folder = write(_crooked(5e-5), Path())
+    written = {"mjcf": folder.written["mjcf"]}
+    with Provers(written) as provers:
+        verify(folder.robot, written, provers, found)

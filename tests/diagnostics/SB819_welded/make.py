@@ -1,0 +1,20 @@
+"""A crank-rocker linkage whose closing pin is written as a weld."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.diagnostics.transcripts import ROOT
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    folder = ROOT / "robot_library" / "stepbot_four_bar"
+    for name in ("four_bar.step", "four_bar.robot.yaml"):
+        Path(name).write_bytes((folder / name).read_bytes())
+    sidecar = Path("four_bar.robot.yaml")
+    text = sidecar.read_text(encoding="utf-8")
+    for old, new in (("rocker_pin: {type: revolute", "rocker_pin: {type: fixed"), ("auto, axis: -z}", "auto}")):
+        assert old in text
+        text = text.replace(old, new)
+    sidecar.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,20 @@
+"""Edits STEP files that a transcript begins with."""
+
+import re
+from pathlib import Path
+
+
+def edited(path: Path, *changes: tuple[str, str], added: str = "") -> None:
+    """Replace text of statements, each of which stands on a line of its own by then, and add statements.
+
+    Args:
+        path: The file.
+        changes: Regular expressions, each of which must match, and what is written in place of the first match.
+        added: Statements for the end of the DATA section.
+    """
+    text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
+    for pattern, replacement in changes:
+        text, count = re.subn(pattern, replacement, text, count=1)
+        assert count == 1, pattern
+    before, after = text.rsplit("ENDSEC;", 1)
+    path.write_text(f"{before}{added}ENDSEC;{after}", encoding="utf-8", newline="\n")
