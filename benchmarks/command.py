@@ -7,6 +7,7 @@ python -m benchmarks batch FOLDER                       all robots below a folde
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks report                             tables and plot in docs/ from what ``--keep`` has kept
+python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
 It runs on Linux and macOS, memory is measured on Linux alone, and nothing else should run meanwhile.
@@ -22,6 +23,7 @@ from . import contenders as who
 from .assemblies import ASSEMBLIES, Assembly, generate
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
+from .inference import corpus_folder, measure
 from .report import write_report
 from .results import keep, table
 
@@ -62,6 +64,9 @@ def _parser() -> argparse.ArgumentParser:
     _common(many, _batch)
     _common(commands.add_parser("scaling", help="time and memory over the size"), _scaling)
     commands.add_parser("report", help="write docs/performance.md and its plot anew").set_defaults(run=_report)
+    drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
+    drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
+    drafted.set_defaults(run=_inference)
     commands.add_parser("smoke", help="run everything once on something small").set_defaults(run=_smoke)
     return parser
 
@@ -113,6 +118,10 @@ def _scaling(options: argparse.Namespace, folder: Path) -> None:
             count = assembly.definitions if kind == "definitions" else assembly.definitions * assembly.occurrences
             sidecar = generate(assembly, folder / "generated", f"{kind}-{count}")
             _compare(options, case_of(sidecar, None, folder), [who.BARE, who.COLD])
+
+
+def _inference(options: argparse.Namespace, _: Path) -> None:
+    measure(corpus_folder(), options.only)
 
 
 def _report(*_: object) -> None:

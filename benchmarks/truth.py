@@ -10,7 +10,7 @@ from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
 from stepbot.assemble.frames import Frames, Wanted
 from stepbot.assemble.joints import tree_order
-from stepbot.assemble.material_assignment import matters
+from stepbot.assemble.material_assignment import assign_materials
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Array
 from stepbot.robot.model import JointKind
@@ -58,7 +58,7 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
     binder = Binder(assembly, sidecar, found)
     document = binder.document
     root, _ = tree_order(document)
-    claims = claim(binder, matters(binder).of)
+    claims = claim(binder, assign_materials(binder).of)
     frames = Frames(binder, claims, root)
     parts = {link: claims.parts_of(link) for link in document.links}
     joints = []

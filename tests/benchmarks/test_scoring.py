@@ -1,0 +1,54 @@
+"""Scores of inference count what is right and what is wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.scoring import score
+from benchmarks.truth import Truth, read_truth
+from stepbot.authoring.inference import Inferred, infer_mechanism
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import ReadOptions
+from stepbot.step.reader import read_assembly
+
+FOUR_BAR = Path(__file__).parents[2] / "robot_library" / "stepbot_four_bar"
+
+
+@pytest.fixture(scope="module")
+def four_bar() -> tuple[Inferred, Truth]:
+    """What is inferred of the four-bar, and what is true."""
+    found = Diagnostics()
+    assembly = read_assembly(FOUR_BAR / "four_bar.step", ReadOptions(faces=True), found)
+    assert assembly is not None, list(found)
+    return infer_mechanism(assembly), read_truth(FOUR_BAR / "four_bar.robot.yaml", assembly)
+
+
+def test_all_right(four_bar: tuple[Inferred, Truth]) -> None:
+    """The four joints of a four-bar, one of them a closure, are found; nothing is wrong."""
+    result = score(*four_bar)
+    assert (result.true, result.found, result.seen, result.wrong, result.root) == (4, 4, 4, [], True)
+    assert result.volume == pytest.approx(1.0)
+
+
+def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> None:
+    """A hinge that is drafted as a slide is not found, its axis is seen, and it counts as wrong."""
+    inferred, truth = four_bar
+    inferred.arcs[0].hinge.type = JointKind.PRISMATIC
+    try:
+        result = score(inferred, truth)
+    finally:
+        inferred.arcs[0].hinge.type = JointKind.REVOLUTE
+    assert (result.found, result.seen, len(result.wrong)) == (3, 4, 1)
+
+
+def test_a_link_torn_apart_loses_volume(four_bar: tuple[Inferred, Truth]) -> None:
+    """Parts that are in the wrong link count by their volume."""
+    inferred, truth = four_bar
+    moved = inferred.links[0].pop()
+    inferred.links[1].append(moved)
+    try:
+        result = score(inferred, truth)
+    finally:
+        inferred.links[0].append(inferred.links[1].pop())
+    assert result.volume < 1.0 - 1e-6

@@ -1,0 +1,47 @@
+"""Links and joints of real assemblies from their STEP files alone, against sidecars made by hand."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.scoring import is_unmarked, score
+from benchmarks.truth import read_truth
+from stepbot.authoring.inference import infer_mechanism
+from stepbot.authoring.survey import Sources
+from stepbot.diagnostics import Diagnostics
+from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
+from stepbot.step.reader import read_assembly
+
+
+def read(step: Path) -> Assembly:
+    """An assembly with its faces, meshed coarsely."""
+    found = Diagnostics()
+    options = ReadOptions(tolerance=MeshTolerance(relative=0.05, angle=0.8), faces=True)
+    assembly = read_assembly(step, options, found)
+    assert assembly is not None, list(found)
+    return assembly
+
+
+@pytest.mark.parametrize(
+    ("step", "truth", "joints"),
+    [
+        ("simple_pendulum", "simple_pendulum", 1),
+        ("two_joint_servo_arm_ap242", "two_joint", 2),
+        ("openarm_leader_gripper", "openarm_leader_gripper", 7),
+    ],
+)
+def test_all_joints_of_real_assemblies(corpus: Path, step: str, truth: str, joints: int) -> None:
+    """All joints are found with type, axis and sides, none is wrong, and the volume is in the right links."""
+    assembly = read(corpus / f"{step}.step")
+    result = score(infer_mechanism(assembly), read_truth(corpus / "joints" / f"{truth}.robot.yaml", assembly))
+    assert (result.true, result.found, result.wrong) == (joints, joints, [])
+    assert result.volume > 0.98
+    assert result.root
+
+
+@pytest.mark.parametrize("step", ["as1-oc-214", "dm1_ideas_inch", "s1_autocad_foot", "eight_cylinders_multi_root"])
+@pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
+def test_no_unmarked_joint_where_there_is_no_robot(corpus: Path, step: str, sources: Sources) -> None:
+    """Brackets, a foot and loose cylinders get no joint without a mark."""
+    inferred = infer_mechanism(read(corpus / f"{step}.step"), sources)
+    assert not [arc.hinge.why for arc in inferred.arcs if is_unmarked(arc)]
