@@ -50,6 +50,27 @@ class Rule:
     """Shape (n,): du of the piece that the point stands for, along the face's boundary."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Edge:
+    """An edge that is neither a straight line nor an arc."""
+
+    face: int
+    curve: Curve
+    pieces: Array
+    """Parameters (k,) between which it is smooth, and so is its surface."""
+    is_reversed: bool
+    frame: tuple[Array, Array] | None = None
+    """Origin (3,) and axes (3, 2) of the plane of a curve in space; None where the curve is in the parameters."""
+
+    def rule(self, parts: int) -> Rule:
+        t, dt = _nodes(self.pieces, parts)
+        uv, duv = self.curve.at(t)
+        if self.frame is not None:
+            origin, axes = self.frame
+            uv, duv = (uv - origin) @ axes, duv @ axes
+        return Rule(np.full(len(uv), self.face), uv, (-duv[:, 0] if self.is_reversed else duv[:, 0]) * dt)
+
+
 @dataclass
 class Contours:
     """The boundaries of faces of one kind, as they are collected."""
@@ -58,7 +79,7 @@ class Contours:
     """Straight lines in the parameters: face, start, end."""
     arcs: list[tuple[float, ...]] = field(default_factory=list)
     """Ellipses c + p cos t + q sin t in the plane: face, c, p, q, first and last t."""
-    others: list[Rule] = field(default_factory=list)
+    others: list[_Edge] = field(default_factory=list)
 
     def rule(self, turning: bool, parts: int) -> Rule:
         """All of them.
@@ -68,7 +89,9 @@ class Contours:
             parts: How many parts each piece is divided into.
         """
         lines, arcs = np.array(self.lines).reshape(-1, 5), np.array(self.arcs).reshape(-1, 9)
-        return _joined([*_line_rules(lines, turning, parts), *_arc_rules(arcs, parts), *self.others])
+        return _joined(
+            [*_line_rules(lines, turning, parts), *_arc_rules(arcs, parts), *(edge.rule(parts) for edge in self.others)]
+        )
 
 
 def edges_of(face: Any) -> Iterator[tuple[Any, bool]]:
@@ -82,7 +105,7 @@ def edges_of(face: Any) -> Iterator[tuple[Any, bool]]:
             yield edge, orientation == TopAbs_Orientation.TopAbs_REVERSED
 
 
-def add_planar(contours: Contours, number: int, face: Any, position: Any, parts: int) -> None:
+def add_planar(contours: Contours, number: int, face: Any, position: Any) -> None:
     """Add the boundary of a plane face, by its edges in space."""
     frame = [(a.X(), a.Y(), a.Z()) for a in (position.Location(), position.XDirection(), position.YDirection())]
     (ox, oy, oz), (ax, ay, az), (bx, by, bz) = frame
@@ -109,15 +132,10 @@ def add_planar(contours: Contours, number: int, face: Any, position: Any, parts:
             contours.arcs.append((number, *(table @ axes).reshape(-1), *(reversed(ends) if is_reversed else ends)))
         else:
             curve = curve_of(adaptor, 3)
-            t, dt = _nodes(curve.pieces, parts)
-            points, tangents = curve.at(t)
-            uv, duv = (points - frame[0]) @ axes, tangents @ axes
-            contours.others.append(_rule(number, uv, duv, dt, is_reversed))
+            contours.others.append(_Edge(number, curve, curve.pieces, is_reversed, (np.array(frame[0]), axes)))
 
 
-def add_curved(
-    contours: Contours, number: int, face: Any, breaks: tuple[Array, Array], parts: int, split_lines: bool
-) -> None:
+def add_curved(contours: Contours, number: int, face: Any, breaks: tuple[Array, Array], split_lines: bool) -> None:
     """Add the boundary of any other face, by the curves that its edges have in its parameters.
 
     Args:
@@ -125,7 +143,6 @@ def add_curved(
         number: The face's.
         face: A face that faces forward.
         breaks: Parameters u and v at which its surface is less smooth.
-        parts: How many parts each piece of a curve is divided into.
         split_lines: Whether straight lines are to be divided there too.
     """
     at = gp_Pnt2d()
@@ -141,9 +158,7 @@ def add_curved(
                 contours.lines.append((number, a, b, c, d))
         else:
             curve = curve_of(adaptor, 2)
-            pieces = _divided(curve, breaks)
-            t, dt = _nodes(pieces, parts)
-            contours.others.append(_rule(number, *curve.at(t), dt, is_reversed))
+            contours.others.append(_Edge(number, curve, _divided(curve, breaks), is_reversed))
 
 
 def _line_rules(lines: Array, turning: bool, parts: int) -> Iterator[Rule]:
@@ -180,10 +195,6 @@ def _shares(angles: Array, order: int, parts: int) -> tuple[Indices, Array, Arra
     part = np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
     share = (part[:, None] + nodes) / counts[whose, None]
     return np.repeat(whose, order), share.reshape(-1), (weights / counts[whose, None]).reshape(-1)
-
-
-def _rule(number: int, uv: Array, duv: Array, dt: Array, is_reversed: bool) -> Rule:
-    return Rule(np.full(len(uv), number), uv, (-duv[:, 0] if is_reversed else duv[:, 0]) * dt)
 
 
 def _joined(rules: Sequence[Rule]) -> Rule:

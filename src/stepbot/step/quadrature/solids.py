@@ -43,52 +43,77 @@ class _Group:
     signs: list[float] = field(default_factory=list)
 
 
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """A patch with the boundaries of its faces."""
+
+    patch: Patch
+    contours: Contours
+    signs: Array
+    """Shape (n,): -1 for each face that looks the other way than its surface."""
+    turning: bool
+
+    def integrals(self, parts: int) -> Array:
+        return _integral(self.patch, self.contours.rule(self.turning, parts), self.signs, parts)
+
+
+class Boundary:
+    """The faces of a solid, read from the kernel once, to integrate over as finely as it takes."""
+
+    def __init__(self, shape: Any, origin: Array) -> None:
+        """From a solid whose faces look outwards, and a point near it, which coordinates are taken with respect to."""
+        planes, straight, round_ = _Group(), _Group(), _Group()
+        self._surfaces: list[_Surface] = []
+        for face in faces_of(shape):
+            orientation = face.Orientation()
+            if orientation not in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED):
+                continue
+            sign = -1.0 if orientation == TopAbs_Orientation.TopAbs_REVERSED else 1.0
+            forward = TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))
+            surface = BRepAdaptor_Surface(face, False)
+            kind = surface.GetType()
+            if kind == GeomAbs_SurfaceType.GeomAbs_Plane:
+                position = surface.Plane().Position()
+                add_planar(planes.contours, len(planes.signs), forward, position)
+                planes.positions.append(position)
+                planes.signs.append(sign)
+            elif (quadric := _quadric(surface, kind)) is not None:
+                position, numbers = quadric
+                group = round_ if numbers[2] else straight
+                add_curved(group.contours, len(group.signs), forward, (_NONE, _NONE), split_lines=False)
+                group.positions.append(position)
+                group.shapes.append(numbers)
+                group.signs.append(sign)
+            else:
+                patch, contours = _patch(face, origin), Contours()
+                add_curved(contours, 0, forward, patch.breaks, split_lines=True)
+                self._surfaces.append(_Surface(patch, contours, np.array([sign]), turning=False))
+        if planes.signs:
+            flat = Planes(Frames.of(planes.positions, origin))
+            self._surfaces.append(_Surface(flat, planes.contours, np.array(planes.signs), turning=False))
+        for group, order in ((straight, 3), (round_, 24)):
+            if group.signs:
+                quadrics = Quadrics(Frames.of(group.positions, origin), np.array(group.shapes), order)
+                self._surfaces.append(_Surface(quadrics, group.contours, np.array(group.signs), turning=True))
+
+    def integrals(self, parts: int) -> Array:
+        """Integrals of 1; x, y, z; and their products over what the faces enclose.
+
+        Args:
+            parts: How many parts each smooth piece is divided into.
+
+        Returns:
+            Shape (10,): volume; first moments; second moments xx, xy, xz, yy, yz, zz.
+        """
+        total = np.zeros(10)
+        for surface in self._surfaces:
+            total += surface.integrals(parts)
+        return total
+
+
 def quadrature(shape: Any, origin: Array, parts: int) -> Array:
-    """Integrals of 1; x, y, z; and their products over what a shape encloses.
-
-    Args:
-        shape: A solid whose faces look outwards.
-        origin: A point near it, which its coordinates are taken with respect to; shape (3,).
-        parts: How many parts each smooth piece is divided into.
-
-    Returns:
-        Shape (10,): volume; first moments; second moments xx, xy, xz, yy, yz, zz.
-    """
-    planes, straight, round_ = _Group(), _Group(), _Group()
-    total = np.zeros(10)
-    for face in faces_of(shape):
-        orientation = face.Orientation()
-        if orientation not in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED):
-            continue
-        sign = -1.0 if orientation == TopAbs_Orientation.TopAbs_REVERSED else 1.0
-        forward = TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))
-        surface = BRepAdaptor_Surface(face, False)
-        kind = surface.GetType()
-        if kind == GeomAbs_SurfaceType.GeomAbs_Plane:
-            position = surface.Plane().Position()
-            add_planar(planes.contours, len(planes.signs), forward, position, parts)
-            planes.positions.append(position)
-            planes.signs.append(sign)
-        elif (quadric := _quadric(surface, kind)) is not None:
-            position, numbers = quadric
-            group = round_ if numbers[2] else straight
-            add_curved(group.contours, len(group.signs), forward, (_NONE, _NONE), parts, split_lines=False)
-            group.positions.append(position)
-            group.shapes.append(numbers)
-            group.signs.append(sign)
-        else:
-            patch = _patch(face, origin)
-            contours = Contours()
-            add_curved(contours, 0, forward, patch.breaks, parts, split_lines=True)
-            total += _integral(patch, contours.rule(turning=False, parts=parts), np.array([sign]), parts)
-    if planes.signs:
-        patch = Planes(Frames.of(planes.positions, origin))
-        total += _integral(patch, planes.contours.rule(False, parts), np.array(planes.signs), parts)
-    for group, order in ((straight, 3), (round_, 24)):
-        if group.signs:
-            patch = Quadrics(Frames.of(group.positions, origin), np.array(group.shapes), order)
-            total += _integral(patch, group.contours.rule(True, parts), np.array(group.signs), parts)
-    return total
+    """The integrals of :meth:`Boundary.integrals`, of a solid that is integrated over once."""
+    return Boundary(shape, origin).integrals(parts)
 
 
 def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:

@@ -1,10 +1,15 @@
 """How exact the mass properties of a solid are: the kernel's integration against stepbot's own, and against meshes.
 
-    simple solids          the kernel's, which is right to rounding there
-    both agree to 1e-5     stepbot's own; what they differ by is its error
-    both agree to 1e-3     stepbot's own where it has converged; what they differ by is its error
-    else                   whichever ever finer meshes tend to, and what it is off the limit of these
+    simple solids            the kernel's, which is right to rounding there
+    both agree to 1e-5       stepbot's own; what they differ by is its error
+    both agree to 1e-3, and  stepbot's own; the larger of both differences is its error
+      stepbot's own changes
+      by 1e-5 at most as its
+      pieces are halved
+    else                     whichever ever finer meshes tend to; its error is the larger of what it is off their limit
+                             and what it changed by last
 
+An error above 1e-3 means that the mass properties are not known.
 A solid is simple if all its faces are planes, cylinders, cones, spheres or tori between edges of few spans.
 """
 
@@ -26,7 +31,7 @@ from stepbot.geometry.volume import VolumeProperties
 
 from ..assembly import CERTAIN
 from ..kernel import MILLIMETRES_PER_METRE
-from ..quadrature.solids import properties_of, quadrature
+from ..quadrature.solids import Boundary, properties_of
 from ..topology import faces_of
 from .stitching import Stitched, is_watertight
 from .tessellation import Tessellation, tessellated
@@ -116,12 +121,13 @@ def is_simple(shape: Any) -> bool:
 
 def _integrated(shape: Any, origin: Array, kernel: VolumeProperties) -> Estimate | None:
     """By stepbot's own integration, until it agrees with the kernel's or does not change any more."""
-    last, parts, error = properties_of(quadrature(shape, origin, 1), origin), 1, inf
+    boundary = Boundary(shape, origin)
+    last, parts, error = properties_of(boundary.integrals(1), origin), 1, inf
     while last is not None and parts < _MOST_PARTS and error > _CONVERGED:
         if _apart(last, kernel) <= _AGREEMENT:
             return Estimate(last, _apart(last, kernel))
         parts *= 2
-        finer = properties_of(quadrature(shape, origin, parts), origin)
+        finer = properties_of(boundary.integrals(parts), origin)
         error = inf if finer is None else _apart(last, finer)
         last = finer
     return None if last is None else Estimate(last, error)
@@ -163,7 +169,7 @@ def _apart(a: VolumeProperties, b: VolumeProperties) -> float:
 
 
 def _moments(mesh: Stitched, origin: Array) -> Array:
-    """The ten integrals of :func:`.quadrature.quadrature` over a closed mesh."""
+    """The ten integrals of :meth:`.Boundary.integrals` over a closed mesh."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] - origin for k in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
     total = a + b + c

@@ -11,7 +11,7 @@ import pytest
 from robot_library.moments import Array
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.step.assembly import Body, BodyKind
-from stepbot.step.quadrature.solids import properties_of, quadrature
+from stepbot.step.quadrature.solids import Boundary, properties_of, quadrature
 from stepbot.step.shapes.error_estimate import estimated, is_simple
 from stepbot.step.shapes.exact import integrate, volume_properties
 from stepbot.step.shapes.tessellation import Fineness, tessellated
@@ -220,6 +220,33 @@ def test_what_nothing_confirms_is_uncertain() -> None:
     alone = estimated(shape, wrong, mesh, is_closed=False)
     assert alone.error > 0.1
     assert [name for name, _ in alone.opinions] == ["stepbot", "the kernel"]
+
+
+def scaled(properties: VolumeProperties, factor: float) -> VolumeProperties:
+    """As if there were more of the solid by a factor."""
+    unit = properties.unit_density
+    return VolumeProperties.of(factor * properties.volume, np.array(unit.com), factor * np.array(unit.inertia))
+
+
+def test_the_larger_difference_is_the_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Up to 1e-3 off the kernel, stepbot's integral counts once it has converged to 1e-5; else meshes decide."""
+    shape = as_nurbs(solids.cylinder(3, 10).shape)
+    right = properties_of(quadrature(shape, np.zeros(3), 2), np.zeros(3))
+    assert right is not None
+    mesh = tessellated(shape, Fineness(0.01, 0.2))
+    converged = estimated(shape, scaled(right, 1 + 2e-4), mesh, is_closed=False)
+    assert converged.properties.volume == pytest.approx(right.volume, rel=1e-8)
+    assert converged.error == pytest.approx(2e-4, rel=1e-2)
+
+    integrals = Boundary.integrals
+    monkeypatch.setattr(Boundary, "integrals", lambda self, parts: (1 + 4e-4 / parts) * integrals(self, parts))
+    alone = estimated(shape, right, mesh, is_closed=False)
+    assert alone.error == pytest.approx(5e-5, rel=1e-2), "changes by 5e-5, and is that far off the kernel"
+    assert alone.opinions, "nothing was decided by two ways alone"
+    monkeypatch.setattr(Boundary, "integrals", lambda self, parts: (1 + 4e-2 / parts) * integrals(self, parts))
+    by_meshes = estimated(shape, right, mesh, is_closed=True)
+    assert by_meshes.properties == right, "the one that meshes tend to"
+    assert estimated(shape, right, mesh, is_closed=False).error > 1e-3, "neither converges"
 
 
 def test_simple_solids_keep_the_kernels_numbers(tmp_path: Path) -> None:
