@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.runtime.temporary import run_folder
 from tests import parts
 from tests.command_line import COMMAND, convert_once, environment, snapshot
 
@@ -65,6 +66,7 @@ def desk(good: Path, tmp_path: Path, robot_library: Path, stepbot: Stepbot, monk
     for file in (SIDECAR, STEP):
         shutil.copy(robot_library / "stepbot_arm2" / file, desk.folder)
     desk.temporary.mkdir()
+    run_folder()  # that of this process, which a command in it shares
     monkeypatch.setenv("TMPDIR", str(desk.temporary))
     monkeypatch.setattr(tempfile, "tempdir", str(desk.temporary))
     monkeypatch.chdir(desk.folder)

@@ -71,7 +71,7 @@ class Reading:
         if self._worker is None:
             return None
         try:
-            assembly, diagnostics = self._result(time.monotonic() + timeout)
+            assembly, diagnostics = self._result(timeout)
         except WorkerDied as death:
             _report_death(death, self._place, found)
             return None
@@ -92,20 +92,19 @@ class Reading:
         if self._order is not None:
             self._order.folder.cleanup()
 
-    def _result(self, deadline: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
+    def _result(self, timeout: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
         """What the kernel's process answers, or another one that leaves out the bodies that ended those before."""
         assert self._worker is not None
         assert self._order is not None
+        deadline, left = time.monotonic() + timeout, timeout
         while True:
             try:
-                answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(
-                    max(deadline - time.monotonic(), 0.0)
-                )
+                answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(left)
             except WorkerDied as death:
                 again = self._attempt.after(death.reason) if time.monotonic() < deadline else None
                 if again is None:
                     raise
-                self._attempt = again
+                self._attempt, left = again, max(deadline - time.monotonic(), 0.0)
                 self._worker = self._order.submit(Worker(KERNEL, memory_limit=self._order.memory_limit), again)
             else:
                 return answer
