@@ -19,6 +19,8 @@ from stepbot_cli.application import application
 ROOT = Path(__file__).resolve().parents[1]
 _GENERATED_PART = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
+_MOST_LINES = 8
+"""Lines of an example of a diagnostic."""
 _LAYERS = re.compile(r"(## Who may import whom\n\n```text\n).*?(```\n)", re.DOTALL)
 
 
@@ -48,10 +50,31 @@ def architecture() -> str:
     return _LAYERS.sub(lambda match: f"{match[1]}{line}\n{match[2]}", text)
 
 
+def diagnostics() -> str:
+    """docs/diagnostics.md, each code with the beginning of its first transcript."""
+    folders = sorted((ROOT / "tests" / "diagnostics").glob("SB[0-9][0-9][0-9]_*"), reverse=True)
+    return diagnostics_page({folder.name[:5]: _example(folder) for folder in folders})
+
+
+def _example(folder: Path) -> str:
+    """The command of a transcript, where it has one, and the first diagnostic of its code."""
+    code = f"[{folder.name[:5]}]: "
+    blocks = (folder / "expected.txt").read_text(encoding="utf-8").rstrip().split("\n\n")
+    block = next(block for block in blocks if code in block.partition("\n")[0])
+    lines = block.splitlines()
+    shown = [*lines[:_MOST_LINES], "..."] if len(lines) > _MOST_LINES else lines
+    command = folder / "command"
+    if command.exists():
+        shown.insert(0, f"$ stepbot {command.read_text(encoding='utf-8').strip()}")
+    elif (folder / "robot.robot.yaml").exists():
+        shown.insert(0, "$ stepbot check robot.robot.yaml")
+    return "\n".join(shown)
+
+
 GENERATED: dict[str, Callable[[], str]] = {
     "docs/architecture.md": architecture,
     "schemas/robot-1.schema.json": schema_text,
-    "docs/diagnostics.md": diagnostics_page,
+    "docs/diagnostics.md": diagnostics,
     "docs/mapping.md": mapping_page,
     "README.md": readme,
 }

@@ -92,7 +92,7 @@ def test_code_is_explained(code: object) -> None:
     assert not code.title.endswith(".")
     for text in (code.what, code.why, code.fix):
         assert text.strip().endswith((".", "`", "?")) or "\n" in text, text
-    assert code.what in diagnostics_page()
+    assert code.what in diagnostics_page({})
 
 
 def test_codes_are_unique() -> None:

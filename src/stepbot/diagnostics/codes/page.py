@@ -1,5 +1,6 @@
 """The page of the documentation that lists every code."""
 
+from collections.abc import Mapping
 from itertools import groupby
 
 from . import CODES
@@ -29,8 +30,12 @@ warnings into errors. `stepbot explain CODE` prints the text of this page. Codes
 """
 
 
-def diagnostics_page() -> str:
-    """The whole page, Markdown."""
+def diagnostics_page(examples: Mapping[str, str]) -> str:
+    """The whole page, Markdown.
+
+    Args:
+        examples: For codes that have one, a command and what it reports.
+    """
     codes = sorted(CODES.values(), key=lambda code: code.id)
     sections = [INTRODUCTION]
     for digit, group in groupby(codes, key=lambda code: code.id[2]):
@@ -41,4 +46,6 @@ def diagnostics_page() -> str:
                 f"### {code.id}: {code.title}\n\n*{code.severity}{exit_code}*\n\n{code.what}\n\n"
                 f"**Why it matters.** {code.why}\n\n**How to fix it.** {code.fix}\n"
             )
+            if code.id in examples:
+                sections.append(f"```text\n{examples[code.id]}\n```\n")
     return "\n".join(sections)
