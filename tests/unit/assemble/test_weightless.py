@@ -119,7 +119,7 @@ def test_open_triangles_have_none(tmp_path: Path, found: ReadDiagnostics) -> Non
     assert robot.root.mass_properties.mass == 0.0
     (note,) = found
     assert (note.code, note.severity) == ("SB506", "note")
-    assert "its triangles do not close" in note.notes[0]
+    assert "its triangles are not closed" in note.notes[0]
     again = Diagnostics()
     assert _convert(drawing, tmp_path, '    parts: {"**": {mass: 5 g}}\n' + ONE, again) is None
     assert [d.code for d in again if d.severity == "error"] == ["SB503"]
