@@ -1,5 +1,6 @@
 """``stepbot init``: a first sidecar, drafted from a STEP file."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ from stepbot.diagnostics import Diagnostics, Span
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
+from .convert import default_output
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
@@ -66,6 +68,7 @@ def command(
     found.extend(drafting.diagnostics)
     draft = drafting.draft
     if draft is not None:
+        draft = replace(draft, robot=default_output(sidecar).name)
         if interactive:
             from .questions import asked
 

@@ -1,0 +1,74 @@
+"""docs/authoring.md: what it shows is what `stepbot init` drafts of a real arm, and what comes of it.
+
+``python -m tests.corpus.test_authoring CORPUS`` writes the output of the commands into the page again.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "authoring.md"
+STEP = "low_cost_robot_follower.step"
+SIDECAR = "follower.robot.yaml"
+COLUMNS = 100
+CONSOLE = re.compile(r"^```console\n\$ (stepbot [^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+pytestmark = pytest.mark.slow
+
+
+def blocks(kind: str, page: str) -> list[str]:
+    """The fenced blocks of a kind."""
+    return re.findall(rf"^```{kind}\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+
+
+def session(page: str, corpus: Path, folder: Path) -> Iterator[str]:
+    """Type the page's commands in a folder, with its edit behind the first; yields what each prints."""
+    shutil.copy(corpus / STEP, folder)
+    environment = {**os.environ, "COLUMNS": str(COLUMNS), "STEPBOT_NO_CACHE": "1"}
+    for number, (command, _) in enumerate(CONSOLE.findall(page)):
+        if number == 1:
+            edit = blocks("yaml", page)[1]
+            text = (folder / SIDECAR).read_text(encoding="utf-8")
+            (folder / SIDECAR).write_text(f"{text}\n{edit}", encoding="utf-8")
+        run = subprocess.run(
+            [sys.executable, "-m", "stepbot_cli", *command.split()[1:]],
+            cwd=folder,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            check=False,
+        )
+        assert run.returncode == 0, run.stdout
+        yield run.stdout
+
+
+def test_session(corpus: Path, tmp_path: Path) -> None:
+    """The commands print the page's lines with exit code 0, the draft has the page's joint, and the arm moves."""
+    page = PAGE.read_text(encoding="utf-8")
+    shown = [output for _, output in CONSOLE.findall(page)]
+    assert list(session(page, corpus, tmp_path)) == shown
+    assert blocks("yaml", page)[0] in (tmp_path / SIDECAR).read_text(encoding="utf-8")
+    (code,), (printed,) = blocks("python", page), blocks("text", page)
+    run = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, encoding="utf-8", check=False)
+    assert run.stdout == printed, run.stderr
+
+
+def refresh(corpus: Path) -> None:
+    """Write what the commands print into the page."""
+    page = PAGE.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        outputs = session(page, corpus, Path(folder))
+        page = CONSOLE.sub(lambda block: f"```console\n$ {block[1]}\n{next(outputs)}```", page)
+    PAGE.write_text(page, encoding="utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    refresh(Path(sys.argv[1]))
