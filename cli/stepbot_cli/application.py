@@ -1,6 +1,6 @@
 """The command group and its exit codes.
 
-A command's module is imported when it is asked for, and imports no more than click before the command runs.
+The module of a command is imported on demand, and imports only click before the command runs.
 """
 
 import importlib
@@ -32,18 +32,18 @@ COMMANDS = (
 """In the order of `--help`; the module of the same name holds it as ``command``."""
 
 INTERRUPTED = 130
-"""Exit code of a process that Ctrl-C ended."""
+"""Exit code after Ctrl-C."""
 
 
 class Commands(Group):
-    """Finds each command in the module of its name."""
+    """Loads each command from the module of the same name."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """In the order in which they are needed."""
+        """All commands, in the order of a typical workflow."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """The command of this name, or nothing."""
+        """The command of this name, or None."""
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(f"{__package__}.{cmd_name}").command
@@ -58,9 +58,9 @@ class Commands(Group):
 )
 @click.version_option(stepbot.__version__, prog_name="stepbot")
 def application() -> None:
-    """Turn one STEP assembly and one small sidecar into URDF, SDFormat and MJCF, and prove them.
+    """Convert a STEP assembly and a YAML sidecar to URDF, SDFormat and MJCF, and verify the files.
 
-    Results go to standard output, diagnostics and progress to standard error.
+    Results are written to standard output, diagnostics and progress to standard error.
     """
 
 
@@ -68,7 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run ``stepbot`` and return its exit code.
 
     Args:
-        argv: Arguments after the program's name; those of the process when left out.
+        argv: Arguments without the program name; default ``sys.argv[1:]``.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not end in an error where the locale is ASCII

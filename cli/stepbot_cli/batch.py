@@ -1,4 +1,4 @@
-"""``stepbot batch``: many robots, on all cores or on a cluster."""
+"""``stepbot batch``: convert many robots, on all cores or on a cluster."""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -32,9 +32,9 @@ _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
 
 
 def _cores(text: str) -> int:
-    """How many cores to use."""
+    """Number of cores."""
     if not text.isdecimal() or int(text) < 1:
-        raise click.BadParameter(f"'{text}' is not a number of cores, 1 or more")
+        raise click.BadParameter(f"'{text}' is not a positive number of cores")
     return int(text)
 
 
@@ -43,10 +43,15 @@ def _cores(text: str) -> int:
 )
 @click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
-    "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Gets a folder per robot."
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Output folder, with a subfolder per robot.",
 )
-@click.option("-j", "--jobs", type=_cores, metavar="N", help="Cores to use.  [default: all]")
-@click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster of tcp://HOST:PORT instead.")
+@click.option("-j", "--jobs", type=_cores, metavar="N", help="Number of cores.  [default: all]")
+@click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster at tcp://HOST:PORT.")
 @again_format_option
 @no_verify_option
 @strict_option
@@ -71,10 +76,10 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Convert many robots: sidecars, all those below a folder, or those that a .txt file lists, one a line.
+    """Convert many robots: sidecars, folders that are searched recursively, or .txt files with one path per line.
 
-    Each robot goes to a folder of its own in the output folder. One that fails does not stop the others, and one whose
-    input and files are what they were is not converted again: a batch that was stopped goes on where it was.
+    Each robot is written to its own subfolder of the output folder. A failure does not stop the other robots. Robots
+    whose input and files are unchanged are skipped, so an interrupted batch can be resumed.
     """
     from stepbot.jobs.batch import plan
     from stepbot.jobs.discovery import find_sidecars
@@ -87,7 +92,7 @@ def command(
     except StepbotError as error:
         found.extend(error.diagnostics)
     if found.has_errors:
-        return _told(found, [], as_json, display)
+        return _report(found, [], as_json, display)
     options = replace(
         options,
         output=output,
@@ -102,20 +107,20 @@ def command(
         from stepbot.jobs.batch import suites
 
         write_junit(junit, suites(outcomes))
-    return _told(found, outcomes, as_json, display)
+    return _report(found, outcomes, as_json, display)
 
 
 def _outcomes(
     tasks: "Sequence[Task]", options: "Options", jobs: int | None, scheduler: str | None, found: Diagnostics
 ) -> "list[Outcome]":
-    """What became of each robot, in the order of the tasks."""
+    """The outcome of each robot, in the order of the tasks."""
     from stepbot.jobs.batch import ClusterUnreachable, run_batch
 
     with ExitStack() as stack:
         try:
             executor, at_once = stack.enter_context(_executor(scheduler, jobs, len(tasks)))
         except ClusterUnreachable as error:
-            found.add("SB009", str(error), Span("stepbot"), help=["start one with `dask scheduler`"])
+            found.add("SB009", str(error), Span("stepbot"), help=["start a scheduler with `dask scheduler`"])
             return []
         runs = run_batch(tasks, options, options.output, executor, at_once=at_once, as_bytes=scheduler is not None)
         stack.enter_context(closing(runs))
@@ -148,7 +153,7 @@ def _executor(scheduler: str | None, jobs: int | None, tasks: int) -> "Iterator[
 
 @contextmanager
 def _bar(total: int) -> Iterator[Any]:
-    """Yield a function that is told each robot that is done; a bar with rate and remaining time on a terminal."""
+    """Yield a function to call with each finished robot; shows a progress bar on a terminal."""
     if not sys.stderr.isatty():
         with interruptible():
             yield lambda name: None
@@ -187,8 +192,8 @@ def _bar(total: int) -> Iterator[Any]:
         yield lambda name: bar.update(task, advance=1, description=printable(name))
 
 
-def _told(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, display: Display) -> int:
-    """Print what came of it; the exit code."""
+def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, display: Display) -> int:
+    """Print the outcomes; returns the exit code."""
     from stepbot.jobs.batch import batch_document
 
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
@@ -212,9 +217,9 @@ def _table(outcomes: "Sequence[Outcome]") -> list[str]:
     for outcome in outcomes:
         checks = counted(outcome)
         warnings = sum(one.severity == "warning" for one in outcome.diagnostics)
-        told = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in checks.items() if count) or "-"
+        passed = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in checks.items() if count) or "-"
         seconds = f"{outcome.seconds:.1f}" if outcome.seconds else "-"
-        rows.append((printable(outcome.task.name), outcome.status.value, told, str(warnings or "-"), seconds))
+        rows.append((printable(outcome.task.name), outcome.status.value, passed, str(warnings or "-"), seconds))
     head, *body = aligned([("robot", "result", "checks", "warnings", "seconds"), *rows])
     if color:
         words = [outcome.status.value for outcome in outcomes]

@@ -1,4 +1,4 @@
-"""``stepbot cache``: what is kept, and how to be rid of it."""
+"""``stepbot cache``: show or clear the cache."""
 
 from pathlib import Path
 
@@ -10,22 +10,22 @@ from .sizes import in_words
 from .terminal import write_json, write_result
 
 
-@click.group(cls=Group, short_help="Show or clear the results that are kept.", epilog="Example: stepbot cache info")
+@click.group(cls=Group, short_help="Show or clear the cache.", epilog="Example: stepbot cache info")
 def command() -> None:
-    """Results are kept by the content of everything that they depend on, so a stale one is never used.
+    """Show or clear the cache. Results are cached by the hash of all their inputs, so outdated results are never used.
 
-    To clear the cache costs time, nothing else. STEPBOT_CACHE names the folder, STEPBOT_CACHE_SIZE its limit, such as
-    500M; STEPBOT_NO_CACHE=1 switches it off.
+    Clearing the cache is always safe. STEPBOT_CACHE sets the folder and STEPBOT_CACHE_SIZE the size limit, such as
+    500M. STEPBOT_NO_CACHE=1 disables the cache.
     """
 
 
 @command.command(
-    "info", cls=Command, short_help="Where the cache is, and how large.", epilog="Example: stepbot cache info --json"
+    "info", cls=Command, short_help="Show location and size of the cache.", epilog="Example: stepbot cache info --json"
 )
 @folder_option
 @json_option
 def info(cache: Path | None, as_json: bool) -> int:
-    """Print folder, entries, size and limit."""
+    """Print the folder, number of entries, size and size limit."""
     kept = opened(cache)
     assert kept is not None  # not switched off
     usage = kept.usage()
@@ -39,11 +39,11 @@ def info(cache: Path | None, as_json: bool) -> int:
     return 0
 
 
-@command.command("clear", cls=Command, short_help="Remove all that is kept.", epilog="Example: stepbot cache clear")
+@command.command("clear", cls=Command, short_help="Remove all entries.", epilog="Example: stepbot cache clear")
 @folder_option
 @json_option
 def clear(cache: Path | None, as_json: bool) -> int:
-    """Remove all entries, and nothing else in the folder."""
+    """Remove all cache entries. Other files in the folder are kept."""
     kept = opened(cache)
     assert kept is not None  # not switched off
     removed = kept.clear()

@@ -1,4 +1,4 @@
-"""Options of the commands that keep results."""
+"""Options of the commands that cache results."""
 
 import os
 from collections.abc import Callable
@@ -19,18 +19,18 @@ folder_option = click.option(
     type=click.Path(path_type=Path),
     metavar="DIR",
     envvar="STEPBOT_CACHE",
-    help="Folder to keep results in.  [default: stepbot's in the user's cache folder]",
+    help="Cache folder.  [default: stepbot in the user's cache folder]",
 )
 
 
 def cache_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add where results are kept, or whether."""
-    off = click.option("--no-cache", is_flag=True, envvar="STEPBOT_NO_CACHE", help="Compute everything anew.")
+    """Add the options for the cache."""
+    off = click.option("--no-cache", is_flag=True, envvar="STEPBOT_NO_CACHE", help="Disable the cache.")
     return folder_option(off(command))
 
 
 def opened(folder: Path | None, off: bool = False) -> Cache | None:
-    """The cache that the options ask for; None where they ask for none."""
+    """The cache selected by the options; None if disabled."""
     if off:
         return None
     limit = size(os.environ[SIZE_VARIABLE]) if os.environ.get(SIZE_VARIABLE) else DEFAULT_LIMIT
@@ -38,6 +38,6 @@ def opened(folder: Path | None, off: bool = False) -> Cache | None:
 
 
 def say_trouble(cache: Cache | None, found: Diagnostics) -> None:
-    """Add a note where results could not be kept."""
+    """Add a note if results could not be cached."""
     if cache is not None and cache.trouble:
-        found.add("SB006", cache.trouble, Span("stepbot"), help=["`--cache DIR` names another folder"])
+        found.add("SB006", cache.trouble, Span("stepbot"), help=["choose another folder with `--cache DIR`"])

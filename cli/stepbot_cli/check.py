@@ -1,4 +1,4 @@
-"""``stepbot check``: sidecars on their own, or against the STEP files that they name."""
+"""``stepbot check``: check sidecars, optionally against their STEP files."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -47,9 +47,7 @@ class CheckCommand(Command):
     epilog="Example: stepbot check --step arm.robot.yaml",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
-@click.option(
-    "--step", metavar="[FILE]", help="Also read the STEP that the sidecar names, or FILE, and build the robot."
-)
+@click.option("--step", metavar="[FILE]", help="Also read the STEP file of the sidecar, or FILE, and build the robot.")
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @ignore_option
 @reading_options
@@ -64,9 +62,9 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Check sidecars; all faults of a file at once. Of a folder all below it, without any those of the current folder.
+    """Check sidecars and report all errors. Folders are searched recursively; the default is the current folder.
 
-    Opens no STEP file unless --step is given, and writes nothing. Prints what it finds to standard output.
+    STEP files are read only with --step. No files are written. Diagnostics are printed to standard output.
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.jobs.incremental import check
@@ -104,7 +102,7 @@ def command(
 
 
 def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display) -> None:
-    """Print the joint table of each robot, and how large those are that have no errors."""
+    """Print the joint table of each robot, and a summary of the valid ones."""
     wrong = {one.span.file for one in found if one.severity == "error"}
     for sidecar, robot in checked.items():
         name = printable(sidecar.as_posix())

@@ -1,4 +1,4 @@
-"""What every command has in common: an unforeseen exception becomes a diagnostic, in JSON where JSON was asked for."""
+"""Base classes and options of all commands; unexpected exceptions become diagnostics."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -14,7 +14,7 @@ from .terminal import Display
 
 
 class Group(click.Group):
-    """Commands, of which a misspelt one is answered with its neighbours."""
+    """A command group that suggests similar commands for unknown ones."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -27,8 +27,8 @@ class Group(click.Group):
         name = args[0]
         if not name.startswith("-") and self.get_command(ctx, name) is None and not ctx.resilient_parsing:
             commands = self.list_commands(ctx)
-            near = "".join(did_you_mean(name, commands)) or f"there are {', '.join(commands)}"
-            raise click.UsageError(f"no command '{name}'; {near}", ctx)
+            near = "".join(did_you_mean(name, commands)) or f"choose from {', '.join(commands)}"
+            raise click.UsageError(f"unknown command '{name}'; {near}", ctx)
         return super().resolve_command(ctx, args)
 
 
@@ -46,7 +46,7 @@ class Command(click.Command):
 
 
 def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
-    """An option that may be repeated and takes several names at once, with commas between."""
+    """An option that may be repeated and accepts a comma-separated list."""
     return click.option(*declarations, multiple=True, callback=_split, **attributes)
 
 
@@ -55,8 +55,8 @@ def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ..
     codes = tuple(code.upper() for code in _split(context, option, given))
     for code in codes:
         if code not in CODES:
-            near = "".join(did_you_mean(code, CODES)) or "`stepbot explain` lists all"
-            raise click.BadParameter(f"no code '{code}'; {near}")
+            near = "".join(did_you_mean(code, CODES)) or "list all codes with `stepbot explain`"
+            raise click.BadParameter(f"unknown code '{code}'; {near}")
         if CODES[code].severity == "error":
             raise click.BadParameter(f"{code} is an error, which cannot be ignored")
     return codes
@@ -84,13 +84,13 @@ def display_options(command: Callable[..., int]) -> Callable[..., int]:
     @wraps(command)
     def with_display(*, concise: bool, verbose: bool, quiet: bool, **others: Any) -> int:
         if verbose and quiet:
-            raise click.UsageError("--verbose and --quiet contradict each other; leave one of them out")
+            raise click.UsageError("--verbose and --quiet cannot be combined")
         return command(display=Display(concise, verbose, quiet), **others)
 
     options = (
-        click.option("-v", "--verbose", is_flag=True, help="Print everything, not only what fits a screen."),
+        click.option("-v", "--verbose", is_flag=True, help="Print full output instead of a summary."),
         click.option("-q", "--quiet", is_flag=True, help="Print errors and warnings only."),
-        click.option("--concise", is_flag=True, help="One line per finding, without code frame and help."),
+        click.option("--concise", is_flag=True, help="Print one line per diagnostic, without code frame and help."),
     )
     decorated: Callable[..., int] = with_display
     for option in reversed(options):

@@ -1,4 +1,4 @@
-"""What is in each component of an assembly, itself and all below it, summed up once from the leaves."""
+"""Totals of each component of an assembly, including its subtree."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ Box = tuple[Vector3, Vector3]
 
 @dataclass
 class Contents:
-    """Sums over a component and all below it."""
+    """Totals of a component and its subtree."""
 
     solids: int = 0
     surfaces: int = 0

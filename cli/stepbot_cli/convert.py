@@ -1,4 +1,4 @@
-"""``stepbot convert``: sidecar and STEP in, files and a proof out."""
+"""``stepbot convert``: convert a sidecar and a STEP file, and verify the written files."""
 
 import json
 import sys
@@ -33,11 +33,13 @@ format_option = names_option(
     "--format",
     "formats",
     metavar="FORMAT,...",
-    help="Write these formats, such as urdf,sdf; may be repeated.  [default: all]",
+    help="Formats to write, such as urdf,sdf; may be repeated.  [default: all]",
 )
-again_format_option = names_option("-f", "--format", "formats", metavar="FORMAT,...", help="As for `convert`.")
-strict_option = click.option("--strict", is_flag=True, help="Turn warnings, and so every loss, into errors.")
-no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load the written files in the engines.")
+again_format_option = names_option("-f", "--format", "formats", metavar="FORMAT,...", help="Same as for `convert`.")
+strict_option = click.option(
+    "--strict", is_flag=True, help="Turn warnings into errors, including all conversion losses."
+)
+no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
 @click.command(
@@ -47,7 +49,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load t
 )
 @click.argument("sidecar", type=click.Path(path_type=Path))
 @click.option(
-    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one that SIDECAR names."
+    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one in SIDECAR."
 )
 @format_option
 @click.option(
@@ -55,7 +57,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Do not load t
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder for the files.  [default: named like SIDECAR, in the current folder]",
+    help="Output folder.  [default: name of SIDECAR, in the current folder]",
 )
 @no_verify_option
 @strict_option
@@ -79,13 +81,13 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Write the robot that SIDECAR describes as URDF, SDFormat and MJCF, and verify the files.
+    """Convert the robot of SIDECAR to URDF, SDFormat and MJCF, and verify the files.
 
-    Each file is loaded in every engine that reads its format, and what the engine sees is compared with the CAD; the
-    table shows the worst deviation. After an error the former files in DIR are still there, untouched.
+    Each file is loaded in every engine that supports its format, and the loaded robot is compared with the CAD model.
+    The table lists the largest deviations. If an error occurs, existing files in DIR remain unchanged.
     """
     if no_verify and require:
-        raise click.UsageError("--require asks for engines that --no-verify does not start; leave one of them out")
+        raise click.UsageError("--require and --no-verify cannot be combined")
     options = replace(
         options,
         output=output or default_output(sidecar),
@@ -102,7 +104,7 @@ def command(
 def run_conversion(
     sidecar: Path, options: "Options", *, as_json: bool, display: Display, junit: Path | None = None
 ) -> int:
-    """Convert a sidecar and print what came of it; returns the exit code."""
+    """Convert a sidecar and print the result; returns the exit code."""
     from stepbot.jobs.incremental import convert
 
     with progress_bar() as progress:
@@ -120,7 +122,7 @@ def run_conversion(
 
 
 def _show(conversion: "Conversion", output: Path, display: Display) -> None:
-    """Print what was written, and what was proven of it."""
+    """Print the written files and the verification results."""
     if conversion.files:
         words = _files_words(conversion.files, written_to(conversion, output))
         write_result("\n".join(filled(words, screen_width(sys.stdout))))
@@ -145,7 +147,7 @@ def default_output(sidecar: Path) -> Path:
 
 
 def written_to(conversion: "Conversion", output: Path) -> Path:
-    """Where the files are: what failed is kept beside the folder that it was meant for."""
+    """Where the files are: files that fail verification are kept next to the output folder."""
     from stepbot.runtime.output import failed_output
 
     return failed_output(output) if conversion.diagnostics.has_errors else output
@@ -165,8 +167,8 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
             names.append(writer_of(name).NAME)
         except KeyError:
             known = (*FORMATS, *(alias for writer in FORMATS.values() for alias in writer.ALIASES))
-            remedy = "".join(did_you_mean(name, known)) or f"there are {', '.join(FORMATS)}"
-            raise click.BadParameter(f"no format '{name}'; {remedy}", param_hint="--format") from None
+            remedy = "".join(did_you_mean(name, known)) or f"choose from {', '.join(FORMATS)}"
+            raise click.BadParameter(f"unknown format '{name}'; {remedy}", param_hint="--format") from None
     return tuple(dict.fromkeys(names))
 
 

@@ -1,4 +1,4 @@
-"""The option that tells in which code page a STEP file has its names."""
+"""The option for the code page of names in STEP files."""
 
 import click
 
@@ -17,5 +17,5 @@ encoding_option = click.option(
     type=_code_page,
     default="",
     metavar="CODEPAGE",
-    help="Read names in the STEP that are neither ASCII nor UTF-8 in this code page, such as cp1251 or gbk.",
+    help="Code page of names in the STEP file that are neither ASCII nor UTF-8, such as cp1251 or gbk.",
 )

@@ -13,7 +13,7 @@ from .command import names_option
 from .sizes import size
 
 require_option = names_option(
-    "--require", metavar="ENGINE,...", help="Make it an error if one of these engines is absent; may be repeated."
+    "--require", metavar="ENGINE,...", help="Report an error if one of these engines is not installed; may be repeated."
 )
 
 
@@ -29,7 +29,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         seconds = nan
     if not (isfinite(seconds) and seconds > 0.0):
-        raise click.BadParameter(f"'{text}' is not a number of seconds above 0, such as 600 or 0.5")
+        raise click.BadParameter(f"'{text}' is not a positive number of seconds, such as 600 or 0.5")
     return seconds
 
 
@@ -39,20 +39,20 @@ def _default_limit() -> str:
 
 
 def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add what the worker processes may take."""
+    """Add the limits of the worker processes."""
     timeout = click.option(
         "--timeout",
         type=_seconds,
         default=DEFAULT_TIMEOUT,
         show_default=True,
         metavar="SECONDS",
-        help="Time that the kernel or an engine may take.",
+        help="Time limit for the geometry kernel and for each engine.",
     )
     memory = click.option(
         "--memory-limit",
         type=_limit,
         default=_default_limit,
         metavar="SIZE",
-        help="Memory that the kernel or an engine may take, such as 4G, or none.  [default: 3/4 of what there is]",
+        help="Memory limit for the geometry kernel and for each engine, such as 4G, or none.  [default: 3/4 of RAM]",
     )
     return timeout(memory(command))

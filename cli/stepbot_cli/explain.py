@@ -1,4 +1,4 @@
-"""``stepbot explain``: what a diagnostic code means."""
+"""``stepbot explain``: explain a diagnostic code."""
 
 import textwrap
 
@@ -13,12 +13,12 @@ from .terminal import write_result
 WIDTH = 100
 
 
-@click.command(cls=Command, short_help="Say what a diagnostic code means.", epilog="Example: stepbot explain SB301")
+@click.command(cls=Command, short_help="Explain a diagnostic code.", epilog="Example: stepbot explain SB301")
 @click.argument("code", required=False)
 def command(code: str | None) -> int:
-    """Say what a diagnostic CODE means, why it matters, and how to fix it.
+    """Explain a diagnostic CODE: what it means, why it matters, and how to fix it.
 
-    Without CODE: list all codes.
+    Without CODE, list all codes.
     """
     if code is None:
         write_result(
@@ -28,7 +28,7 @@ def command(code: str | None) -> int:
     known = CODES.get(code.upper())
     if known is None:
         near = "; ".join(did_you_mean(code.upper(), CODES))
-        raise click.BadParameter(f"there is no code '{code}'" + (f"; {near}" if near else ""), param_hint="CODE")
+        raise click.BadParameter(f"unknown code '{code}'" + (f"; {near}" if near else ""), param_hint="CODE")
     write_result(_explanation(known))
     return 0
 

@@ -1,4 +1,4 @@
-"""What the user sees where a command ends in an exception: a diagnostic, and the traceback that a report needs."""
+"""Reports exceptions as diagnostics, with a traceback for bug reports."""
 
 import io
 import traceback
@@ -22,7 +22,7 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
         package = error.name.partition(".")[0]
         extra = _EXTRAS.get(package)
         help = [f"pip install 'stepbot[{extra}]'" if extra else f"pip install {package}"]
-        found.add("SB003", f"package missing: no module named '{package}'", Span("stepbot"), help=help)
+        found.add("SB003", f"Python package missing: no module named '{package}'", Span("stepbot"), help=help)
     elif not isinstance(error, StepbotError):
         write_error("".join(traceback.format_exception(error)))
         _add_internal_error(error, found)
@@ -34,7 +34,7 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
 
 
 def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
-    """Report arguments that cannot be understood; returns the exit code."""
+    """Report invalid arguments; returns the exit code."""
     if not as_json:
         text = io.StringIO()
         error.show(text)
@@ -56,7 +56,7 @@ def _add_internal_error(error: Exception, found: Diagnostics) -> None:
         "SB901",
         f"internal error: {type(error).__name__}: {first_line}".rstrip(": "),
         Span("stepbot"),
-        help=["please report it with the traceback above, the sidecar and the STEP file"],
+        help=["please report a bug with the traceback above, the sidecar and the STEP file"],
         notes=place,
     )
 

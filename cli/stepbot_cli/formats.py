@@ -1,4 +1,4 @@
-"""``stepbot formats``: what can be written."""
+"""``stepbot formats``: list the output formats."""
 
 from typing import TYPE_CHECKING
 
@@ -11,12 +11,10 @@ if TYPE_CHECKING:
     from stepbot.formats import Writer
 
 
-@click.command(
-    cls=Command, short_help="List the formats that can be written.", epilog="Example: stepbot formats --json"
-)
+@click.command(cls=Command, short_help="List the output formats.", epilog="Example: stepbot formats --json")
 @json_option
 def command(as_json: bool) -> int:
-    """List the formats that can be written, and what each of them cannot say."""
+    """List the output formats, with the limitations of each."""
     from stepbot.formats import FORMATS
     from stepbot.formats.lowering import Level
 
@@ -25,9 +23,12 @@ def command(as_json: bool) -> int:
         return 0
 
     for name, writer in FORMATS.items():
-        aliases = f", also called {', '.join(writer.ALIASES)}" if writer.ALIASES else ""
+        aliases = f", alias {', '.join(writer.ALIASES)}" if writer.ALIASES else ""
         write_result(f"{name:<6} {writer.TITLE}, <robot>{writer.SUFFIX}{aliases}")
-        for level, title in ((Level.LOWERED, "said by other means"), (Level.REPORTED, "left out, and reported")):
+        for level, title in (
+            (Level.LOWERED, "written by other means"),
+            (Level.REPORTED, "not written, with a diagnostic"),
+        ):
             features = [feature.value for feature, support in writer.EXPRESSES.items() if support.level is level]
             if features:
                 write_result(f"       {title}: {'; '.join(features)}")

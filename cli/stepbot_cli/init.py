@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     "--output",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="The sidecar to write.  [default: STEP's name with .robot.yaml, beside it]",
+    help="Sidecar to write.  [default: name of STEP with .robot.yaml, in the same folder]",
 )
-@click.option("--force", is_flag=True, help="Overwrite a sidecar that exists.")
+@click.option("--force", is_flag=True, help="Overwrite an existing sidecar.")
 @click.option("-i", "--interactive", is_flag=True, help="Ask which link stands, and how doubtful joints move.")
 @reading_options
 @json_option
@@ -55,12 +55,12 @@ def command(
     from stepbot.pipeline.drafting import draft_step
 
     if interactive and as_json:
-        raise click.UsageError("--interactive asks questions, which --json has no place for; leave one of them out")
+        raise click.UsageError("--interactive and --json cannot be combined")
     sidecar = output or _beside(step)
     found = Diagnostics()
     if sidecar.exists() and not force:
         help = ["write another file with -o, or overwrite it with --force"]
-        found.add("SB012", "exists already, and was not overwritten", Span(sidecar.as_posix()), help=help)
+        found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
         return _told(None, sidecar, step, found, as_json=as_json, display=display)
     with progress_bar(("read",)) as progress:
         progress("read")

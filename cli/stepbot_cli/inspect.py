@@ -1,4 +1,4 @@
-"""``stepbot inspect``: what a STEP file holds, and what a joint can bind to."""
+"""``stepbot inspect``: show the contents of a STEP file."""
 
 import sys
 from pathlib import Path
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Show what a STEP file holds.",
+    short_help="Show the contents of a STEP file.",
     epilog="Example: stepbot inspect arm.step --between base forearm",
 )
 @click.argument("step", metavar="STEP", type=click.Path(path_type=Path))
 @click.option(
-    "--features", is_flag=True, help="List the axis lines of each component, with the origin that means each."
+    "--features", is_flag=True, help="List the axes of each component, with the origin that selects each axis."
 )
 @click.option(
     "--between",
     nargs=2,
     metavar="A B",
-    help="Show only the axis lines that two components share, and those up to 2 mm apart.",
+    help="Show only the axes shared by two components, and axes up to 2 mm apart.",
 )
 @click.option("--depth", type=click.IntRange(0), metavar="N", help="List components down to N levels below the root.")
 @click.option(
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     "glob",
     metavar="GLOB",
     default="",
-    help="List components that match a path or glob as in a sidecar, wherever in the tree: '*screw*'.",
+    help="List components that match a path or glob at any depth, such as '*screw*'.",
 )
-@click.option("--unfold", is_flag=True, help="List each occurrence of a part that a subassembly repeats.")
+@click.option("--unfold", is_flag=True, help="List repeated occurrences individually.")
 @reading_options
 @json_option
 @display_options
@@ -59,10 +59,10 @@ def command(
 ) -> int:
     """Show the components of a STEP file: paths to paste into a sidecar, names, solids, volumes, sizes, densities.
 
-    Sizes are those of boxes along the axes of the assembly. Occurrences of one part in one subassembly share a line
-    with their count, without --features; --json has all components, whatever is listed.
+    Sizes are those of bounding boxes along the assembly axes. Without --features, repeated occurrences within a
+    subassembly are listed as one line with a count. --json always includes all components.
 
-    STEP may also be a sidecar: then the STEP that it names is shown, and --between takes the names of links too.
+    If STEP is a sidecar, the STEP file of the sidecar is shown, and --between also accepts link names.
     """
     from stepbot.pipeline.stages import inspect
 

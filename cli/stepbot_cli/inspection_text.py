@@ -17,7 +17,7 @@ from .inspection_rows import Choice, Row, Rows, listed
 from .render import printable
 from .shared_axes import SharedAxes
 
-_VALIDATION_HEADINGS = ("component", "validation property", "in the file", "read", "deviation", "")
+_VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")
 _MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}
 """Unit, and how many of it are one of SI."""
 _HEADINGS = ("component", "count", "solids", "volume", "size [mm]", "center [mm]", "density", "product, occurrence", "")
@@ -76,10 +76,10 @@ def _left_out(rows: Rows, choice: Choice) -> Iterator[str]:
     if rows.deeper or rows.unmatched:
         yield ""
     if rows.deeper:
-        yield f"{_count(rows.deeper, 'component')} below depth {choice.depth} left out"
+        yield f"{_count(rows.deeper, 'component')} below depth {choice.depth} not shown"
     if rows.unmatched:
         verb = "does" if rows.unmatched == 1 else "do"
-        yield f"{_count(rows.unmatched, 'component')} that {verb} not match '{choice.glob}' left out"
+        yield f"{_count(rows.unmatched, 'component')} that {verb} not match '{choice.glob}' not shown"
 
 
 def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
@@ -99,11 +99,11 @@ def shared_axes_text(shared: SharedAxes) -> str:
     """The lines that two components or links share, or nearly share."""
     text = [f"{shared.words[0]} and {shared.words[1]} share {_count(len(shared.lines), 'axis', 'axes')}"]
     for line, snippet in zip(shared.lines, shared.snippets, strict=True):
-        chosen = ", taken by itself" if line is shared.chosen else ""
+        chosen = ", selected by default" if line is shared.chosen else ""
         text.append(f"    {_described(line)}, weight {millimetres(line.weight)}{chosen}  origin: {snippet}")
     for miss, (a, b) in zip(shared.misses, shared.miss_places, strict=True):
         tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
-        text.append(f"    {millimetres(miss.distance)}{tilt} apart: {quoted(a)} is not where {quoted(b)} is")
+        text.append(f"    {millimetres(miss.distance)}{tilt} apart: {quoted(a)} and {quoted(b)} are misaligned")
         text += [f"        {quoted(path)}: {_described(line)}" for path, line in ((a, miss.line_a), (b, miss.line_b))]
     return printable("\n".join(text))
 
@@ -116,7 +116,7 @@ def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
         _count(len(assembly.components) - 1, "component"),
         _count(total.solids, "solid") + _closed(assembly),
         *([_count(total.surfaces, "surface body", "surface bodies")] if total.surfaces else []),
-        f"{_volume(total.volume)} in all",
+        f"{_volume(total.volume)} in total",
     ]
     yield ", ".join(parts)
     yield from (f"{name}: {one_line(value)}" for name, value in assembly.facts.items())
@@ -146,7 +146,7 @@ def _materials(assembly: Assembly) -> str:
         return ""
     words = []
     for (material, density), count in counts.items():
-        name = f"'{one_line(material)}'" if material else "without name" if density else "none"
+        name = f"'{one_line(material)}'" if material else "unnamed" if density else "none"
         weight = f" {density:.6g} kg/m^3" if density else " without density" if material else ""
         words.append(f"{name}{weight} ({count})")
     return ", ".join(words)
@@ -173,8 +173,8 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
         body = assembly.bodies[component.body]
         if body.kind is not BodyKind.SOLID:
             yield {
-                BodyKind.SURFACE: "surface, weighs nothing",
-                BodyKind.TESSELLATED: "triangles only",
+                BodyKind.SURFACE: "surface, no mass",
+                BodyKind.TESSELLATED: "mesh only",
                 BodyKind.WIRE: "curves only",
             }[body.kind]
         if body.defect:
@@ -184,7 +184,7 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
     if component.material:
         yield f"material '{component.material}'"
     if component.by_ordinal_only:
-        yield "only #n tells it from its siblings"
+        yield "distinguished from siblings by #n only"
 
 
 def _validations(assembly: Assembly) -> list[str]:
@@ -203,7 +203,7 @@ def _validations(assembly: Assembly) -> list[str]:
         )
         for v in assembly.validations
     ]
-    head = f"{agree} of {_count(len(rows), 'validation property', 'validation properties')} of the file as read"
+    head = f"{agree} of {_count(len(rows), 'validation property', 'validation properties')} match"
     return ["", head, *aligned([_VALIDATION_HEADINGS, *rows])]
 
 

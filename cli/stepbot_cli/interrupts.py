@@ -1,4 +1,4 @@
-"""Signals that end a command, with all that it started: Ctrl-C, and the system's request to end.
+"""Handles signals that end a command: SIGINT, SIGTERM and SIGHUP.
 
 Python unwinds for them, so that processes are ended and half-written files removed on the way. Some libraries swallow
 what unwinds while they import their own: it is raised again at the next occasion.

@@ -1,4 +1,4 @@
-"""The joint table: where every joint is, and what its place was found by, for a person to check."""
+"""The joint table: position of every joint, and the evidence for it."""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -33,7 +33,7 @@ def joint_lines(rows: Sequence[JointRow], width: int, *, verbose: bool = False) 
     """
     width = max(width, _NARROWEST)
     from_file = all(row.evidence.basis is Basis.FILE for row in rows)
-    title = "Joints, in the frame of the base at q = 0:" if from_file else "Joints, as drawn, in the frame of the STEP:"
+    title = "Joints, in the base frame at q = 0:" if from_file else "Joints, as modelled in CAD, in the STEP frame:"
     lines = [title]
     for row in rows:
         mark = "?" if row.evidence.doubt else " "
@@ -101,7 +101,7 @@ def rival_words(rival: Rival) -> str:
 
 
 def _details(row: JointRow, *, verbose: bool) -> Iterator[str]:
-    through = "no engine tells where" if row.origin is None else point_words(row.origin)
+    through = "position not reported by any engine" if row.origin is None else point_words(row.origin)
     if row.axis is None:
         yield f"at {through}"
     else:

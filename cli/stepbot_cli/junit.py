@@ -1,4 +1,4 @@
-"""The option ``--junit``: results once more, for CI servers."""
+"""The option ``--junit``: results as JUnit XML, for CI servers."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +15,7 @@ junit_option = click.option(
 
 
 def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
-    """Write the results of robots to a file, whose folder is made where it is missing."""
+    """Write the results of robots to a file, creating its folder if necessary."""
     from stepbot.report.junit import junit_bytes
 
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""``stepbot library``: the robots that come with stepbot."""
+"""``stepbot library``: list, show or export the bundled robots."""
 
 import textwrap
 from dataclasses import replace
@@ -24,20 +24,20 @@ WIDTH = 100
 
 @click.group(
     cls=Group,
-    short_help="List, show or export the robots that come with stepbot.",
+    short_help="List, show or export the bundled robots.",
     epilog="Example: stepbot library export ur5e -o ur5e",
 )
 def command() -> None:
-    """Robots that come with stepbot, each a STEP file, a sidecar and a page that tells where every number is from.
+    """List, show or export the bundled robots: STEP file, sidecar, and a page with the source of every number.
 
-    NAME is as `stepbot library list` prints it; the maker's part of it may be left out.
+    NAME is a name printed by `stepbot library list`; the manufacturer prefix is optional.
     """
 
 
-@command.command("list", cls=Command, short_help="Name all robots.", epilog="Example: stepbot library list")
+@command.command("list", cls=Command, short_help="List all robots.", epilog="Example: stepbot library list")
 @json_option
 def list_(as_json: bool) -> int:
-    """Print the name of every robot, and what it is."""
+    """List all robots with a short description."""
     from stepbot.jobs.library import library_robots
 
     robots = library_robots()
@@ -52,7 +52,7 @@ def list_(as_json: bool) -> int:
 @click.argument("name")
 @json_option
 def show(name: str, as_json: bool) -> int:
-    """Print what the robot NAME is: its joints, its links, and where its files are."""
+    """Show the joints, links and files of the robot NAME."""
     robot = _found(name)
     if as_json:
         write_json(_described(robot))
@@ -72,7 +72,7 @@ def show(name: str, as_json: bool) -> int:
 @command.command(
     "export",
     cls=Command,
-    short_help="Write one robot in the formats you want.",
+    short_help="Write one robot in the selected formats.",
     epilog="Example: stepbot library export four_bar -f mjcf -o four_bar",
 )
 @click.argument("name")
@@ -82,12 +82,12 @@ def show(name: str, as_json: bool) -> int:
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder for the files.  [default: named like the robot, in the current folder]",
+    help="Output folder.  [default: name of the robot, in the current folder]",
 )
 @click.option(
     "--source",
     is_flag=True,
-    help="Write the STEP and the sidecar themselves, to change and convert, and no robot files.",
+    help="Write only the STEP file and the sidecar, for editing.",
 )
 @no_verify_option
 @working_options
@@ -107,7 +107,7 @@ def export(
     robot = _found(name)
     if source:
         if formats or no_verify:
-            raise click.UsageError("--source writes what robot files are made from: leave out --format and --no-verify")
+            raise click.UsageError("--source cannot be combined with --format or --no-verify")
         return _export_source(robot, output or Path(robot.short_name), as_json=as_json, display=display)
     options = replace(
         options, output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
@@ -118,11 +118,11 @@ def export(
 def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, display: Display) -> int:
     """Write the drawing, the sidecar and its schema; where another file of such a name is there, nothing is written."""
     files, found = robot.source(), Diagnostics()
-    help = ["-o DIR names another folder"]
+    help = ["choose another folder with -o DIR"]
     for name, content in files.items():
         path = folder / name
         if path.exists() and not (path.is_file() and path.read_bytes() == content):
-            found.add("SB004", "is there already, and is another file", Span(path.as_posix()), help=help)
+            found.add("SB004", "a different file with this name exists", Span(path.as_posix()), help=help)
     if not found.has_errors:
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -151,8 +151,10 @@ def _found(name: str) -> "LibraryRobot":
         robots = library_robots()
         same = [robot.name for robot in robots if robot.short_name == name]
         known = [*(robot.name for robot in robots), *(robot.short_name for robot in robots)]
-        remedy = " or ".join(same) or "".join(did_you_mean(name, known)) or "`stepbot library list` names all"
-        raise click.BadParameter(f"no robot '{name}'; {remedy}", param_hint="NAME") from None
+        remedy = (
+            " or ".join(same) or "".join(did_you_mean(name, known)) or "list all robots with `stepbot library list`"
+        )
+        raise click.BadParameter(f"unknown robot '{name}'; {remedy}", param_hint="NAME") from None
 
 
 def _described(robot: "LibraryRobot") -> dict[str, object]:

@@ -25,7 +25,7 @@ STAGES = {
 
 @contextmanager
 def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[str], None]]:
-    """Yield a function that is told each stage as it begins; Ctrl-C ends the block there at the latest.
+    """Yield a function to call at the start of each stage; Ctrl-C takes effect there at the latest.
 
     Args:
         stages: Stages to expect, of :data:`STAGES`.

@@ -1,4 +1,4 @@
-"""The proof on one screen: a line for each file, with the engines that read it and the worst deviation."""
+"""Verification summary: one line per file, with the engines and the worst deviation."""
 
 import sys
 from collections.abc import Sequence
@@ -62,8 +62,8 @@ def _counts(report: "Report") -> str:
     """How many checks passed, failed and did not run; what only stepbot's own parsers confirm is counted too."""
     statuses = [check.status.value for check in report.checks]
     own = len(report.read_back)
-    passed = f"{statuses.count('passed')} passed" + (f" ({own} by stepbot's own parsers alone)" if own else "")
+    passed = f"{statuses.count('passed')} passed" + (f" ({own} by stepbot's parsers only)" if own else "")
     absent = absent_engines(report)
     missing = f"; not installed: {', '.join(absent)}" if absent else ""
     failed, not_run = statuses.count("failed"), statuses.count("not run")
-    return f"{len(statuses)} checks: {passed}, {failed} failed, {not_run} not run (-v says why){missing}"
+    return f"{len(statuses)} checks: {passed}, {failed} failed, {not_run} not run (-v for reasons){missing}"

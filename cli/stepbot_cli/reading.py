@@ -1,4 +1,4 @@
-"""Options of the commands that read STEP files: the code page, what workers may take, where results are kept."""
+"""Options of the commands that read STEP files: code page, limits and cache."""
 
 from collections.abc import Callable
 from functools import wraps

@@ -1,4 +1,4 @@
-"""Diagnostics as text: with code frame and help, one line each, or as plain data for JSON."""
+"""Diagnostics as text, with code frames or one line each, or as JSON data."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -105,7 +105,7 @@ def summary(diagnostics: Iterable[Diagnostic], *, all_shown: bool = True, ignore
     text = ", ".join(filter(None, (text, f"{ignored} ignored" if ignored else "")))
     codes = [d.code for severity in ("error", "warning") for d in found if d.severity == severity]
     ways = [f"more: stepbot explain {codes[0]}"] if codes else []
-    ways += [] if all_shown else ["-v lists all"]
+    ways += [] if all_shown else ["-v shows all"]
     return f"{text} ({'; '.join(ways)})" if ways else text
 
 

@@ -1,4 +1,4 @@
-"""``stepbot schema``: the JSON Schema of the sidecar, and how an editor is told of it."""
+"""``stepbot schema``: print the JSON Schema of the sidecar."""
 
 import json
 
@@ -16,7 +16,7 @@ FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
     short_help="Print the JSON Schema of the sidecar.",
     epilog="Example: stepbot schema > robot-1.schema.json",
 )
-@click.option("--vscode", is_flag=True, help="Print the settings that make VS Code use it for every sidecar.")
+@click.option("--vscode", is_flag=True, help="Print VS Code settings that apply the schema to all sidecars.")
 def command(vscode: bool) -> int:
     """Print the JSON Schema of the sidecar, for editors and scripts."""
     if vscode:

@@ -1,4 +1,4 @@
-"""The axes that two components, or two links, have in common."""
+"""Axes shared by two components or links."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""``4G``, ``500 MB``: sizes as people write them."""
+"""Sizes in bytes with a unit prefix: ``4G``, ``500 MB``."""
 
 import re
 
@@ -12,7 +12,7 @@ def size(text: str) -> int:
     """Bytes, with a binary prefix if wanted.
 
     Raises:
-        click.BadParameter: That is no size.
+        click.BadParameter: The text is not a size.
     """
     match = _SIZE.fullmatch(text.strip())
     if match is None:
@@ -21,7 +21,7 @@ def size(text: str) -> int:
 
 
 def in_words(count: int) -> str:
-    """Bytes as people write them: ``1.4 GiB``."""
+    """A size with a unit prefix: ``1.4 GiB``."""
     amount, unit = float(count), "B"
     for larger in ("KiB", "MiB", "GiB", "TiB"):
         if amount < 1024.0:

@@ -1,4 +1,4 @@
-"""The proof as a table: one line per file and engine."""
+"""Verification results as a table: one line per file and engine."""
 
 import sys
 import textwrap
@@ -27,7 +27,7 @@ def show_table(report: "Report") -> None:
     shown = [row for row in report.rows() if not _is_absent(row)]
     lines = [*_table(shown, width, color), *_remarks(report, shown, width or FRAME_WIDTH)]
     if absent:
-        lines.insert(-1, f"not installed, so not run: {', '.join(absent)}")
+        lines.insert(-1, f"not installed: {', '.join(absent)}")
     write_result("\n".join(lines))
 
 
@@ -92,7 +92,7 @@ def _deviation(check: "Check | None") -> str:
     if check is None or check.deviation is None:
         return "-"
     unit = f" {check.unit}" if check.unit else ""
-    return f"{check.deviation:.1e}{unit}, {check.tolerance:.0e} allowed: {printable(check.where)}"
+    return f"{check.deviation:.1e}{unit}, tolerance {check.tolerance:.0e}: {printable(check.where)}"
 
 
 def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
@@ -108,7 +108,7 @@ def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
     counts = ", ".join(f"{statuses.count(status)} {status}" for status in STATUS_COLORS)
     lines.append("")
     if report.read_back:
-        own = f"{len(report.read_back)} passed by what stepbot's own parsers read back, since no engine tells of it"
+        own = f"{len(report.read_back)} passed by stepbot's parsers only, because no engine reports these quantities"
         lines += filled(own, width)
     return [*lines, *filled(f"{len(statuses)} checks: {counts}", width)]
 

@@ -35,12 +35,12 @@ def screen_width(stream: TextIO) -> int | None:
 
 
 def write_result(text: str) -> None:
-    """Print what was asked for."""
+    """Print to standard output."""
     _write(sys.stdout, text)
 
 
 def write_error(text: str) -> None:
-    """Print beside the result."""
+    """Print to standard error."""
     _write(sys.stderr, text)
 
 
@@ -56,11 +56,11 @@ class Display:
     """How much a command prints."""
 
     concise: bool = False
-    """One line per finding."""
+    """One line per diagnostic."""
     verbose: bool = False
-    """All there is, instead of what fits a screen."""
+    """Full output instead of a summary."""
     quiet: bool = False
-    """Errors and warnings, and nothing else."""
+    """Errors and warnings only."""
 
 
 def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), *, as_result: bool = False) -> None:

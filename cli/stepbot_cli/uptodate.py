@@ -1,4 +1,4 @@
-"""``stepbot uptodate``: whether committed files are what stepbot would write now."""
+"""``stepbot uptodate``: check that committed files are up to date."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Check that written files are what would be written now.",
+    short_help="Check that output files are up to date.",
     epilog="Example: stepbot uptodate arm.robot.yaml -o arm",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="DIR",
-    help="Folder of the files, where {name} stands for the robot and {folder} for that of its sidecar.  "
-    "[default: every folder below the current one that `convert` or `batch` has filled]",
+    help="Output folder; {name} is the robot, {folder} the folder of its sidecar.  "
+    "[default: all output folders of `convert` and `batch` below the current folder]",
 )
 @again_format_option
-@click.option("--ignore", multiple=True, metavar="GLOB", help="Do not compare these files; may be repeated.")
-@click.option("--strict", is_flag=True, help="As for `convert`.")
+@click.option("--ignore", multiple=True, metavar="GLOB", help="Exclude matching files; may be repeated.")
+@click.option("--strict", is_flag=True, help="Same as for `convert`.")
 @reading_options
 @json_option
 @display_options
@@ -48,10 +48,10 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Compare the files in each robot's folder with what `convert` would write; writes nothing.
+    """Compare the output files of each robot with what `convert` would write. No files are written.
 
-    Of a folder all sidecars below it, without any those of the current folder. Robot files and meshes are compared byte
-    by byte, of report.json what does not depend on the engines that are installed; no engine is asked.
+    Folders are searched recursively for sidecars; the default is the current folder. Robot files and meshes are
+    compared byte by byte, report.json without the parts that depend on installed engines. No engine is started.
     """
     from stepbot.jobs.discovery import find_sidecars, robot_name
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
@@ -77,4 +77,4 @@ def _folder(template: str, name: str, sidecar: Path) -> Path:
     try:
         return Path(template.format(name=name, folder=sidecar.parent.as_posix()))
     except (KeyError, IndexError, ValueError):
-        raise click.BadParameter(f"'{template}' has braces other than {{name}} and {{folder}}") from None
+        raise click.BadParameter(f"'{template}' contains a placeholder other than {{name}} and {{folder}}") from None

@@ -1,4 +1,4 @@
-"""``stepbot verify``: whether files, anyone's, are the same robot, and what the engines see in them."""
+"""``stepbot verify``: load robot files in all engines and compare the results."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from .terminal import Display, show_diagnostics, write_json
 
 @click.command(
     cls=Command,
-    short_help="Compare what engines see in robot files, anyone's.",
+    short_help="Compare robot files across engines.",
     epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco",
 )
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -40,10 +40,9 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Load URDF, SDFormat and MJCF files in every engine that reads them, and compare what the engines see.
+    """Load URDF, SDFormat and MJCF files in every engine that supports them, and compare the loaded robots.
 
-    The files need not be written by stepbot. Several files are taken for the same robot, and compared with the
-    first.
+    The files may come from any source. Several files must describe the same robot, and are compared with the first.
     """
     from stepbot.report.document import report_document
     from stepbot.report.junit import Suite

@@ -165,7 +165,7 @@ def test_missing_package_is_named(capsys: pytest.CaptureFixture[str], monkeypatc
     )
     code, _, err = run(capsys, "schema")
     assert code == 2
-    assert "error[SB003]: package missing: no module named 'lxml'" in err
+    assert "error[SB003]: Python package missing: no module named 'lxml'" in err
     assert "pip install lxml" in err
     assert "Traceback" not in err
 

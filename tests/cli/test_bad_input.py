@@ -80,7 +80,7 @@ def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
     place, message = block.lstrip().splitlines()[0].split(f": error[{code}]: ")
     if remedy:
         assert re.search(r"^ *= help: \S", block, re.MULTILINE), f"no remedy in:\n{block}"
-    assert re.search(r"^\d+ errors?.* \(more: stepbot explain SB\d{3}(; -v lists all)?\)$", run.err, re.MULTILINE)
+    assert re.search(r"^\d+ errors?.* \(more: stepbot explain SB\d{3}(; -v shows all)?\)$", run.err, re.MULTILINE)
     return place, message
 
 

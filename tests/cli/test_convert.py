@@ -99,7 +99,7 @@ def test_unknown_format(stepbot: Stepbot) -> None:
     """A format that is not there is wrong usage, with the near one."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "udrf")
     assert run.code == 2
-    assert "no format 'udrf'; did you mean 'urdf'?" in run.err
+    assert "unknown format 'udrf'; did you mean 'urdf'?" in run.err
 
 
 @pytest.mark.parametrize(

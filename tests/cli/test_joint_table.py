@@ -22,7 +22,7 @@ ARM2 = Path(__file__).parents[2] / "robot_library" / "stepbot_arm2" / "arm2.robo
 def test_a_joint_in_words() -> None:
     """Type, both links, axis and origin, and the faces with their radii and their length in common."""
     assert joint_lines([SHOULDER], 80) == [
-        "Joints, as drawn, in the frame of the STEP:",
+        "Joints, as modelled in CAD, in the STEP frame:",
         "  shoulder: revolute, base -> arm, axis -z through [0, 0, 102] mm",
         "    shaft of radius 10 mm in bore of radius 10.05 mm, 18 mm engaged",
     ]

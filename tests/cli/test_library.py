@@ -34,7 +34,7 @@ def test_show_tells_joints_links_and_files(stepbot: Stepbot, robot_library: Path
 
 
 @pytest.mark.parametrize(
-    ("name", "remedy"), [("ur5", "did you mean 'ur5e'?"), ("x", "`stepbot library list` names all")]
+    ("name", "remedy"), [("ur5", "did you mean 'ur5e'?"), ("x", "list all robots with `stepbot library list`")]
 )
 def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) -> None:
     """A near name is offered, or the list of names."""

@@ -14,8 +14,8 @@ def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
     run = stepbot("formats")
     assert run.code == 0
     assert [line.split()[0] for line in run.out.splitlines() if not line.startswith(" ")] == list(FORMATS)
-    assert "also called sdformat" in run.out
-    assert "left out, and reported" in run.out
+    assert "alias sdformat" in run.out
+    assert "not written, with a diagnostic" in run.out
 
 
 def test_formats_as_json(stepbot: Stepbot) -> None:

@@ -30,7 +30,7 @@ def test_one_line_per_file() -> None:
         ["sdf", "a.sdf", "failed", "reader, pybullet  mass: 5.0e-01 of 1e-09 kg"],
         ["mjcf", "a.xml", "not", "run  -                 -"],
     ]
-    counts = "7 checks: 4 passed (1 by stepbot's own parsers alone), 1 failed, 2 not run (-v says why)"
+    counts = "7 checks: 4 passed (1 by stepbot's parsers only), 1 failed, 2 not run (-v for reasons)"
     assert lines[4:] == [f"{counts}; not installed: drake"]
 
 
@@ -62,7 +62,7 @@ def test_repeated_notes_are_one_line() -> None:
     """All notes of a code are one line with their number; a single one is its message; the rest is a -v away."""
     text = render.screen([finding("note", "SB706", 1), finding("note", "SB708", 2), finding("note", "SB706", 3)])
     title = "initial pose not written"
-    assert text == f"note[SB706]: 2 x {title}\nnote[SB708]: subject 2: wrong\n3 notes (-v lists all)"
+    assert text == f"note[SB706]: 2 x {title}\nnote[SB708]: subject 2: wrong\n3 notes (-v shows all)"
 
 
 def test_repeated_warnings_are_counted() -> None:
@@ -74,7 +74,7 @@ def test_repeated_warnings_are_counted() -> None:
     assert text.count("warning[SB305]: subject") == 3
     assert text.count("error[SB130]: subject") == 9
     assert "\nwarning[SB305]: 2 more x path depends on sibling order\n" in text
-    assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v lists all)")
+    assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v shows all)")
 
 
 def test_folded_notes_are_cut_at_the_screen() -> None:
@@ -95,7 +95,7 @@ def test_success_is_one_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.
     lines = (run.err + run.out).splitlines()
     assert len(lines) <= 50
     assert max(map(cells, lines)) <= int(width)
-    assert " not run (-v says why)" in run.out.replace("\n    ", " ")
+    assert " not run (-v for reasons)" in run.out.replace("\n    ", " ")
 
 
 def test_verbose_and_quiet(arm: Path, stepbot: Stepbot) -> None:

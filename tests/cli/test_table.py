@@ -26,8 +26,8 @@ def test_one_line_per_file_and_engine(capsys: pytest.CaptureFixture[str]) -> Non
     lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
     assert [re.split(r"  +", line) for line in lines[:4]] == [
         ["format", "file", "engine", "result", "quantities", "worst deviation"],
-        ["urdf", "a.urdf", "mujoco", "passed", "2", "2.5e-16 kg, 1e-09 allowed: link 'arm'"],
-        ["sdf", "a.sdf", "pybullet", "failed", "1", "5.0e-01 kg, 1e-09 allowed: link 'arm'"],
+        ["urdf", "a.urdf", "mujoco", "passed", "2", "2.5e-16 kg, tolerance 1e-09: link 'arm'"],
+        ["sdf", "a.sdf", "pybullet", "failed", "1", "5.0e-01 kg, tolerance 1e-09: link 'arm'"],
         ["mjcf", "a.xml", "pybullet", "not run", "-", "mass not run: pybullet is not installed"],
     ]
 

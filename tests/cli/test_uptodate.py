@@ -33,8 +33,8 @@ def test_what_changed_is_told(written: Path, stepbot: Stepbot) -> None:
     run = stepbot(*UPTODATE, "arm2.robot.yaml")
     assert run.code == 1
     assert [line.partition(": error[SB007]: ")[::2] for line in run.out.splitlines()] == [
-        ("out/arm2/arm2.urdf", "is not what stepbot writes now"),
-        ("out/arm2/arm2.sdf", "is missing"),
+        ("out/arm2/arm2.urdf", "differs from the current output"),
+        ("out/arm2/arm2.sdf", "missing"),
     ]
     assert stepbot(*UPTODATE, "--ignore", "*.urdf", "--ignore", "*.sdf").code == 0
     assert not (written / "arm2.sdf").exists(), "it writes nothing"
@@ -47,8 +47,8 @@ def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> N
     sidecar.write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
     run = stepbot(*UPTODATE)
     assert run.code == 1
-    assert "out/arm2/arm3.urdf: error[SB007]: is missing" in run.out
-    assert "out/arm2/arm2.urdf: error[SB007]: is not written any more" in run.out
+    assert "out/arm2/arm3.urdf: error[SB007]: missing" in run.out
+    assert "out/arm2/arm2.urdf: error[SB007]: no longer written" in run.out
 
 
 def test_faulty_sidecar_is_told_as_such(written: Path, stepbot: Stepbot) -> None:
@@ -72,7 +72,7 @@ def test_missing_folder_is_one_error(written: Path, stepbot: Stepbot) -> None:
     run = stepbot("uptodate", "-o", "my robots/{name}", "arm2.robot.yaml")
     assert run.code == 1
     assert run.out.count("SB007]") == 1
-    assert "my robots/arm2: error[SB007]: no such folder" in run.out
+    assert "my robots/arm2: error[SB007]: output folder of" in run.out
     assert "`stepbot convert arm2.robot.yaml -o 'my robots/arm2'`" in run.out
     assert "SB001" in stepbot("uptodate", "-o", "my robots/{name}", "arm3.robot.yaml").out
 
@@ -86,8 +86,8 @@ def test_folder_is_found_by_its_list(written: Path, stepbot: Stepbot) -> None:
     Path("arm2", "arm2.urdf").unlink()
     run = stepbot("uptodate", "--concise")
     assert [line.partition(": error[SB007]: ")[::2] for line in run.out.splitlines()] == [
-        ("arm2/arm2.urdf", "is missing"),
-        ("out/arm2/arm2.sdf", "is missing"),
+        ("arm2/arm2.urdf", "missing"),
+        ("out/arm2/arm2.sdf", "missing"),
     ]
 
 
@@ -104,7 +104,7 @@ def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
     assert (run.code, run.out) == (0, "")
     Path("build", "left-arm2", "arm2.urdf").write_bytes(b"")
     run = stepbot("uptodate", "--concise")
-    assert run.out == "build/left-arm2/arm2.urdf: error[SB007]: is not what stepbot writes now\n"
+    assert run.out == "build/left-arm2/arm2.urdf: error[SB007]: differs from the current output\n"
     assert stepbot("uptodate", "right", "--concise").code == 0
 
 

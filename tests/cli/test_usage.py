@@ -22,7 +22,7 @@ from .conftest import Stepbot
         (["convert"], "stepbot convert", "Missing argument"),
         (["converrt"], "stepbot", "did you mean 'convert'?"),
         (["library", "exprot", "ur5e"], "stepbot library", "did you mean 'export'?"),
-        (["explain", "SB000"], "stepbot explain", "no code 'SB000'"),
+        (["explain", "SB000"], "stepbot explain", "unknown code 'SB000'"),
         (["convert", "a.yaml", "--no-verify", "--require", "mujoco"], "stepbot convert", "--require"),
     ],
 )
@@ -63,7 +63,7 @@ def test_jobs_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
     """Cores are counted."""
     run = stepbot("batch", ".", "-o", "out", "-j", value)
     assert run.code == 2
-    assert f"'{value}' is not a number of cores, 1 or more" in run.err
+    assert f"'{value}' is not a positive number of cores" in run.err
 
 
 @pytest.mark.parametrize("given", [("-f", "urdf,sdf"), ("-f", "urdf, sdformat", "-f", "sdf")])
@@ -79,7 +79,7 @@ def test_unknown_format_in_a_list(stepbot: Stepbot) -> None:
     """The one that is not there is named, not the list."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "urdf,udrf")
     assert run.code == 2
-    assert "no format 'udrf'; did you mean 'urdf'?" in run.err
+    assert "unknown format 'udrf'; did you mean 'urdf'?" in run.err
 
 
 @pytest.mark.parametrize("command", ["convert", "check"])
@@ -127,5 +127,5 @@ def test_missing_dask_names_the_extra(arm: Path, stepbot: Stepbot, monkeypatch: 
     monkeypatch.setitem(sys.modules, "distributed", None)
     run = stepbot("batch", str(arm), "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
     assert run.code == 2
-    assert "error[SB003]: package missing: no module named 'distributed'" in run.err
+    assert "error[SB003]: Python package missing: no module named 'distributed'" in run.err
     assert "pip install 'stepbot[dask]'" in run.err

@@ -1,4 +1,4 @@
-"""Finds sidecars: those that are named, and those below folders."""
+"""Finds sidecars by path, in folders, and in lists."""
 
 import os
 import re
@@ -13,7 +13,7 @@ _LIST = ".txt"
 
 
 def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
-    """The sidecars that somebody means, each once, in the order of the names.
+    """The sidecars of a list of paths, without duplicates, in order.
 
     Args:
         named: Sidecars; folders, for all sidecars below them, but for hidden folders; or ``.txt`` files that list
@@ -30,15 +30,15 @@ def _meant(path: Path, found: Diagnostics) -> list[Path]:
     if path.is_dir():
         below = _below(path)
         if not below:
-            help = ["sidecars are called `<robot>.robot.yaml`"]
-            found.add("SB001", "folder without sidecars", Span(path.as_posix()), help=help)
+            help = ["sidecars are named `<robot>.robot.yaml`"]
+            found.add("SB001", "no sidecars in this folder", Span(path.as_posix()), help=help)
         return below
     if path.suffix != _LIST:
         return [path]
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        found.add("SB001", f"list of sidecars: cannot be read: {error}", Span(path.as_posix()))
+        found.add("SB001", f"cannot read the list of sidecars: {error}", Span(path.as_posix()))
         return []
     entries = [line.strip() for line in lines]
     return find_sidecars([path.parent / entry for entry in entries if entry and not entry.startswith("#")], found)

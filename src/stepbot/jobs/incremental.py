@@ -1,8 +1,8 @@
-"""Converts and checks what has changed; of what has not it tells what came of it the last time.
+"""Converts and checks changed robots, and returns cached results for unchanged ones.
 
-Whatever a result depends on is in its key: the sidecar, the STEP, the options, the environment. To find one loads
-neither kernel nor engine, and not even numpy; only on a miss is the pipeline imported. What ended in an error of the
-kernel or of an engine is never kept, as the next try may fare better.
+The cache key includes everything that a result depends on: the sidecar, the STEP file, the options, the environment.
+A lookup loads neither kernel, engines nor numpy; the pipeline is imported on a cache miss only. Errors of the kernel
+or an engine are never cached, because they may be temporary.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ _NEVER_KEPT = "SB817"
 
 @dataclass(frozen=True)
 class Record:
-    """What came of a conversion without errors."""
+    """The result of a conversion without errors."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...]
@@ -35,7 +35,7 @@ class Record:
 
 @dataclass(frozen=True)
 class _Findings:
-    """What a check said."""
+    """The result of a check."""
 
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
@@ -43,7 +43,7 @@ class _Findings:
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
-    """Convert one sidecar, or find what came of it, and write the files."""
+    """Convert one sidecar or load the cached result, and write the files."""
     try:
         check_writable(options.output)
     except StepbotError as error:
@@ -54,7 +54,7 @@ def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = l
 
 
 def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
-    """Convert one sidecar, or find what came of it; nothing is written yet."""
+    """Convert one sidecar or load the cached result, without writing files."""
     record = recorded(sidecar, options)
     if record is not None:
         return _conversion_of(record)
@@ -74,7 +74,7 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
 
 
 def recorded(sidecar: Path, options: Options) -> Record | None:
-    """What came of a conversion with the same input; None where nobody knows."""
+    """The cached result of a conversion with the same input, if any."""
     if options.cache is None:
         return None
     content = _content(sidecar, options.cache)
@@ -86,7 +86,7 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
 
 
 def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, options: Options) -> str:
-    """Key of all that a conversion depends on.
+    """Cache key of a conversion.
 
     Args:
         sidecar: Path of the sidecar, as messages name it.

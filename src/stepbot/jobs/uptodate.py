@@ -1,8 +1,8 @@
-"""Whether files that were written are what would be written now.
+"""Checks whether written files are up to date.
 
-Robot files and meshes are compared byte by byte. Of ``report.json`` the part is compared that comes of the input alone:
-the robot, its bodies, names and joints. The proof in it depends on the engines that are installed, the findings on
-options. So no engine is asked, and the same files pass wherever stepbot runs.
+Robot files and meshes are compared byte by byte, ``report.json`` only in the parts that depend on the input alone: the
+robot, its bodies, names and joints. The verification results depend on the installed engines, and the diagnostics on
+options. No engine is started, so the result is the same on every machine.
 """
 
 import fnmatch
@@ -61,8 +61,8 @@ def check_up_to_date(
     folder = options.output
     remedy = [f"`{shlex.join(['stepbot', 'convert', sidecar.as_posix(), '-o', folder.as_posix()])}`"]
     if sidecar.exists() and not folder.is_dir():
-        what = f"no such folder: nothing has been written for '{sidecar.as_posix()}' here"
-        found.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "`-o DIR` names another folder"])
+        what = f"output folder of '{sidecar.as_posix()}' does not exist"
+        found.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "choose another folder with `-o DIR`"])
         return
     expected, diagnostics = _expected(sidecar, options, progress)
     if not expected:
@@ -75,7 +75,7 @@ def check_up_to_date(
         found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
     for name in _left_over(expected, folder, sidecar):
         if not _is_ignored(name, ignored):
-            found.add("SB007", "is not written any more", Span((folder / name).as_posix()), help=remedy)
+            found.add("SB007", "no longer written", Span((folder / name).as_posix()), help=remedy)
 
 
 def _expected(
@@ -96,10 +96,10 @@ def _differences(files: Mapping[str, bytes], folder: Path) -> list[tuple[str, st
         try:
             there = (folder / name).read_bytes()
         except OSError:
-            different.append((name, "is missing"))
+            different.append((name, "missing"))
             continue
         if there != content and not (name == REPORT and _same_robot(there, content)):
-            different.append((name, "is not what stepbot writes now"))
+            different.append((name, "differs from the current output"))
     return different
 
 

@@ -1,4 +1,4 @@
-"""What a conversion is asked for, and what comes of it; light enough for who only wants to know whether one is due."""
+"""Options and results of a conversion; imports no heavy modules."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -47,7 +47,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Checked:
-    """What a check found besides its diagnostics."""
+    """Result of a check, in addition to its diagnostics."""
 
     named: str = ""
     """What the sidecar calls its STEP; empty where it has errors."""
@@ -60,7 +60,7 @@ class Checked:
 
 @dataclass(frozen=True)
 class Conversion:
-    """What came of one sidecar."""
+    """Result of converting one sidecar."""
 
     diagnostics: Diagnostics
     robot: "Robot | None" = None

@@ -48,7 +48,7 @@ def draft_step(step: Path, options: Options) -> Drafting:
     stated = draft_of_mechanism(mechanism, assembly, step.stem) if mechanism is not None else None
     draft = stated or infer(assembly, step.stem)
     if mechanism is not None and stated is None:
-        note = "the STEP states kinematic pairs between links that are no components of it: they were not used"
+        note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))
     draft = replace(draft, without_density=without_density(assembly), equal_density=equal_density(assembly))
     return Drafting(found, draft, stated is not None)

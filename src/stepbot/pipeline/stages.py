@@ -1,10 +1,10 @@
-r"""The whole program on one page: sidecar and STEP in, three files and a proof out.
+r"""The conversion pipeline: sidecar and STEP file to verified robot files.
 
     sidecar -> Document \
                          build -> Robot -> passes -> Robot -> writers -> files -> simulators -> observations -> verify
     STEP    -> Assembly /
 
-Nothing here prints or decides an exit code: the result carries its diagnostics, the command line shows them.
+This module prints nothing. The result contains the diagnostics, which the command line shows.
 """
 
 from collections.abc import Callable, Mapping
@@ -49,7 +49,7 @@ SIDECAR_SUFFIXES = (".yaml", ".yml")
 
 @dataclass(frozen=True)
 class Inspection:
-    """What a STEP file holds."""
+    """The contents of a STEP file."""
 
     diagnostics: Diagnostics
     assembly: Assembly | None
@@ -78,7 +78,7 @@ def produce(
     Args:
         sidecar: The sidecar.
         options: How to convert it.
-        progress: Told each stage as it begins.
+        progress: Called at the start of each stage.
         kernel: A process that was started for it; None to start one where it is needed.
         server: A process that was started to start the engines; None likewise.
     """
@@ -235,7 +235,7 @@ def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
     for rule in found.unused_ignores:
         if rule.code.startswith(judged):
             about = f"{rule.subject}: " if rule.subject else ""
-            found.add("SB142", f"{about}nothing to ignore with code {rule.code}", rule.span, help=["remove the entry"])
+            found.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])
 
 
 def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
@@ -244,7 +244,10 @@ def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
     if not path.exists():
         folder = path.parent
         beside = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
-        remedies = (*did_you_mean(path.name, beside), "`step` is relative to the sidecar; `--step FILE` names another")
-        found.add("SB001", f"step: no file '{sidecar.document.step}'", sidecar.span("step"), help=remedies)
+        remedies = (
+            *did_you_mean(path.name, beside),
+            "`step` is relative to the sidecar; `--step FILE` selects another file",
+        )
+        found.add("SB001", f"step: file '{sidecar.document.step}' not found", sidecar.span("step"), help=remedies)
         found.raise_if_errors()
     return path

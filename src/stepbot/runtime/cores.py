@@ -1,4 +1,4 @@
-"""How many cores there are to use."""
+"""Available cores."""
 
 import os
 

@@ -18,4 +18,4 @@ def write_file(path: Path, content: bytes, found: Diagnostics) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        found.add("SB004", f"cannot be written: {error.strerror or error}", Span(path.as_posix()))
+        found.add("SB004", f"cannot write the file: {error.strerror or error}", Span(path.as_posix()))

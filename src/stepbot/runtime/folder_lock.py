@@ -38,7 +38,7 @@ def locked(folder: Path, seconds: float) -> Iterator[bool]:
         deadline = time.monotonic() + seconds
         while (taken := _take(descriptor)) is None:
             if time.monotonic() > deadline:
-                raise FolderInUse(f"another process has been writing into {folder} for {seconds:g} s")
+                raise FolderInUse(f"folder {folder} is locked by another process (waited {seconds:g} s)")
             time.sleep(_POLL)
         yield taken
     finally:

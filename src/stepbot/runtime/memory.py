@@ -1,4 +1,4 @@
-"""How much memory there is to use."""
+"""Available memory."""
 
 import os
 from pathlib import Path

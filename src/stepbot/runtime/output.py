@@ -54,7 +54,7 @@ def check_writable(folder: Path) -> None:
     if not nearest.is_dir():
         _refuse(folder, f"cannot write {folder}: '{nearest}' is not a folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
-        _refuse(folder, f"cannot write {folder}: no right to write in '{nearest}'")
+        _refuse(folder, f"cannot write {folder}: no write permission in '{nearest}'")
 
 
 def write_atomically(
@@ -82,8 +82,8 @@ def write_atomically(
         _make_folders(folder, made)
         with locked(folder, _LONGEST_WAIT) as is_alone:
             if not is_alone and found is not None:
-                message = "the file system has no locks: another conversion into this folder would not be noticed"
-                found.add("SB011", message, Span(str(folder)), help=["convert into it one robot after the other"])
+                message = "file system without locks: concurrent conversions into this folder are not detected"
+                found.add("SB011", message, Span(str(folder)), help=["run one conversion at a time"])
             staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
             try:
                 _check_case(files, staging, folder)
@@ -91,7 +91,7 @@ def write_atomically(
             finally:
                 shutil.rmtree(staging, ignore_errors=True)
     except FolderInUse as error:
-        _refuse(folder, str(error), "wait until it is done, or choose another folder with -o")
+        _refuse(folder, str(error), "wait until it has finished, or choose another folder with -o")
     except OSError as error:
         _refuse(folder, f"cannot write {error.filename or folder}: {error.strerror or error}")
     finally:
@@ -105,7 +105,7 @@ def discard(folder: Path) -> None:
         with locked(folder, _LONGEST_WAIT):
             _discard(folder)
     except FolderInUse as error:
-        _refuse(folder, str(error), "wait until it is done, or choose another folder with -o")
+        _refuse(folder, str(error), "wait until it has finished, or choose another folder with -o")
     except OSError:  # there is no such folder
         return
 
@@ -306,10 +306,10 @@ def _is_below(path: str) -> bool:
 
 def _check_path(path: str, folder: Path) -> None:
     if not _is_below(path):
-        _refuse(folder, f"'{path}' cannot be the name of a file here", "choose another name in the sidecar")
+        _refuse(folder, f"invalid file name '{path}'", "choose another name in the sidecar")
     parent = path.rpartition("/")[0]
     if parent and (link := _link_in(parent, folder)) is not None:
-        _refuse(folder, f"'{link}' is a symbolic link: files would be written elsewhere", f"remove '{link}'")
+        _refuse(folder, f"'{link}' is a symbolic link out of the output folder", f"remove '{link}'")
 
 
 def _link_in(path: str, folder: Path) -> str | None:
@@ -328,8 +328,8 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
     for path in files:
         other = first.setdefault(path.casefold(), path)
         if other != path:
-            message = f"'{other}' and '{path}' are one file on this file system"
-            _refuse(folder, message, "give them names in the sidecar that differ in more than upper and lower case")
+            message = f"'{other}' and '{path}' are the same file on this case-insensitive file system"
+            _refuse(folder, message, "choose names in the sidecar that differ in more than case")
 
 
 def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> None:
@@ -341,8 +341,8 @@ def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) ->
     for name, needs in descriptions.items():
         lost = [path for path, digest in needs.items() if changed.get(path, digest) != digest]
         if lost and _robot_of(name) not in ours and (folder / name).exists():
-            message = f"'{lost[0]}' is a mesh of '{name}' already, and another one"
-            _refuse(folder, message, f"give each robot a folder of its own with -o, or remove '{name}'")
+            message = f"mesh '{lost[0]}' would overwrite a different mesh of '{name}'"
+            _refuse(folder, message, f"give each robot its own folder with -o, or remove '{name}'")
 
 
 def _robot_of(name: str) -> str:
@@ -352,7 +352,7 @@ def _robot_of(name: str) -> str:
 
 
 def _refuse(
-    folder: Path, message: str, remedy: str = "choose another folder with -o, or get the right to write there"
+    folder: Path, message: str, remedy: str = "choose another folder with -o, or grant write permission"
 ) -> NoReturn:
     found = Diagnostics()
     found.add("SB004", message, Span(str(folder)), help=(remedy,))

@@ -37,8 +37,8 @@ class WorkerDied(Exception):
     """A worker ended without a result.
 
     Attributes:
-        reason: For people: which signal or exit code, out of time, out of memory.
-        last_lines: The end of what it printed.
+        reason: Signal, exit code, timeout or out of memory.
+        last_lines: The last lines of its output.
     """
 
     def __init__(self, reason: str, last_lines: tuple[str, ...]) -> None:
@@ -47,7 +47,7 @@ class WorkerDied(Exception):
 
 
 class RemoteError(Exception):
-    """The function raised in the worker: a bug of ours, or an import that failed.
+    """The function raised an exception in the worker.
 
     Attributes:
         kind: Name of the exception's type.

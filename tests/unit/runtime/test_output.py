@@ -78,7 +78,9 @@ def test_robots_in_one_folder_do_not_change_each_others_meshes(tmp_path: Path) -
     with pytest.raises(StepbotError) as error:
         write_atomically({"leg.urdf": b"leg", "report.json": b"2", "meshes/a.obj": b"a of the leg"}, tmp_path)
     assert codes(error.value) == ["SB004"]
-    assert "'meshes/a.obj' is a mesh of 'arm.urdf'" in str(next(iter(error.value.diagnostics)))
+    assert "mesh 'meshes/a.obj' would overwrite a different mesh of 'arm.urdf'" in str(
+        next(iter(error.value.diagnostics))
+    )
     assert contents(tmp_path) == before
     write_atomically({"arm.drake.sdf": b"sdf", "meshes/a.obj": b"new"}, tmp_path)
     (tmp_path / "arm.urdf").unlink()

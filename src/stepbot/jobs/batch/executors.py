@@ -101,7 +101,7 @@ def on_cluster(address: str) -> Iterator[tuple[Executor, int]]:
     try:
         client = Client(address, timeout=10)
     except (OSError, TimeoutError, ValueError) as error:
-        raise ClusterUnreachable(f"no scheduler answers at {address}: {error}") from error
+        raise ClusterUnreachable(f"scheduler at {address} does not respond: {error}") from error
     with client:
         # Killed workers are no fault of a robot: it is done again elsewhere, as often as it takes.
         executor = client.get_executor(pure=False, retries=10)

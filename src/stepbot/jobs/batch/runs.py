@@ -1,4 +1,4 @@
-"""A batch: every robot once, whatever becomes of the others."""
+"""Runs a batch; a failed robot does not affect the others."""
 
 import time
 from collections.abc import Generator, Sequence
@@ -20,7 +20,7 @@ from .work import Parcel, Work, carry_out, carry_out_parcel
 
 
 class Status(StrEnum):
-    """What became of a robot."""
+    """Result of one robot."""
 
     CONVERTED = "converted"
     UNCHANGED = "unchanged"
@@ -30,7 +30,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one robot."""
+    """Result of one robot, with diagnostics."""
 
     task: Task
     status: Status
@@ -121,7 +121,7 @@ def _result(future: "Future[Work]", task: Task) -> Work:
     try:
         return future.result()
     except WorkerDied as death:
-        found.add("SB902", f"the conversion ended: {death.reason}", span, notes=death.last_lines)
+        found.add("SB902", f"conversion failed: {death.reason}", span, notes=death.last_lines)
     except RemoteError as error:
         found.add("SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:])
     except Exception as error:  # noqa: BLE001 - executors raise what they like, the other robots go on

@@ -38,7 +38,7 @@ def plan(sidecars: Sequence[Path], folder: Path, found: Diagnostics) -> list[Tas
     for sidecar, name in zip(sidecars, names, strict=True):
         other = first.setdefault(name.casefold(), sidecar)
         if other != sidecar:
-            message = f"'{other.as_posix()}' has the same name, '{name}': both would be written to one folder"
-            help = ["rename one of the sidecars, or its folder"]
+            message = f"'{other.as_posix()}' has the same name '{name}' and output folder"
+            help = ["rename one of the sidecars or its folder"]
             found.add("SB008", message, Span(sidecar.as_posix()), help=help)
     return [Task(name, sidecar, folder / name) for sidecar, name in zip(sidecars, names, strict=True)]

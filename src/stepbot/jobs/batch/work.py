@@ -60,8 +60,8 @@ def carry_out_parcel(parcel: Parcel) -> Work:
     """Convert a robot that came as bytes; messages name the files as their owner knows them."""
     if parcel.version != stepbot.__version__:
         found = Diagnostics()
-        message = f"this worker has stepbot {stepbot.__version__}, the files are to be those of {parcel.version}"
-        found.add("SB009", message, Span(parcel.sidecar), help=["install the same stepbot on all machines"])
+        message = f"version mismatch: worker has stepbot {stepbot.__version__}, client has {parcel.version}"
+        found.add("SB009", message, Span(parcel.sidecar), help=["install the same version of stepbot on all machines"])
         return Work({}, tuple(found))
     from stepbot.pipeline import stages as pipeline
 
