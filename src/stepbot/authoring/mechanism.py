@@ -22,6 +22,8 @@ _TRIFLE = 0.02
 """Share of a cluster's volume below which a part does not count."""
 _EQUAL = 0.01
 """Share of its volume within which a body is as large as another."""
+_SCREW = 2e-3
+"""Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
 _WHEEL = 0.08
 """Share of the assembly's size from which a body of its own subassembly that spins is a wheel."""
 
@@ -171,7 +173,8 @@ class Mechanism:
             return False
         is_group = all(self._structure.are_together(i, members[0]) for i in members if i not in self._survey.small)
         is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
-        return is_large or (is_group and len(members) > 1)
+        is_heavy = self._survey.total_volume(members) > _SCREW * self._survey.volume
+        return is_large or (is_group and is_heavy and len(members) > 1)
 
     def _are_equal(self, one: int, two: int) -> bool:
         volumes = [self._survey.total_volume(self._clusters.members(root)) for root in (one, two)]

@@ -16,6 +16,8 @@ _LARGEST = 0.6
 """Share of the assembly's size from which a subassembly is more than a motor."""
 _BLOCK = 0.35
 """Share of its box that a motor fills; a bracket is a folded sheet."""
+_LEAST = 5e-3
+"""Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are used like one."""
 _SAME_AXIS = 5e-5
 """Distance [m] within which axes of equal parts agree."""
 
@@ -80,7 +82,7 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
     """Equal blocks that are held off an axis and drive on it, again and again the same axis of theirs."""
     equal: dict[int, list[int]] = defaultdict(list)
     for i, part in survey.parts.items():
-        if not part.is_small and _fill(survey, i) > _BLOCK:
+        if not part.is_small and part.volume > _LEAST * survey.volume and _fill(survey, i) > _BLOCK:
             equal[part.definition].append(i)
     motors = []
     for members in equal.values():
