@@ -44,7 +44,7 @@ def test_what_own_parsers_say_is_counted_apart(capsys: pytest.CaptureFixture[str
     """What passed because no engine told of it, but stepbot's own parser, has a line before the counts."""
     own = Check("a.urdf", "urdf", "extensions", "sensors", Status.PASSED)
     lines = table(capsys, PASSED, own)
-    assert lines[-2].startswith("1 passed by what stepbot's own parsers read back")
+    assert lines[-2].startswith("1 passed by stepbot's parsers only")
     assert lines[-1] == "2 checks: 2 passed, 0 failed, 0 not run"
 
 

@@ -47,7 +47,7 @@ def test_usage_errors_are_json_where_json_was_asked_for(
 
 def test_unknown_command_without_neighbours_lists_all(stepbot: Stepbot) -> None:
     """A word that is like no command gets the list of them."""
-    assert "there are init, convert, batch, inspect" in stepbot("xyzzy").err
+    assert "choose from init, convert, batch, inspect" in stepbot("xyzzy").err
 
 
 @pytest.mark.parametrize("value", ["abc", "0", "-1", "nan", "inf", "5 min"])
@@ -55,7 +55,7 @@ def test_timeout_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
     """A time limit is a number of seconds."""
     run = stepbot("convert", "a.yaml", "--timeout", value)
     assert run.code == 2
-    assert f"'{value}' is not a number of seconds above 0, such as 600" in run.err
+    assert f"'{value}' is not a positive number of seconds, such as 600" in run.err
 
 
 @pytest.mark.parametrize("value", ["abc", "0", "1.5"])
