@@ -1,0 +1,29 @@
+"""Sidecars drafted from real assemblies pass the check and convert as they are."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.command_line import stepbot
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    ("file", "links", "joints"),
+    [("simple_pendulum.step", 2, ["revolute"]), ("two_joint_servo_arm_ap242.step", 3, ["revolute", "revolute"])],
+)
+def test_draft_of_a_real_assembly_converts(
+    file: str, links: int, joints: list[str], corpus: Path, tmp_path: Path
+) -> None:
+    """`init` finds the joints that the assembly has; what it writes has warnings and no errors, up to the files."""
+    shutil.copy(corpus / file, tmp_path)
+    drafted = stepbot("init", file, "-o", "a.robot.yaml", "--json", cwd=tmp_path)
+    assert drafted.code == 0, drafted.out
+    document = json.loads(drafted.out)
+    assert (len(document["links"]), [joint["type"] for joint in document["joints"]]) == (links, joints)
+    converted = stepbot("convert", "a.robot.yaml", "-o", "out", cwd=tmp_path)
+    assert converted.code == 0, converted.err
+    assert (tmp_path / "out" / "a.urdf").is_file()
