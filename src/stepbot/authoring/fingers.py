@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
 from stepbot.step.faces import FaceKind
 
 from .part import largest
@@ -36,7 +37,7 @@ def direction_between(survey: Survey, one: Sequence[int], two: Sequence[int]) ->
 def centroid(survey: Survey, members: Sequence[int]) -> Array:
     """Of parts, by their volumes [m]."""
     parts = [survey.parts[i] for i in members]
-    total = sum(p.volume for p in parts)
+    total = exact_sum(p.volume for p in parts)
     if not total:
         return np.asarray(survey.box_of(members).mean(axis=0))
     return np.asarray(np.sum([p.volume * p.com for p in parts], axis=0) / total)

@@ -4,6 +4,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from stepbot.geometry.sums import exact_sum
+
 from .axis import Axis, are_parallel
 from .motors import Motor
 from .relations import Relation, Via, reach
@@ -70,7 +72,7 @@ class OutputAxes:
                 else:
                     of_case.append((local, [ballot]))
         best = {
-            definition: max(of_case, key=lambda vote: sum(weight for weight, _ in vote[1]))
+            definition: max(of_case, key=lambda vote: exact_sum(weight for weight, _ in vote[1]))
             for definition, of_case in votes.items()
             if of_case
         }

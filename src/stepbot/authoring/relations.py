@@ -10,6 +10,7 @@ from enum import StrEnum
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
 
 from .axis import SAME_LINE, Axis
 from .concentric import concentric_axis
@@ -71,7 +72,7 @@ class Relation:
     @property
     def area(self) -> float:
         """[m^2] in contact."""
-        return sum(patch.area for patch in self.patches)
+        return exact_sum(patch.area for patch in self.patches)
 
     @property
     def holes(self) -> int:

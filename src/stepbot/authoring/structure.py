@@ -83,7 +83,7 @@ class Structure:
         """Whether a subassembly is a list of things: pieces apart from each other, two of them held from outside."""
         inside = set(members)
         islands = self._survey.islands(members)
-        held = sum(any(self._survey.holders(i) - inside for i in island) for island in islands)
+        held = sum(1 for island in islands if any(self._survey.holders(i) - inside for i in island))
         return len(islands) >= 2 and held >= 2
 
 

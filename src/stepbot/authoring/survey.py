@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
 from stepbot.step.assembly import Assembly
 
 from .axis import Axis
@@ -52,7 +53,7 @@ class Survey:
         self.parts = read_parts(self.scene, self.contacts, use_names=sources.names)
         self.box = joint_box(self.parts.values())
         self.extent = float(np.linalg.norm(self.box[1] - self.box[0]))
-        self.volume = sum(part.volume for part in self.parts.values()) or 1.0
+        self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
         self.small = {i for i, p in self.parts.items() if p.is_small and p.size < _SMALL_SHARE * self.extent}
 
     def relation(self, a: int, b: int) -> Relation | None:
@@ -102,7 +103,7 @@ class Survey:
 
     def total_volume(self, members: Iterable[int]) -> float:
         """[m^3]."""
-        return sum(self.parts[i].volume for i in members)
+        return exact_sum(self.parts[i].volume for i in members)
 
     def box_of(self, members: Iterable[int]) -> Array:
         """The box (2, 3) [m] around parts."""

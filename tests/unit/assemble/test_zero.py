@@ -158,4 +158,4 @@ def test_other_kinds_refuse_zero(kind: JointKind, tmp_path: Path, found: ReadDia
     check_sidecar(loaded, found)
     (fault,) = found
     assert fault.code == "SB137"
-    assert fault.message == f"joint 'j': a {kind} joint has no 'zero'"
+    assert fault.message == f"joint 'j': 'zero' is not valid for type {kind}"

@@ -1,4 +1,4 @@
-"""Files whose statements are broken, doubled, dropped or of the wrong kind: what depends on them is told, by line."""
+"""Files whose statements are broken, doubled, dropped or has the wrong type: what depends on them is told, by line."""
 
 import re
 from pathlib import Path
@@ -60,7 +60,7 @@ def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
     (fault,) = complaints(damaged, tmp_path)
     assert fault.code == "SB222"
     assert "ADVANCED_FACE" in fault.notes[0]
-    assert "of the wrong kind" in fault.notes[0]
+    assert "has the wrong type" in fault.notes[0]
 
 
 def test_a_statement_that_does_not_end(text: str, tmp_path: Path) -> None:
