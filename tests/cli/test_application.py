@@ -143,7 +143,7 @@ def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monke
     assert (code, out) == (2, "")
     assert "Traceback (most recent call last)" in err
     assert "stepbot: error[SB901]: internal error: ZeroDivisionError: division by zero" in err
-    assert "please report it" in err
+    assert "please report a bug" in err
 
 
 def test_unforeseen_exception_is_json_where_json_was_asked_for(
