@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from stepbot.robot.pybullet_closures import add_constraints
+
+Json = Sequence[Mapping[str, Any]]
+
 ASLANT = (3.0, 4.0, -8.0)
 """A gravity [m/s^2] that moves joints which a plumb one would not."""
 
@@ -219,7 +223,7 @@ def run_in_pybullet(file: str, seconds: float, robot: Mapping[str, Any], step: f
     from tests.energies import Energies
 
     floating = robot["base"] == "floating"
-    body = _in_pybullet(file, floating, robot["pybullet"] or "", robot["joints"])
+    body = _in_pybullet(file, floating, robot["pybullet"], robot["joints"])
     if not floating:
         pybullet.setGravity(*ASLANT)
     pybullet.setTimeStep(step)
@@ -262,7 +266,7 @@ def energy_kept_in_pybullet(
 
     from tests.energies import Energies
 
-    body = _in_pybullet(file, False, robot["pybullet"] or "", robot["joints"])
+    body = _in_pybullet(file, False, robot["pybullet"], robot["joints"])
     pybullet.setGravity(*gravity)
     pybullet.changeDynamics(body, -1, linearDamping=0, angularDamping=0)
     for joint in _let_go(body):
@@ -283,7 +287,7 @@ def _let_go(body: int) -> list[int]:
     return joints
 
 
-def _in_pybullet(file: str, floating: bool, snippet: str, joints: Sequence[Mapping[str, Any]]) -> int:
+def _in_pybullet(file: str, floating: bool, constraints: Json, joints: Json) -> int:
     """A URDF as drawn, in a world with gravity and 1 ms steps, its base fixed or on a floor, its loops closed."""
     import pybullet
 
@@ -299,10 +303,7 @@ def _in_pybullet(file: str, floating: bool, snippet: str, joints: Sequence[Mappi
         lowest = min(pybullet.getAABB(body, i)[0][2] for i in range(-1, pybullet.getNumJoints(body)))
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE)
         pybullet.createMultiBody(0, plane, basePosition=(0, 0, lowest))
-    if snippet:
-        module: dict[str, Any] = {}
-        exec(compile(snippet, "snippet", "exec"), module)
-        module["close_loops"](body)
+    add_constraints(body, constraints)
     pybullet.setGravity(0, 0, -9.81)
     pybullet.setTimeStep(1e-3)
     return body
@@ -316,7 +317,7 @@ def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, 
     Args:
         file: The URDF.
         seconds: How long.
-        robot: What report.json says of the robot: base, joints, actuators, closures and the snippet that closes them.
+        robot: What report.json says of the robot: base, joints, actuators, closures and their constraints.
 
     Returns:
         What PyBullet printed, whether all stays finite, the largest speed, the widest gap of a loop [m], and how many
@@ -327,7 +328,7 @@ def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, 
     from stepbot.engines.captured_output import printed
 
     with printed() as lines:
-        body = _in_pybullet(file, robot["base"] == "floating", robot["pybullet"] or "", robot["joints"])
+        body = _in_pybullet(file, robot["base"] == "floating", robot["pybullet"], robot["joints"])
         infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
         moving = {info[1].decode(): info[0] for info in infos if info[3] >= 0}
         links = {pybullet.getBodyInfo(body)[0].decode(): -1, **{info[12].decode(): info[0] for info in infos}}

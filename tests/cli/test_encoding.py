@@ -90,4 +90,4 @@ def test_no_such_code_page_in_the_sidecar(crate: Path, stepbot: Stepbot) -> None
     write_sidecar(crate, "step_encoding: utf-16")
     run = stepbot("check", "crate.robot.yaml", "--concise")
     assert run.code == 1
-    assert "crate.robot.yaml:4:16: error[SB123]: step_encoding: 'utf-16' writes other bytes" in run.out
+    assert "crate.robot.yaml:4:16: error[SB123]: step_encoding: code page 'utf-16' is not ASCII-compatible" in run.out

@@ -201,7 +201,7 @@ def test_between_components(arm: Path, stepbot: Stepbot) -> None:
     document = json.loads(stepbot("inspect", "arm2.step", "--between", "base", "shoulder", "--json").out)
     (line,) = document["between"]["lines"]
     assert line["direction"] == pytest.approx([0, 0, 1])
-    assert line["weight"] == pytest.approx(0.030)
+    assert line["weight"] == pytest.approx(0.010)
     assert line["chosen"]
 
 

@@ -38,7 +38,7 @@ def reading_by(server: ForkServer) -> Read:
         looked = Diagnostics()
         part21 = check_step(step, str(step), looked)
         worker = None if part21 is None else server.call(str(step), str(step), part21, ReadOptions())
-        return Reading(worker, str(step), looked).finish(found, timeout=TIMEOUT)
+        return Reading(worker, None, str(step), looked).finish(found, timeout=TIMEOUT)
 
     return read
 

@@ -116,6 +116,6 @@ def test_a_closure_that_slides_converts_and_every_check_passes(folder: Path) -> 
     assert report["summary"]["failed"] == 0
     assert report["robot"]["degrees_of_freedom"] == 1
     assert report["robot"]["driven"] == ["shaft"]
-    assert "JOINT_PRISMATIC" in report["robot"]["pybullet"]
+    assert "JOINT_PRISMATIC" in {one["type"] for one in report["robot"]["pybullet"]}
     assert (conversion.folder / "crank_and_slide.drake.sdf").exists()
     assert "1 degree of freedom, driven by shaft" in conversion.run.out

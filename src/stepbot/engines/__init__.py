@@ -9,9 +9,10 @@ None of them imports the engine when it is imported itself. One that most people
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
-from .observation import Observation, Request
+if TYPE_CHECKING:  # to know the engines takes no numpy
+    from .observation import Observation, Request
 
 
 class Engine(Protocol):
@@ -27,7 +28,7 @@ class Engine(Protocol):
     def prepare(self) -> None:
         """Do the slow import."""
 
-    def observe(self, request: Request) -> Observation:
+    def observe(self, request: "Request") -> "Observation":
         """Say what is in a file; to be called in a worker process."""
 
 

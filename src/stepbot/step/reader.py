@@ -95,14 +95,14 @@ class Reading:
     def _result(self, timeout: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
         """What the kernel's process answers, or another one that leaves out the bodies that ended those before."""
         assert self._worker is not None
-        assert self._order is not None
         deadline, left = time.monotonic() + timeout, timeout
         while True:
             try:
                 answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(left)
             except WorkerDied as death:
-                again = self._attempt.after(death.reason) if time.monotonic() < deadline else None
-                if again is None:
+                in_time = time.monotonic() < deadline
+                again = self._attempt.after(death.reason) if self._order is not None and in_time else None
+                if again is None or self._order is None:
                     raise
                 self._attempt, left = again, max(deadline - time.monotonic(), 0.0)
                 self._worker = self._order.submit(Worker(KERNEL, memory_limit=self._order.memory_limit), again)
