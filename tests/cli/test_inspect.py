@@ -127,7 +127,7 @@ def test_depth_and_filter(arm: Path, stepbot: Stepbot) -> None:
     """What is listed, and how much is not; JSON has everything all the same."""
     out = stepbot("inspect", "arm2.step", "--depth", "1").out
     assert listed_paths(out) == [".", "base", "shoulder", "forearm"]
-    assert out.endswith("\n17 components below depth 1 left out\n")
+    assert out.endswith("\n17 components below depth 1 not shown\n")
     out = stepbot("inspect", "arm2.step", "--filter", "*screw*", "--unfold").out
     assert listed_paths(out) == [f"base/screw M6x12:{n}" for n in (1, 2, 3, 4)]
     assert "17 components that do not match '*screw*' not shown" in out
