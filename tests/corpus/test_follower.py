@@ -93,12 +93,12 @@ def test_total_mass_by_density_alone(step: Path, tmp_path: Path) -> None:
 
 
 def test_exact_mass_is_exact(exact: Conversion) -> None:
-    """`mass: exact` gives the kernel's values of every link, as far as its integral over spline faces is right."""
-    assert exact.report["robot"]["mass"] == pytest.approx(expected()["mass"], rel=1e-5)
+    """`mass: exact` gives the kernel's mass, com and inertia of every link, to 1e-6."""
+    assert exact.report["robot"]["mass"] == pytest.approx(expected()["mass"], rel=1e-9)
     links = {link["name"]: link for link in exact.report["robot"]["links"]}
     assert set(links) == set(expected()["links"])
     for name, body in _in_assembly(exact).items():
-        assert max(deviations(body, expected()["links"][name])) < 1e-4, name
+        assert max(deviations(body, expected()["links"][name])) < 1e-6, name
 
 
 def test_links_weigh_what_their_parts_weigh(follower: Conversion) -> None:
