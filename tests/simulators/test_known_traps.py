@@ -104,10 +104,10 @@ def test_pybullet_shakes_where_damping_is_too_much(share: float, grows: bool, tm
 
 @pytest.mark.pybullet
 def test_pybullet_is_asked_of_mjcf_whether_it_loads_and_no_more(arm: Folder) -> None:
-    """It gets poses wrong there: everything else is not run, and says why."""
+    """It computes wrong poses there: everything else is not run, and says why."""
     seen = look("pybullet", arm.request("mjcf"))
     assert set(Quantity) - set(seen.not_run) == {Quantity.LOAD}
-    assert {"gets poses wrong" in reason for reason in seen.not_run.values()} == {True}
+    assert {"computes wrong poses" in reason for reason in seen.not_run.values()} == {True}
 
 
 @pytest.mark.mujoco

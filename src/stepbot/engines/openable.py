@@ -11,16 +11,19 @@ from pathlib import Path
 from stepbot.runtime.temporary import run_folder
 
 
-@cache
 def openable(path: Path) -> Path:
     """An absolute path of a file, in UTF-8; files beside the file and below its folder have the same way from there.
 
     Raises:
         OSError: There cannot be a symbolic link.
     """
-    path = path.resolve()
-    if _is_utf8(path):
-        return path
+    absolute = path.resolve()  # not cached: what a relative path refers to changes with the current folder
+    return absolute if _is_utf8(absolute) else _linked(absolute)
+
+
+@cache
+def _linked(path: Path) -> Path:
+    """Another path of a file, by symbolic links; the same one on each call."""
     place = Path(tempfile.mkdtemp(dir=run_folder()))
     if _is_utf8(Path(path.name)):
         folder = next(folder for folder in path.parents if not _is_utf8(Path(folder.name)))
