@@ -1,10 +1,10 @@
-"""stepbot: one STEP assembly and one small sidecar become URDF, SDFormat and MJCF, proven equal.
+"""stepbot: convert a STEP assembly and a small sidecar to URDF, SDFormat and MJCF, verified in simulation engines.
 
-The functions of :mod:`stepbot.api` are names of this package; they are imported when they are first used.
+The functions of :mod:`stepbot.api` are names of this package; they are imported on first use.
 """
 
 TYPE_CHECKING = False
-"""As in ``typing``, which could be a file of the current folder: that is taken off the import path later."""
+"""Replaces ``typing.TYPE_CHECKING``: a ``typing.py`` in the current folder could be imported before that folder is removed from the import path."""
 
 if TYPE_CHECKING:
     from stepbot.api import (

@@ -7,5 +7,5 @@ from stepbot.runtime.import_path import restrict_import_path
 
 if __name__ == "__main__":
     restrict_import_path()  # `python -m` puts the current folder first
-    # By name: the library imports nothing of the command line, this entry point starts it.
+    # By name: the library must not import the command line.
     sys.exit(import_module("stepbot_cli").main())

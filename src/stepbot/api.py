@@ -1,7 +1,7 @@
 """The functions that ``import stepbot`` offers; see ``docs/api.md``.
 
-Each of them does what the command of the same name does, and returns what that command prints. None of them prints,
-and none raises for what is wrong with the input: results carry their diagnostics. Whoever prefers exceptions calls
+Each function does the same as the command of the same name and returns what that command prints. No function prints, or
+raises for invalid input: results carry their diagnostics. To get exceptions instead, call
 ``result.diagnostics.raise_if_errors()``.
 """
 
@@ -26,16 +26,16 @@ AnyPath = str | PathLike[str]
 
 @dataclass(frozen=True)
 class CheckResult:
-    """What :func:`check` found."""
+    """The result of :func:`check`."""
 
     diagnostics: Diagnostics
     checked: Checked
-    """Numbers of links and joints; the joint table where the STEP was read."""
+    """Number of links and joints; the joint table if the STEP was read."""
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What :func:`verify` found."""
+    """The result of :func:`verify`."""
 
     diagnostics: Diagnostics
     report: "Report"
@@ -60,24 +60,24 @@ def convert(
 
     Args:
         sidecar: The sidecar.
-        output: Folder for the files; None for a folder beside the current one, named after the sidecar.
+        output: Folder for the files; None for a folder in the current one, named after the sidecar.
         formats: Names or aliases of formats; empty for the default ones.
-        step: STEP file to read in place of the one that the sidecar names.
-        encoding: Code page of names in the STEP; empty for what the sidecar declares.
-        verify: Whether to load the files in engines and compare what these report.
+        step: STEP file to read instead of the one named in the sidecar.
+        encoding: Code page of names in the STEP; empty for the sidecar's.
+        verify: Whether to load the files in engines and compare the results.
         strict: Whether warnings are errors.
         require: Engines whose absence is an error.
-        ignore: Codes of warnings and notes that are not reported.
-        timeout: Time [s] that the geometry kernel or an engine may take.
+        ignore: Codes of warnings and notes to suppress.
+        timeout: Time limit [s] of the geometry kernel and of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
 
     Returns:
-        The files by path relative to ``output``, the report, and the diagnostics. After an error the former files in
-        ``output`` are unchanged.
+        The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
+            ``output`` are unchanged.
 
     Raises:
-        ValueError: There is no format of a name in ``formats``.
+        ValueError: A name in ``formats`` is not a format.
     """
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
 
@@ -113,10 +113,10 @@ def check(
 
     Args:
         sidecar: The sidecar.
-        open_step: Whether to read the STEP too, bind all paths and find all axes.
-        step: STEP file to read in place of the one that the sidecar names.
-        ignore: Codes of warnings and notes that are not reported.
-        timeout: Time [s] that the geometry kernel may take.
+        open_step: Whether to read the STEP, bind all paths and find all axes.
+        step: STEP file to read instead of the one named in the sidecar.
+        ignore: Codes of warnings and notes to suppress.
+        timeout: Time limit [s] of the geometry kernel.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
     """
@@ -143,18 +143,18 @@ def inspect(
     memory_limit: int | None = None,
     cache: AnyPath | bool = True,
 ) -> "Inspection":
-    """Read a STEP file, or the one that a sidecar names: ``stepbot inspect``.
+    """Read a STEP file, or the one named in a sidecar: ``stepbot inspect``.
 
     Args:
         step: STEP file or sidecar.
-        encoding: Code page of names in the STEP; empty for what the sidecar declares.
-        timeout: Time [s] that the geometry kernel may take.
+        encoding: Code page of names in the STEP; empty for the sidecar's.
+        timeout: Time limit [s] of the geometry kernel.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
 
     Returns:
-        The assembly with its components, bodies and axis lines, None after an error; what trimesh measures on each
-        body; and the diagnostics.
+        The assembly with its components, bodies and axis lines, or None after an error; trimesh's mass properties of
+            each body; and the diagnostics.
     """
     from stepbot.pipeline.stages import inspect as inspect_step
 
@@ -170,14 +170,14 @@ def verify(
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
 ) -> Verification:
-    """Load URDF, SDFormat and MJCF files in all engines and compare what these report: ``stepbot verify``.
+    """Load URDF, SDFormat and MJCF files in all engines and compare the results: ``stepbot verify``.
 
     Args:
         files: The files, not necessarily written by stepbot; several are compared as one robot.
         require: Engines whose absence is an error.
         strict: Whether warnings are errors.
-        ignore: Codes of warnings and notes that are not reported.
-        timeout: Time [s] that an engine may take.
+        ignore: Codes of warnings and notes to suppress.
+        timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
     """
     from stepbot.verification import verify_files
@@ -193,18 +193,18 @@ def verify(
 
 
 def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0) -> list[int]:
-    """Hold the closures of a robot in PyBullet, which reads them from no file.
+    """Add the loop closures of a robot to PyBullet, which reads them from no file.
 
     Args:
-        body: Id that ``pybullet.loadURDF`` returned. Its joints must be at positions that close the loops.
-        report: ``report.json`` of the robot, as a path or as the document that it holds.
-        client: Id that ``pybullet.connect`` returned.
+        body: Id returned by ``pybullet.loadURDF``. Its joints must be at positions that close the loops.
+        report: ``report.json`` of the robot, as a path or as the parsed document.
+        client: Id returned by ``pybullet.connect``.
 
     Returns:
         Ids of the constraints; none for a robot without closures.
 
     Raises:
-        KeyError: The body has no link of a name that a closure refers to.
+        KeyError: The body does not have a link that a closure refers to.
     """
     from stepbot.robot.pybullet_closures import add_constraints
 

@@ -1,4 +1,4 @@
-"""Assembly and sidecar become a robot, free of any format.
+"""Builds the format-independent robot from an assembly and a sidecar. May be called by ``pipeline``.
 
 material_assignment  density, colour and collision of each component
 claims               the link of each component
@@ -39,13 +39,13 @@ from .weigh import Weighing, report_weighing, report_weightless, weigh
 
 @dataclass(frozen=True)
 class Built:
-    """A robot, and what is still to be said about it."""
+    """A robot, and the checks that are still running for it."""
 
     robot: Robot
     double_counting: DoubleCounting
-    """Has to report before anything is written."""
+    """Must report before anything is written."""
     joint_table: tuple[JointRow, ...] = ()
-    """Where every joint and closure is, and what its place was found by."""
+    """The pose of every joint and closure as drawn, and how it was found."""
 
 
 def build_robot(
@@ -56,16 +56,16 @@ def build_robot(
     cache: Cache | None = None,
     process: Worker | None = None,
 ) -> Built | None:
-    """The robot that the sidecar makes of the assembly; None where there are errors, all of which are in ``found``.
+    """Build the robot that the sidecar describes; None if there are errors, all of which are in ``found``.
 
     Args:
-        assembly: What the STEP holds.
-        sidecar: A sidecar whose own check found no error.
-        measures: Gives, when it is needed, what trimesh measures on the mesh of each of ``assembly.bodies``; None where
-            it encloses no volume.
+        assembly: The content of the STEP file.
+        sidecar: A sidecar that passed its own check without errors.
+        measures: Called when needed: trimesh's mass properties of the mesh of each of ``assembly.bodies``; None for a
+            mesh that encloses no volume.
         found: Receives SB3xx, SB4xx and SB5xx.
-        cache: Where it is kept what overlaps; None for nowhere.
-        process: Where to look for what overlaps, once it has measured; None for this process.
+        cache: Cache for overlaps; None to disable it.
+        process: Worker that searches for overlaps after it has measured the meshes; None to search in this process.
     """
     document = sidecar.document
     binder = Binder(assembly, sidecar, found)
@@ -109,14 +109,14 @@ def build_robot(
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
-    """For each link the indices of the components whose bodies it has; what does not bind is reported in ``found``."""
+    """Indices of the components with bodies of each link; unresolved paths are reported in ``found``."""
     binder = Binder(assembly, sidecar, found)
     claims = claim(binder, assign_materials(binder).of)
     return {link: claims.parts_of(link) for link in sidecar.document.links}
 
 
 def _report_bodies(binder: Binder, claims: Claims, weighings: Sequence[Weighing]) -> None:
-    """Report bodies whose mass properties are not what one would expect, in links that are not given theirs."""
+    """Report bodies with unexpected mass properties, except in links whose mass properties are given."""
     links = binder.document.links
     given = {name for name, link in links.items() if link.inertial is not None and is_complete(link.inertial)}
     weighed = [index for index, link in enumerate(claims.link_of) if link and link not in given]

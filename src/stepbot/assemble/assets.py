@@ -1,7 +1,7 @@
-"""The robot's meshes: one per body and group of colours, and its hull, shared by all occurrences.
+"""The robot's meshes: one per body and group of colours, plus its hull, shared by all occurrences.
 
-Names come from the product that the body belongs to. They are given to all bodies of the assembly in file order, so
-that a change of the sidecar renames no mesh.
+A mesh is named after the product of its body. Names are assigned to all bodies of the assembly in file order, so that
+editing the sidecar renames no mesh.
 """
 
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ from .names import FALLBACK, UniqueNames, ascii_name
 
 @dataclass(frozen=True)
 class ColorGroup:
-    """The faces of a body that have one colour, in the occurrence that is drawn."""
+    """The faces of a body that share one colour, in the displayed occurrence."""
 
     geometry: MeshRef
     rgba: Rgba
 
 
 class MeshAssets:
-    """Makes each mesh once, when it is first asked for."""
+    """Creates each mesh once, on first use."""
 
     def __init__(self, assembly: Assembly) -> None:
         self._assembly = assembly
@@ -38,7 +38,7 @@ class MeshAssets:
         self._colors: dict[int, list[int]] = {}
 
     def all(self) -> tuple[MeshAsset, ...]:
-        """Every mesh that was asked for, sorted by name."""
+        """Every mesh used so far, sorted by name."""
         return tuple(
             sorted((asset for asset in self._made.values() if asset is not None), key=lambda asset: asset.name)
         )
@@ -53,9 +53,9 @@ class MeshAssets:
     def by_color(
         self, body: int, component: Component, overruled: Rgba | None, default: Rgba
     ) -> tuple[ColorGroup, ...]:
-        """The mesh of a body in one piece per colour, in the order of the body's colours.
+        """The mesh of a body split by colour, in the order of the body's colours.
 
-        A colour that overrules, or one colour on all faces, gives the whole mesh.
+        Returns the whole mesh if ``colour`` overrides the STEP's colours or if all faces have the same colour.
         """
         found = self._assembly.bodies[body]
         plain = component.color or default
@@ -68,7 +68,7 @@ class MeshAssets:
         return tuple(ColorGroup(self._group(body, tuple(indices)), rgba) for rgba, indices in groups.items())
 
     def hull(self, body: int) -> MeshRef | None:
-        """The convex hull of a body; None where it is flat."""
+        """The convex hull of a body; None if the body is flat."""
         key = ("hull", body)
         if key not in self._made:
             mesh = convex_hull(self._assembly.bodies[body].mesh.vertices)
@@ -78,13 +78,13 @@ class MeshAssets:
         return None if self._made[key] is None else self._reference(key)
 
     def merged(self, link: str, meshes: list[TriMesh]) -> MeshRef:
-        """The meshes of a link as one, in the link's frame."""
+        """The meshes of a link merged into one, in the link's frame."""
         key = ("merged", link)
         self._made[key] = self._named(f"{ascii_name(link)}_merged", joined(meshes), link)
         return self._reference(key)
 
     def merged_hull(self, link: str, points: Array) -> MeshRef | None:
-        """The convex hull of points (n, 3) of a link, in the link's frame; None where it is flat."""
+        """The convex hull of points (n, 3) [m] of a link, in the link's frame; None if they are coplanar."""
         key = ("merged hull", link)
         mesh = convex_hull(points)
         self._made[key] = None if mesh is None else self._named(f"{ascii_name(link)}_hull", mesh, link)
@@ -115,7 +115,7 @@ class MeshAssets:
         return MeshRef(asset.name)
 
     def _first_components(self) -> dict[int, Component]:
-        """For each body the first component that shows it."""
+        """For each body, the first component that displays it."""
         first: dict[int, Component] = {}
         for component in self._assembly.components:
             if component.body >= 0:
@@ -123,14 +123,14 @@ class MeshAssets:
         return first
 
     def _body_names(self) -> list[str]:
-        """A unique name for each body, from the first component that shows it."""
+        """A unique name for each body, from the first component that displays it."""
         return [
             self._names.unique(self._product_name(self._first[body]) if body in self._first else FALLBACK)
             for body in range(len(self._assembly.bodies))
         ]
 
     def _product_name(self, component: Component) -> str:
-        """Name of the nearest product, the component's own or one above it, that says something."""
+        """Name of the nearest product, of the component itself or an ancestor, whose name is not generic."""
         name = base_name(component.product, component.occurrence)
         if name != BODY:
             return ascii_name(name)

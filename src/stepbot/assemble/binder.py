@@ -1,4 +1,4 @@
-"""Looks up in the assembly what the sidecar names, and reports what it cannot find at its place in the sidecar."""
+"""Resolves the sidecar's component paths in the assembly and reports unresolved ones at their place in the sidecar."""
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.sidecar.document import Document
@@ -9,11 +9,11 @@ from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import ComponentPaths, quoted
 
 LISTED = 20
-"""How many names one message lists."""
+"""Maximum number of names in one message."""
 
 
 class Binder:
-    """One sidecar against one assembly."""
+    """One sidecar bound to one assembly."""
 
     def __init__(self, assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> None:
         self.assembly = assembly
@@ -28,28 +28,28 @@ class Binder:
         return self.sidecar.document
 
     def all(self, pattern: str, keys: Keys) -> tuple[int, ...]:
-        """Components that a path or glob names, in file order; empty after a diagnostic."""
+        """Components that match a path or glob, in file order; empty after a diagnostic."""
         return self._look_up(pattern, keys, one=False)
 
     def one(self, pattern: str, keys: Keys) -> int | None:
-        """The one component that a path or glob names; None after a diagnostic."""
+        """The only component that matches a path or glob; None after a diagnostic."""
         indices = self._look_up(pattern, keys, one=True)
         return indices[0] if indices else None
 
     def report(
         self, code: str, keys: Keys, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()
     ) -> None:
-        """Add a finding about what stands at ``keys`` in the sidecar."""
+        """Report a finding at the value under ``keys`` in the sidecar."""
         self.found.add(code, f"{subject(keys[:2])}: {message}", self.span(keys), help=help, notes=notes)
 
     def span(self, keys: Keys) -> Span:
-        """The place of a value; of a whole section, that of its name; the whole file where it has no such section."""
+        """The span of a value; for a section, the span of its key; the whole file if the section is missing."""
         if keys and keys[0] not in self.document.model_fields_set:
             return Span(str(self.sidecar.path))
         return self.sidecar.key_span(*keys) if len(keys) <= 2 else self.sidecar.span(*keys)
 
     def report_fragile(self) -> None:
-        """One warning for all paths that hold by ``#n`` alone."""
+        """Warn once for all paths that depend on an occurrence number ``#n``."""
         if self._fragile:
             named = tuple(f"line {span.line}: {quoted(pattern)}" for pattern, span in self._fragile.items())
             count = f"{len(named)} paths hold" if len(named) > 1 else "one path holds"
@@ -80,7 +80,7 @@ class Binder:
 
 
 def listed(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Names for the notes of a message: the first twenty, and how many more there are."""
+    """Names for the notes of a message: the first twenty, and the number of the others."""
     return names if len(names) <= LISTED else (*names[:LISTED], f"and {len(names) - LISTED} more")
 
 

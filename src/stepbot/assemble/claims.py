@@ -1,8 +1,8 @@
-"""Which link each component belongs to.
+"""Assigns each component to a link.
 
-A path that names a subassembly claims all below it; the nearest claim wins, so that a motor can be in one link and its
-horn in the next. What no link claims goes to the link with ``rest``, or is an error. Only components with a body that
-can be seen count: the others have nothing to give.
+A path to a subassembly claims everything below it; the nearest claim wins, so that a motor can be in one link and its
+horn in the next. Unclaimed components go to the link with ``rest``, or are an error. Only components with a visible
+body count: the others contribute nothing.
 """
 
 from collections.abc import Sequence
@@ -20,17 +20,17 @@ class Claims:
     """The link of each component."""
 
     link_of: tuple[str, ...]
-    """Name of the link that has the component's body; empty where it has none, or is ignored."""
+    """Link that owns the component's body; empty if the component has no body or is ignored."""
     incomplete: frozenset[str]
-    """Links of which a path names nothing, or too much: what depends on their parts is not known."""
+    """Links with a path that matches no component, or too many: results that depend on their parts are unknown."""
 
     def parts_of(self, link: str) -> tuple[int, ...]:
-        """Indices of the components whose bodies the link has, in file order."""
+        """Indices of the link's components with bodies, in file order."""
         return tuple(index for index, name in enumerate(self.link_of) if name == link)
 
 
 def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
-    """Give every component with a body to a link, and report what goes to none or to two."""
+    """Assign every component with a body to a link, and report components that are in no link or in two."""
     components, document = binder.assembly.components, binder.document
     claimed, named, incomplete = _named_by_links(binder)
     rest = next((name for name, link in document.links.items() if link.rest), "")
@@ -51,7 +51,7 @@ def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
 
 
 def _named_by_links(binder: Binder) -> tuple[dict[int, str], dict[tuple[str, int], tuple[int, ...]], list[str]]:
-    """Link by component, components by link and position among its parts, and links of which a path does not bind."""
+    """Link by component, components by link and position among its parts, and links with unresolved paths."""
     claimed: dict[int, str] = {}
     named: dict[tuple[str, int], tuple[int, ...]] = {}
     incomplete: list[str] = []
@@ -101,7 +101,7 @@ def _report_empty_claim(
 
 
 def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) -> None:
-    """One error for all components in no link, by subassembly where the whole of it is."""
+    """Report one error for all unassigned components; a subassembly is listed once if all of it is unassigned."""
     whole = _whole_subassemblies(binder, set(left))
     count = f"{len(left)} components are" if len(left) > 1 else "one component is"
     misspelt = (f"a path of link '{incomplete[0]}' matches nothing; one of these may be meant",) if incomplete else ()
@@ -119,7 +119,7 @@ def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) ->
 
 
 def _whole_subassemblies(binder: Binder, left: set[int]) -> list[int]:
-    """The fewest components that stand for ``left``: a subassembly where nothing below it is anyone's."""
+    """The fewest components that represent ``left``: a subassembly if nothing below it is assigned."""
     components = binder.assembly.components
     others = [False] * len(components)
     for component in reversed(components):

@@ -1,8 +1,8 @@
-"""What is touched of a link: hulls, meshes or simple shapes of its components, or shapes that the sidecar gives.
+"""Collision geometry of a link: hulls, meshes or simple shapes of its components, or shapes given in the sidecar.
 
-What a rule says of a component beats what is said of its link, and the default is the convex hull of each component. A
-box is along the axes of the component's definition. A cylinder or capsule is along one of these axes, or along the
-widest axis line of the body, whichever gives the smallest volume; a sphere is the smallest one around it.
+Rules under ``parts`` override the link; the default is the convex hull of each component. A box is aligned with the
+axes of the component's definition. A cylinder or capsule is aligned with one of these axes or with the widest axis line
+of the body, whichever gives the smallest volume; a sphere is the smallest enclosing one.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ class Placed:
 
 
 class Collisions:
-    """Makes the collision geometry of links."""
+    """Creates the collision geometry of links."""
 
     def __init__(self, binder: Binder, assets: MeshAssets) -> None:
         self._binder = binder
@@ -43,7 +43,7 @@ class Collisions:
         self._flat: list[str] = []
 
     def of(self, link: str, parts: Sequence[Placed]) -> tuple[Collision, ...]:
-        """Collision geometry of a link, component by component in file order, then what the link has as a whole."""
+        """Collision geometry of a link: by component in file order, then the shapes of the link as a whole."""
         said = self._binder.document.links[link].collision
         shape = said if isinstance(said, CollisionShape) else CollisionShape.HULL if said is None else None
         placed: list[_Placed] = []
@@ -63,7 +63,7 @@ class Collisions:
         )
 
     def report_flat(self) -> None:
-        """One warning for all components that should have collision geometry and are too flat for it."""
+        """Warn once about all components that need collision geometry but are too flat for it."""
         if self._flat:
             what = f"{len(self._flat)} components are" if len(self._flat) > 1 else f"{self._flat[0]} is"
             self._binder.found.add(
@@ -88,7 +88,7 @@ class Collisions:
         return [(geometry, part.X_LC @ X_CG)]
 
     def _fit(self, index: int, body: int, shape: CollisionShape) -> _Placed | None:
-        """Geometry of a body and its pose in the definition; None where it is too flat."""
+        """Geometry of a body and its pose in the definition; None if the body is too flat."""
         if shape is CollisionShape.MESH:
             return self._assets.body(body), IDENTITY
         if shape is CollisionShape.HULL:
@@ -100,7 +100,7 @@ class Collisions:
         return _simple(shape, self._binder.assembly.bodies[body].mesh.vertices, axes)
 
     def _merged(self, link: str, parts: Sequence[Placed], shape: CollisionShape) -> list[_Placed]:
-        """One shape around all of a link's components that have none of their own, in the link's frame."""
+        """One shape that encloses all components of a link without own collision geometry, in the link's frame."""
         if shape is CollisionShape.NONE:
             return []
         bodies = self._binder.assembly.bodies
@@ -127,12 +127,12 @@ def _simple(shape: CollisionShape, points: Array, axes: Sequence[Array]) -> _Pla
         return sphere_around(points)
     if shape is CollisionShape.CYLINDER:
         return cylinder_around(points, axes)
-    assert shape is CollisionShape.CAPSULE  # what is not supported has ended the build before
+    assert shape is CollisionShape.CAPSULE  # unsupported shapes have already ended the build
     return capsule_around(points, axes)
 
 
 def _given(shape: Shape) -> _Placed:
-    """A primitive that the sidecar gives, and its pose in the link."""
+    """A primitive given in the sidecar, and its pose in the link."""
     X_LG = Pose.from_xyz_rpy(shape.origin.xyz, shape.origin.rpy)
     if isinstance(shape, BoxShape):
         return Box(shape.size), X_LG

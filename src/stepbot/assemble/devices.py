@@ -1,4 +1,4 @@
-"""What is mounted on the robot: named frames, actuators and sensors."""
+"""Devices mounted on the robot: named frames, actuators and sensors."""
 
 from math import inf, pi
 
@@ -17,18 +17,18 @@ CAMERA_FOV = pi / 3.0
 LIDAR_FOV = 2.0 * pi
 RESOLUTION = (640, 480)
 SAMPLES = 360
-"""What a camera or a lidar has where the sidecar does not say."""
+"""Defaults for the optional settings of a camera or a lidar."""
 
 
 def build_frames(binder: Binder, frames: Frames) -> tuple[Frame, ...] | None:
-    """The named frames in the sidecar's order; None where one is not known."""
+    """The named frames, in the sidecar's order; None if one cannot be resolved."""
     built = [_frame(binder.document, frames, name) for name in binder.document.frames]
     named = tuple(frame for frame in built if frame is not None)
     return named if len(named) == len(built) else None
 
 
 def build_actuators(document: Document) -> tuple[Actuator, ...]:
-    """The actuators in the sidecar's order."""
+    """The actuators, in the sidecar's order."""
     return tuple(
         Actuator(name, drive.joint, drive.kind, drive.kp.value, drive.kv.value, drive.gear, limit=_limit(drive.limits))
         for name, drive in document.actuators.items()
@@ -36,7 +36,7 @@ def build_actuators(document: Document) -> tuple[Actuator, ...]:
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:
-    """The sensors in the sidecar's order; None where a frame is not known."""
+    """The sensors, in the sidecar's order; None if a frame cannot be resolved."""
     built = [_sensor(binder.document, frames, name) for name in binder.document.sensors]
     sensors = tuple(sensor for sensor in built if sensor is not None)
     return sensors if len(sensors) == len(built) else None
@@ -62,10 +62,10 @@ def _sensor(document: Document, frames: Frames, name: str) -> Sensor | None:
     section = document.sensors[name]
     joint = section.joint or ""
     if section.type is SensorKind.FORCE_TORQUE and section.link is not None:
-        # Between a link and what carries it: the joint above it.
+        # Between a link and its parent: the joint above the link.
         joint = next(key for key, above in document.joints.items() if above.child == section.link)
     link = document.joints[joint].child if joint else section.link
-    assert link is not None  # the sidecar's own check has a sensor name a link or a joint
+    assert link is not None  # the sidecar's own check requires a sensor to name a link or a joint
     X_LS: Pose | None = IDENTITY
     if section.origin is not None:
         X_WS, X_WL = frames.resolve(section.origin, Wanted(("sensors", name, "origin"))), frames.link(link)

@@ -1,4 +1,4 @@
-"""Tells how much mass overlapping solids count twice: a warning where that matters for a link, else a note."""
+"""Reports mass counted twice by overlapping solids: a warning if it is significant for a link, else a note."""
 
 from collections.abc import Mapping, Sequence
 
@@ -20,7 +20,7 @@ _WEIGH = "or state the weighed mass: `mass` in `parts`, or `inertial` in the lin
 
 
 class DoubleCounting:
-    """What overlaps in links whose mass is computed; where an ``inertial`` gives it, nothing is counted twice."""
+    """Overlaps in links with computed mass; a link with an ``inertial`` counts nothing twice."""
 
     def __init__(
         self,
@@ -31,15 +31,15 @@ class DoubleCounting:
         cache: Cache | None = None,
         process: Worker | None = None,
     ) -> None:
-        """Begin to search; returns at once.
+        """Start the search and return at once.
 
         Args:
             binder: Its collector receives SB512 to SB514, and SB902.
             claims: The link of each component.
             masses: Mass of every component that has a volume.
-            max_faces: Limit of the work.
-            cache: Where the overlaps are kept; None for nowhere.
-            process: Where to search; see :class:`.OverlapSearch`.
+            max_faces: Maximum number of faces to intersect.
+            cache: Cache for overlaps; None to disable it.
+            process: Worker that searches; see :class:`.OverlapSearch`.
         """
         self._binder, self._masses = binder, masses
         links = [name for name, link in binder.document.links.items() if link.inertial is None]
@@ -47,10 +47,10 @@ class DoubleCounting:
         self._search = OverlapSearch(binder.assembly, self._parts, masses, max_faces, cache, process)
 
     def report(self, timeout: float = DEFAULT_TIMEOUT) -> None:
-        """Wait for what was found, and tell it.
+        """Wait for the search to end, and report the overlaps.
 
         Args:
-            timeout: How long to wait [s].
+            timeout: Maximum waiting time [s].
         """
         try:
             found = self._search.result(timeout)
@@ -117,5 +117,5 @@ def _measure(pair: Pair) -> str:
 
 
 def _weight(mass: float) -> str:
-    """A mass [kg] for people."""
+    """A mass [kg], formatted for messages."""
     return f"{mass:.3g} kg" if mass >= 1.0 else f"{mass * 1e3:.3g} g"

@@ -1,7 +1,8 @@
-"""Simple shapes around points: the box along the axes, the smallest sphere, cylinder and capsule.
+"""Simple shapes that enclose points: axis-aligned box, smallest sphere, cylinder and capsule.
 
-Shapes enclose all points. A cylinder or capsule stands along one of the given directions, the one that gives the
-smallest volume, on the smallest circle around what it looks like from there. None where the points leave no room.
+A cylinder or capsule is aligned with one of the given directions, the one with the smallest volume; its cross-section
+is the smallest circle around the points projected along that direction. The result is None if the points enclose no
+volume.
 """
 
 from collections.abc import Iterable
@@ -14,13 +15,13 @@ from stepbot.geometry.spatial import Array, Pose, perpendicular_frame
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
 THINNEST = 1e-6
-"""Size [m] below which a shape has no room."""
+"""Minimum size [m] of a shape."""
 
 _SLACK = 1e-12
 
 
 def box_around(points: Array) -> tuple[Box, Pose] | None:
-    """The box along the axes of the frame in which the points (n, 3) are given, and its pose there."""
+    """The axis-aligned box of points (n, 3) [m], and its pose in their frame."""
     low, high = points.min(axis=0), points.max(axis=0)
     if float((high - low).min()) < THINNEST:
         return None
@@ -29,13 +30,13 @@ def box_around(points: Array) -> tuple[Box, Pose] | None:
 
 
 def sphere_around(points: Array) -> tuple[Sphere, Pose] | None:
-    """The smallest sphere around points (n, 3), and its pose."""
+    """The smallest sphere around points (n, 3) [m], and its pose."""
     center, radius = smallest_ball(points)
     return (Sphere(radius), Pose.of(position=center)) if radius >= THINNEST else None
 
 
 def cylinder_around(points: Array, directions: Iterable[Array]) -> tuple[Cylinder, Pose] | None:
-    """The smallest cylinder around points (n, 3) that stands along one of the directions, and its pose."""
+    """The smallest cylinder around points (n, 3) [m] along one of the directions, and its pose."""
     found = []
     for R in map(perpendicular_frame, directions):
         across, along = points @ R[:, :2], points @ R[:, 2]
@@ -48,12 +49,12 @@ def cylinder_around(points: Array, directions: Iterable[Array]) -> tuple[Cylinde
 
 
 def capsule_around(points: Array, directions: Iterable[Array]) -> tuple[Capsule, Pose] | None:
-    """The smallest capsule around points (n, 3) that stands along one of the directions, and its pose."""
+    """The smallest capsule around points (n, 3) [m] along one of the directions, and its pose."""
     found = []
     for R in map(perpendicular_frame, directions):
         across, along = points @ R[:, :2], points @ R[:, 2]
         center, radius = smallest_ball(across)
-        # Off the axis a half sphere is lower than at its top: there the cylinder has to reach further.
+        # Away from the axis the half sphere is lower than at its pole, so the cylinder has to be longer.
         dome = np.sqrt(np.maximum(radius**2 - ((across - center) ** 2).sum(axis=1), 0.0))
         low, high = float((along + dome).min()), float((along - dome).max())
         length = max(high - low, 0.0)
@@ -67,8 +68,8 @@ def capsule_around(points: Array, directions: Iterable[Array]) -> tuple[Capsule,
 def smallest_ball(points: Array) -> tuple[Array, float]:
     """Centre (d,) and radius of the smallest ball around points (n, d).
 
-    Starts with one point and takes in the farthest until none is outside; each time the ball around the few points that
-    hold it and the new one is found by trying all subsets of them. The radius grows each time, so it ends.
+    Starts with one point and adds the farthest until no point is outside; each time, the ball around the supporting
+    points and the new one is found by trying all subsets of them. The radius grows with each step, so the loop ends.
     """
     center, radius, held_by = points[0], 0.0, points[:1]
     while True:
@@ -77,7 +78,7 @@ def smallest_ball(points: Array) -> tuple[Array, float]:
         if distances[farthest] <= radius * (1 + 1e-10) + _SLACK:
             return center, float(distances[farthest])
         grown, bigger, support = _ball_of_few(np.vstack([held_by, points[farthest]]))
-        if bigger <= radius:  # rounding: no better ball can be told from this one
+        if bigger <= radius:  # rounding: no measurably better ball exists
             return center, float(distances[farthest])
         center, radius, held_by = grown, bigger, support
 
@@ -95,9 +96,9 @@ def _ball_of_few(points: Array) -> tuple[Array, float, Array]:
 
 
 def _equally_far(support: Array) -> Array | None:
-    """The point equally far from two to four points (n, d), in their line or plane; None where these are degenerate.
+    """The point equidistant from two to four points (n, d), in their line or plane; None if these are degenerate.
 
-    Computed with products and sums alone: what LAPACK says differs in the last bits between versions of numpy.
+    Uses only products and sums: LAPACK's results differ in the last bits between versions of numpy.
     """
     edges = np.zeros((len(support) - 1, 3))
     edges[:, : support.shape[1]] = support[1:] - support[0]
@@ -111,7 +112,7 @@ def _equally_far(support: Array) -> Array | None:
         volume = float((n * w).sum())
         if volume == 0.0:
             return None
-        # The point whose products with u, v and w are their halves, by Cramer's rule.
+        # The point whose dot products with u, v and w are half their squared lengths, by Cramer's rule.
         offset = (halves[0] * np.cross(v, w) + halves[1] * np.cross(w, u) + half * n) / volume
     center: Array = support[0] + offset[: support.shape[1]]
     return center if np.isfinite(center).all() else None

@@ -1,4 +1,4 @@
-"""What speaks for the line that a joint was put on, and what against it."""
+"""Evidence for and against the axis line chosen for a joint."""
 
 from collections.abc import Callable, Sequence
 
@@ -8,7 +8,7 @@ from stepbot.step.features.axes import OUTWEIGHS, AxisLine, LineFace, is_paralle
 from stepbot.step.structure.paths import quoted
 
 RIVALS = 5
-"""How many other lines a record names."""
+"""Maximum number of other lines in a record."""
 
 
 def evidence_of(
@@ -20,15 +20,15 @@ def evidence_of(
     selected: bool,
     direction_only: bool = False,
 ) -> Evidence:
-    """What gave a frame on a line.
+    """Describe how a frame on a line was found.
 
     Args:
-        line: The line that was taken.
-        found: All lines that fit the origin.
-        words: What the line is, for people.
-        path: Gives the path of a component.
-        selected: Whether the sidecar chose the line by a radius or a point.
-        direction_only: Whether parallel lines are as good.
+        line: The chosen line.
+        found: All lines that match the origin.
+        words: Description of the line for messages.
+        path: Maps a component to its path.
+        selected: Whether the sidecar selected the line by a radius or a point.
+        direction_only: Whether parallel lines are equivalent.
     """
     parts = ", ".join(quoted(path(index)) for index in line.components)
     others = [one for one in found if one is not line and not (direction_only and is_parallel(one, line))]
@@ -44,7 +44,7 @@ def evidence_of(
 
 
 def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
-    """Why the evidence for a line that nobody selected is weak; empty where it is not."""
+    """Why the evidence for a line without a selector is weak; empty if it is strong."""
     if line.basis is Basis.TOUCH:
         a, b = line.faces
         return f"{_face(a)} and {_face(b)} {_along(line)}, but their radii do not match"
@@ -56,7 +56,7 @@ def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
 
 
 def described(line: AxisLine, path: Callable[[int], str]) -> str:
-    """A line that two sides share, for the notes of a message: its faces, how they meet, and where it is."""
+    """A line shared by two sides, for the notes of a message: its faces, how they meet, and its position."""
     if len(line.faces) != 2:
         return _placed(line)
     sides = " and ".join(f"{_face(face)} of {quoted(path(face.component))}" for face in line.faces)
@@ -64,7 +64,7 @@ def described(line: AxisLine, path: Callable[[int], str]) -> str:
 
 
 def radii_of(line: AxisLine) -> str:
-    """The radii of a line's faces, for people."""
+    """The radii of a line's faces, formatted for messages."""
     radii = ", ".join(millimetres(radius).removesuffix(" mm") for radius in line.radii[:4])
     return f"radius {radii}{', ...' if len(line.radii) > 4 else ''} mm"
 

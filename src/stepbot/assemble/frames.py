@@ -1,8 +1,8 @@
-"""Where joints, closures and frames are in the assembly: every form of ``origin``.
+"""Poses of joints, closures and frames in the assembly: every form of ``origin``.
 
-All of it is in the drawn pose, where each joint is at its ``zero``. The origin of a joint gives the joint's
-frame J, which stays with the parent. The frame of the child coincides with it at q = 0, so as drawn it is J moved by
-``zero``. The root's frame is the assembly's, unless the sidecar gives another.
+All poses are as drawn, where each joint is at its ``zero``. The origin of a joint gives the joint's frame J, which is
+fixed to the parent. The child's frame coincides with J at q = 0, so as drawn it is J moved by ``zero``. The root's
+frame is the assembly's, unless the sidecar gives another.
 """
 
 from collections.abc import Sequence
@@ -43,31 +43,31 @@ from .claims import Claims
 from .evidence import described, evidence_of, radii_of
 
 ASSEMBLY = "assembly"
-"""What ``relative_to`` calls the frame of the STEP."""
+"""The name of the STEP's frame in ``relative_to``."""
 
 _SHOWN_MISSES = 5
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """Whose origin is resolved."""
+    """The element whose origin is resolved."""
 
     keys: Keys
-    """Where it stands in the sidecar."""
+    """Its keys in the sidecar."""
     links: tuple[str, str] | None = None
-    """The links whose parts ``auto`` looks at; None where there are no two."""
+    """The two links whose parts ``auto`` compares; None if there are not exactly two."""
     direction_only: bool = False
-    """Whether parallel lines agree, as they do for a slide."""
+    """Whether parallel lines are equivalent, as for a prismatic joint."""
 
     @property
     def link_words(self) -> tuple[str, str]:
         """The two links, for messages."""
-        assert self.links is not None  # the sidecar's own check refuses `auto` where there are no two links
+        assert self.links is not None  # the sidecar's own check rejects `auto` without two links
         return f"link '{self.links[0]}'", f"link '{self.links[1]}'"
 
 
 class Frames:
-    """Resolves origins to poses in the assembly, each once, and reports those that cannot be."""
+    """Resolves each origin to a pose in the assembly, once, and reports those it cannot resolve."""
 
     def __init__(self, binder: Binder, claims: Claims, root: str) -> None:
         self._binder = binder
@@ -94,12 +94,12 @@ class Frames:
         return self._links[name]
 
     def joint(self, name: str) -> Pose | None:
-        """X_WJ of a joint's own frame, on its parent; None after a diagnostic."""
+        """X_WJ of a joint's own frame, fixed to its parent; None after a diagnostic."""
         self.link(self._binder.document.joints[name].child)
         return self._joints.get(name)
 
     def evidence(self, *keys: str) -> Evidence:
-        """What gave the origin at a place of the sidecar."""
+        """How the origin at a place of the sidecar was found."""
         return self._evidence.get(keys, Evidence(Basis.GIVEN))
 
     def _child_frame(self, name: str) -> Pose | None:
@@ -110,7 +110,8 @@ class Frames:
         if X_WJ is None:
             return None
         moved = Joint(name, joint.type, joint.parent, joint.child, axis=joint.axis, pitch=joint.pitch or 0.0)
-        return X_WJ @ displacement(moved, joint.zero.value)  # the sidecar's own check refuses `zero` for other kinds
+        # the sidecar's own check rejects `zero` for other joint types
+        return X_WJ @ displacement(moved, joint.zero.value)
 
     def resolve(self, origin: Origin, wanted: Wanted) -> Pose | None:
         """X_WF of the frame that an origin gives; None after a diagnostic."""
@@ -193,7 +194,7 @@ class Frames:
         words = wanted.link_words
         assert wanted.links is not None
         if any(link in self._claims.incomplete for link in wanted.links):
-            return None  # what the link is made of is not known; the path that does not bind has been reported
+            return None  # the link's parts are unknown; the unresolved path has been reported
         for link, word in zip(wanted.links, words, strict=True):
             if not self._claims.parts_of(link):
                 self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` cannot find a line")
@@ -210,7 +211,7 @@ class Frames:
         wanted: Wanted,
         start: str,
     ) -> Pose | None:
-        """The frame on the line that two sides share."""
+        """The frame on a line shared by two sides."""
         found = mates(a, b, origin.radius)
         selected = origin.radius is not None
         choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
@@ -238,7 +239,7 @@ class Frames:
         origin: AxisOrigin | MateOrigin | AutoOrigin,
         wanted: Wanted,
     ) -> Pose:
-        """The frame on a line that was found, and a note of which it was."""
+        """The frame on a line that was found, and a note that names the line."""
         selected = origin.radius is not None or origin.near is not None
         self._evidence[wanted.keys] = evidence_of(
             line, found, words, self._binder.path, selected=selected, direction_only=wanted.direction_only
@@ -267,7 +268,7 @@ class Frames:
     def _report_apart(
         self, wanted: Wanted, words: tuple[str, str], choice: Choice, found: Sequence[AxisLine], start: str
     ) -> None:
-        """Report lines that carry faces of both sides, none of which touch."""
+        """Report lines with faces of both sides that do not touch."""
         lines = choice.rivals
         several = f"{len(lines)} lines" if len(lines) > 1 else "one line"
         self._binder.report(
@@ -279,7 +280,7 @@ class Frames:
         )
 
     def _report_doubt(self, wanted: Wanted, line: AxisLine, found: Sequence[AxisLine], start: str) -> None:
-        """Warn of an axis that was taken on weak evidence, with the origins that mean it or another line."""
+        """Warn of an axis chosen on weak evidence, and give the origins that select it or another line."""
         evidence = self._evidence[wanted.keys]
         if not evidence.doubt:
             return
@@ -308,7 +309,7 @@ class Frames:
         self._report_none(wanted, message, tuple(remedies), tuple(notes))
 
     def _axis_snippet(self, line: AxisLine) -> str:
-        """The origin that means one line of the component that carries it."""
+        """The origin that selects one line of the component it belongs to."""
         index = line.components[0]
         found = lines(axis_faces(self._binder.assembly, [index]))
         nearest = min(range(len(found)), key=lambda i: found[i].distance_to(line.point))

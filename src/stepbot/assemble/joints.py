@@ -1,8 +1,8 @@
-"""The joints of the tree and the closures, from the frames that their origins give.
+"""Builds the joints of the tree and the loop closures from the resolved frames.
 
-The frame that an origin gives is the joint's, and at q = 0 the child's. The CAD draws the joint at its ``zero``: there
-the child's frame, and what hangs on it, is turned or slid by that much. A closure binds as drawn, the only pose that is
-known to close.
+An origin gives the joint's frame, which is also the child's at q = 0. The CAD draws the joint at its ``zero``: there
+the child's frame, and everything below it, is rotated or translated by that amount. A closure constrains the links as
+drawn, the only pose in which the loop is known to close.
 """
 
 from collections.abc import Iterable
@@ -27,7 +27,7 @@ def tree_order(document: Document) -> tuple[str, tuple[str, ...]]:
     """The root link, and the joints from the root down, depth first, in the sidecar's order.
 
     Raises:
-        ValueError: There is no single root; the sidecar's own check should have said so.
+        ValueError: There is no single root; the sidecar's own check should have reported it.
     """
     children = {joint.child for joint in document.joints.values()}
     roots = [link for link in document.links if link not in children]
@@ -46,31 +46,31 @@ def tree_order(document: Document) -> tuple[str, tuple[str, ...]]:
 
 
 def build_joints(binder: Binder, frames: Frames, order: tuple[str, ...]) -> tuple[Joint, ...] | None:
-    """The joints in tree order; None where a frame is not known."""
+    """The joints in tree order; None if a frame is unknown."""
     built = [_joint(binder.document, frames, name) for name in order]
     joints = tuple(joint for joint in built if joint is not None)
     return joints if len(joints) == len(built) else None
 
 
 def build_closures(binder: Binder, frames: Frames) -> tuple[LoopClosure, ...] | None:
-    """The closures in the sidecar's order; None where a frame is not known."""
+    """The closures, in the sidecar's order; None if a frame is unknown."""
     built = [_closure(binder.document, frames, name) for name in binder.document.closures]
     closures = tuple(closure for closure in built if closure is not None)
     return closures if len(closures) == len(built) else None
 
 
 def joint_table(frames: Frames, joints: Iterable[Joint], closures: Iterable[LoopClosure]) -> tuple[JointRow, ...]:
-    """Where every joint, then every closure, is as drawn, and what its place was found by."""
+    """The pose of every joint, then of every closure, as drawn, and how it was found."""
     rows = []
     for joint in joints:
         X_WJ, evidence = frames.joint(joint.name), frames.evidence("joints", joint.name, "origin")
-        assert X_WJ is not None  # there is no joint without its frame
+        assert X_WJ is not None  # a joint without a frame is omitted
         row = _row(joint.name, joint.kind, (joint.parent, joint.child), X_WJ, joint.axis, evidence)
         is_universal = joint.kind is JointKind.UNIVERSAL
         rows.append(replace(row, axis2=_direction(X_WJ, joint.axis2)) if is_universal else row)
     for closure in closures:
         X_WA, evidence = frames.link(closure.link_a), frames.evidence("closures", closure.name, "origin")
-        assert X_WA is not None  # there is no closure without its frame
+        assert X_WA is not None  # a closure without a frame is omitted
         ends = closure.link_a, closure.link_b
         row = _row(closure.name, closure.kind, ends, X_WA @ closure.X_AF, closure.axis, evidence)
         rows.append(replace(row, is_closure=True))
@@ -88,10 +88,10 @@ def _direction(X_WF: Pose, axis: Vector3) -> Vector3:
 
 
 def tidy(pose: Pose) -> Pose:
-    """The pose without the noise of the last bits, which differs between machines: to 1e-12 m, and 0 and 1 exactly.
+    """The pose rounded to 1e-12 m, so that it is the same on all machines.
 
-    Rotation entries within 1e-12 of 0 or 1 are taken for them, a picometre in a metre; the other entries are kept, so
-    that a rotation stays one to the same 1e-12.
+    Rotation entries within 1e-12 of 0 or 1 are replaced by these values, a change of a picometre at a metre; the other
+    entries are kept, so that the matrix stays a rotation to within 1e-12.
     """
     R: Array = np.array(pose.rotation)
     nearest = np.rint(R)

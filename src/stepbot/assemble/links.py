@@ -1,4 +1,4 @@
-"""The links: mass properties summed from their components, with where each gram came from, and their shapes."""
+"""Builds the links: shapes, and mass properties summed over components with the source of each component's mass."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ from .weigh import Weighing
 
 
 class Links:
-    """Makes links from what is known of their components."""
+    """Builds links from their components."""
 
     def __init__(
         self,
@@ -42,7 +42,7 @@ class Links:
         self._collisions = Collisions(binder, self.assets)
 
     def report_unknown_masses(self) -> None:
-        """One error for all components whose mass is not known and needed, one for each link that nothing gives com."""
+        """One error for all components with a missing mass, and one for each link without a centre of mass."""
         unknown = []
         for name, section in self._binder.document.links.items():
             weighed = [index for index in self._parts[name] if index in self._masses]
@@ -76,7 +76,7 @@ class Links:
             )
 
     def build(self, name: str, X_WL: Pose) -> Link:
-        """One link, whose frame as drawn is X_WL."""
+        """Build one link, whose frame as drawn is X_WL."""
         components = self._binder.assembly.components
         X_LW = X_WL.inverse()
         parts = [Placed(i, self._of[i], tidy(X_LW @ components[i].X_WC)) for i in self._parts[name]]
@@ -91,7 +91,7 @@ class Links:
         )
 
     def report_flat(self) -> None:
-        """Report components that got no collision geometry."""
+        """Report components without collision geometry."""
         self._collisions.report_flat()
 
     def _mass(self, name: str, parts: Sequence[Placed]) -> tuple[MassProperties, tuple[MassSource, ...]]:
@@ -100,7 +100,7 @@ class Links:
             given = MassSource("", inertial.mass, 0.0, f"inertial of link '{name}'", "given")
             return _overruled(MassProperties(), inertial), (given,)
         weighed = [part for part in parts if part.index in self._masses]
-        # Where an `inertial` gives the total, parts without a density share it by volume.
+        # If an `inertial` gives the total, parts without a density share it by volume.
         by_volume = inertial is not None and any(not self._masses[part.index].origin for part in weighed)
         bodies = [self._part(part, by_volume) for part in weighed]
         sources = tuple(self._source(part.index) for part in weighed)
@@ -117,7 +117,7 @@ class Links:
     def _part(self, part: Placed, by_volume: bool) -> MassProperties:
         """Mass properties of a component in its link's frame."""
         weighing = self._weighings[self._binder.assembly.components[part.index].body]
-        assert weighing.properties is not None  # only what has a volume has a mass
+        assert weighing.properties is not None  # only components with a volume have a mass
         known = self._masses[part.index]
         density = 1.0 if by_volume else known.density or known.mass / weighing.properties.volume
         return weighing.properties.unit_density.scaled(density).moved(part.X_LC)
@@ -129,12 +129,12 @@ class Links:
 
 
 def is_complete(inertial: InertialSection) -> bool:
-    """Whether an ``inertial`` leaves nothing to compute."""
+    """Whether an ``inertial`` is complete, so that nothing needs to be computed."""
     return inertial.com is not None and inertial.inertia is not None
 
 
 def _overruled(computed: MassProperties, inertial: InertialSection) -> MassProperties:
-    """Mass properties with what an ``inertial`` says in place of what was computed."""
+    """Mass properties with the values of an ``inertial`` in place of computed ones."""
     com = computed.com if inertial.com is None else inertial.com
     said = inertial.inertia
     if said is None:

@@ -1,8 +1,8 @@
-"""How much each component weighs: density times volume, or its share of a mass that was measured.
+"""Mass of each component: density times volume, or its share of a given mass.
 
-A measured mass on a component scales it; on a subassembly it is the total of each occurrence, shared among what is
-below it by computed mass, or by volume if any density is missing there. Masses within it that were measured themselves
-stay as they are, and the rest is shared; where that cannot be, the outer one counts alone. What is ignored gets none.
+A given mass on a component scales it; on a subassembly it is the total of each occurrence, divided among the components
+below it by computed mass, or by volume if any density is missing there. Given masses below it are kept, and the
+remainder is divided; if the remainder is not positive, only the outer mass counts. Ignored components get no mass.
 """
 
 from bisect import bisect_left
@@ -21,16 +21,16 @@ _EQUAL = 1e-9
 
 @dataclass(frozen=True)
 class PartMass:
-    """What one component weighs, and why."""
+    """The mass of one component and its source."""
 
     mass: float
-    """[kg]; 0 where it is not known."""
+    """[kg]; 0 if unknown."""
     density: float
-    """[kg/m^3] that it was computed with; 0 where the mass was given, or is not known."""
+    """[kg/m^3] used for the mass; 0 if the mass was given or is unknown."""
     volume: float
     """[m^3]."""
     origin: str
-    """For people: ``parts rule '**/M3*'``, ``STEP``, ``defaults``; empty where the mass is not known."""
+    """For messages: ``parts rule '**/M3*'``, ``STEP``, ``defaults``; empty if the mass is unknown."""
 
 
 def masses(binder: Binder, materials: MaterialAssignments, weighings: Sequence[Weighing]) -> dict[int, PartMass]:
@@ -46,7 +46,7 @@ def masses(binder: Binder, materials: MaterialAssignments, weighings: Sequence[W
 
 
 class _Sharing:
-    """Shares given masses among the components below them."""
+    """Divides given masses among the components below them."""
 
     def __init__(self, binder: Binder, materials: MaterialAssignments, computed: dict[int, PartMass]) -> None:
         self._binder = binder
@@ -64,7 +64,7 @@ class _Sharing:
         return self._result
 
     def _settle(self, index: int, given: GivenMass) -> None:
-        """Share one mass among what is below a component."""
+        """Divide one mass among the components below a component."""
         end = self._ends[index]
         inner = self._topmost(index + 1, end, beside=given.pattern)
         inside = {i for at in inner for i in range(at, self._ends[at])}
@@ -89,7 +89,7 @@ class _Sharing:
             self._result[i] = PartMass(total * weight / whole, 0.0, volume, f"parts rule '{given.pattern}'")
 
     def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
-        """Components with a given mass in a range of indices, none below another; not those of the rule ``beside``."""
+        """Topmost components with a given mass in a range of indices, without those of the rule ``beside``."""
         top: list[int] = []
         for index in self._indices[bisect_left(self._indices, start) : bisect_left(self._indices, end)]:
             if self._given[index].pattern != beside and (not top or index >= self._ends[top[-1]]):
@@ -97,14 +97,14 @@ class _Sharing:
         return top
 
     def _has_volume(self, index: int) -> bool:
-        """Whether there is something below a component to put a mass in; an error where there should be."""
+        """Whether any component below can receive a mass; reports an error if one should."""
         below = range(index, self._ends[index])
         if any(i in self._computed for i in below):
             return True
         if any(self._binder.assembly.components[i].body >= 0 and not self._materials.of[i].ignored for i in below):
             pattern = self._materials.given[index].pattern
             if index < self._empty.get(pattern, 0):
-                return False  # it was told of what holds this one
+                return False  # an enclosing component has reported it
             self._empty[pattern] = self._ends[index]
             self._binder.report(
                 "SB503",

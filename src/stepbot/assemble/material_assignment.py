@@ -1,8 +1,8 @@
-"""What each component is made of, and how it is to look: fields from the sidecar's ``parts``, the STEP, the defaults.
+"""Material and display of each component: fields from the sidecar's ``parts``, the STEP and the defaults.
 
-Each field comes from the first rule that sets it, on the component or on anything above it. A rule with ``material``
-sets the density and the colour that the material has; where it says one of them itself, that counts. A material that
-only the STEP names has the density that the sidecar's ``materials`` give it.
+Each field comes from the first rule that sets it, on the component or an ancestor. A rule with ``material`` sets the
+density and colour of that material, unless the rule sets one of them itself. For a material named only in the STEP, the
+density comes from the sidecar's ``materials``.
 """
 
 from collections.abc import Callable
@@ -20,24 +20,24 @@ from .binder import Binder, listed
 
 @dataclass(frozen=True)
 class MaterialAssignment:
-    """What is known of one component."""
+    """The material, colour and geometry settings of one component."""
 
     ignored: bool = False
     density: float = 0.0
-    """[kg/m^3]; 0 where nothing gives one."""
+    """[kg/m^3]; 0 if no source gives one."""
     density_origin: str = ""
-    """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty where there is none."""
+    """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty without a density."""
     color: Rgba | None = None
-    """Colour that overrules the STEP's."""
+    """Colour that overrides the STEP's."""
     visual: bool | None = None
-    """Whether it is drawn; None where no rule says."""
+    """Whether it has a visual; None if no rule sets it."""
     collision: CollisionShape | None = None
-    """How its collision geometry is made; None where no rule says."""
+    """How its collision geometry is made; None if no rule sets it."""
 
 
 @dataclass(frozen=True)
 class GivenMass:
-    """A mass that the sidecar gives to a component and all below it."""
+    """A mass that the sidecar gives to a component and everything below it."""
 
     mass: float
     """[kg]."""
@@ -47,16 +47,16 @@ class GivenMass:
 
 @dataclass(frozen=True)
 class MaterialAssignments:
-    """What the sidecar says of all components."""
+    """The sidecar's settings for all components."""
 
     of: tuple[MaterialAssignment, ...]
-    """One for each component."""
+    """One per component."""
     given: dict[int, GivenMass]
-    """Masses by component; one may lie below another."""
+    """Given masses by component; a component and its ancestor may both have one."""
 
 
 def assign_materials(binder: Binder) -> MaterialAssignments:
-    """Apply every rule of ``parts`` to the components that it names."""
+    """Apply every rule of ``parts`` to the components that it matches."""
     document, components = binder.document, binder.assembly.components
     rules = list(document.parts.items())
     first = {field: np.full(len(components), -1) for field in _SETS}
@@ -85,7 +85,7 @@ def assign_materials(binder: Binder) -> MaterialAssignments:
 
 
 def default_color(document: Document) -> Rgba | None:
-    """Colour of what neither a rule nor the STEP gives one."""
+    """Colour of components without one from a rule or the STEP."""
     return document.defaults.color or _material(document, document.defaults.material).color
 
 
@@ -111,7 +111,7 @@ _SETS: dict[str, Callable[[PartRule, Document], bool]] = {
 
 
 def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], document: Document) -> MaterialAssignment:
-    """MaterialAssignment of a component, from the rule that counts for each field."""
+    """The settings of a component; each field from the rule that takes precedence."""
     density, origin = _density(component, rules.get("density"), document)
     return MaterialAssignment(
         ignored="ignore" in rules and rules["ignore"][1].ignore,
@@ -124,7 +124,7 @@ def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], do
 
 
 def _density(component: Component, named: tuple[str, PartRule] | None, document: Document) -> tuple[float, str]:
-    """Density [kg/m^3] and where it comes from; zero in the STEP counts as none."""
+    """Density [kg/m^3] and its source; a density of zero in the STEP counts as missing."""
     if named is not None:
         return _rule_density(named[1], document) or 0.0, f"parts rule '{named[0]}'"
     if component.density > 0.0 and document.step_density is StepDensity.USE:
@@ -138,7 +138,7 @@ def _density(component: Component, named: tuple[str, PartRule] | None, document:
 
 
 def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:
-    """Warn where the STEP's density is used and is the same on every definition."""
+    """Warn if the STEP's density is used and is the same for every definition."""
     assembly = binder.assembly
     solids = [c for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind is not BodyKind.SURFACE]
     densities = {component.density for component in solids}
@@ -156,7 +156,7 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ..
 
 
 def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:
-    """Tell of materials in the STEP whose parts weigh what the defaults say, because nothing gives their density."""
+    """Report materials in the STEP whose parts have the default density because no source gives their own."""
     document, components = binder.document, binder.assembly.components
     unlisted: dict[str, list[int]] = {}
     for component in components:

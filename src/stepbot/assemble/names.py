@@ -1,4 +1,4 @@
-"""Names of meshes: valid as file names on every system and as names in every format, unique, and always the same."""
+"""Names of meshes: valid file names on every system, valid names in every format, unique and deterministic."""
 
 import re
 import unicodedata
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from stepbot.robot.file_names import is_device
 
 LONGEST = 60
-"""Characters of a name, before a number is added."""
+"""Maximum length [characters] of a name, before a number is added."""
 FALLBACK = "part"
 
 _CYRILLIC = "а:a б:b в:v г:g д:d е:e ж:zh з:z и:i й:y к:k л:l м:m н:n о:o п:p р:r с:s т:t у:u ф:f х:kh ц:ts ч:ch ш:sh"
@@ -17,14 +17,14 @@ _LETTERS = dict(pair.split(":") for pair in f"{_CYRILLIC} {_CYRILLIC_LAST} {_LAT
 
 
 def ascii_name(text: str) -> str:
-    """A name in ``[A-Za-z0-9_-]`` that reads like ``text``: accents dropped, Cyrillic letters spelt, the rest ``_``."""
+    """A name in ``[A-Za-z0-9_-]`` that resembles ``text``: accents dropped, Cyrillic transliterated, the rest ``_``."""
     plain = "".join(_plain(letter) for letter in text)
     name = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9-]", "_", plain)).strip("_-")[:LONGEST].rstrip("_-") or FALLBACK
     return f"{name}_{FALLBACK}" if is_device(name) else name
 
 
 def _plain(letter: str) -> str:
-    """A letter without accents, in Latin script where the table knows it."""
+    """A letter without accents, in Latin script if the table has it."""
     if letter in _LETTERS:
         return _LETTERS[letter]
     if letter.lower() in _LETTERS:
@@ -34,13 +34,13 @@ def _plain(letter: str) -> str:
 
 
 class UniqueNames:
-    """Hands out names, each once; names that differ only in case would be one file on some systems."""
+    """Assigns each name once; names that differ only in case would be the same file on some systems."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = {name.casefold() for name in taken}
 
     def unique(self, name: str) -> str:
-        """``name``, or with the lowest number from 2 that makes it unique."""
+        """``name``, or ``name`` with the lowest number from 2 that makes it unique."""
         candidate, n = name, 1
         while candidate.casefold() in self._taken:
             n += 1

@@ -1,7 +1,7 @@
-"""Which solids of a robot may overlap: those of one link whose boxes do, sorted by relative pose.
+"""Solids of a link that may overlap: pairs with overlapping boxes, grouped by relative pose.
 
-To intersect them is most of the time that it takes to build a robot, and edits of joints change nothing about it: what
-was found is kept. Where the geometry is new there is a process that can do it while this one goes on.
+Intersecting them takes most of the time needed to build a robot, and editing joints does not change the result, so it
+is cached. For new geometry a worker process can search while this process continues.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,10 +20,10 @@ from stepbot.step.assembly import Assembly
 from .masses import PartMass
 
 MAX_FACES = 2_000_000
-"""Faces of all pairs together that are intersected in one robot: about two seconds of work."""
+"""Maximum number of faces to intersect in one robot: about two seconds of work."""
 
 _DECIMALS = 8
-"""Of relative poses [m] that count as the same."""
+"""Decimals of relative poses [m] that are compared."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,11 @@ class FoundOverlaps:
     """The overlaps of a robot."""
 
     by_link: Mapping[str, Overlaps]
-    """Of every link, in order."""
+    """For every link, in order."""
 
 
 class OverlapSearch:
-    """The overlaps of a robot, on their way."""
+    """A running search for the overlaps of a robot."""
 
     def __init__(
         self,
@@ -46,20 +46,21 @@ class OverlapSearch:
         cache: Cache | None = None,
         process: Worker | None = None,
     ) -> None:
-        """Look them up, else begin to search; returns at once.
+        """Look the overlaps up in the cache or start to search; returns at once.
 
         Args:
-            assembly: What the STEP holds.
-            parts: For each link the indices of its components.
-            masses: Mass of every component that has a volume; the others overlap nothing, nor do those without
-                triangles.
-            max_faces: Limit of the work.
-            cache: Where it is kept; None for nowhere.
-            process: A worker of :mod:`stepbot.geometry.mesh_worker` that has no other call to answer; None to search in
-                this process, when somebody waits for it.
+            assembly: The content of the STEP file.
+            parts: Indices of the components of each link.
+            masses: Mass of every component that has a volume; components without a mass or without triangles are left
+                out.
+            max_faces: Maximum number of faces to intersect.
+            cache: Cache for overlaps; None to disable it.
+            process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to search in this process when the
+                result is requested.
         """
         bodies = {index: assembly.bodies[assembly.components[index].body] for index in masses}
-        seen = {index for index, body in bodies.items() if len(body.mesh.faces)}  # SB601 says which have none
+        # components without triangles are reported as SB601
+        seen = {index for index, body in bodies.items() if len(body.mesh.faces)}
         weighed = {link: [index for index in indices if index in seen] for link, indices in parts.items()}
         self._results = TypedCache(cache, FoundOverlaps)
         self._key = _key(assembly, weighed, masses, max_faces) if cache is not None else ""
@@ -71,7 +72,7 @@ class OverlapSearch:
                 self._process = process.submit("overlaps", self._search)
 
     def result(self, timeout: float = DEFAULT_TIMEOUT) -> Mapping[str, Overlaps]:
-        """What overlaps in each link, the heaviest pair first.
+        """The overlaps of each link, the heaviest pair first.
 
         Raises:
             WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
@@ -86,7 +87,7 @@ class OverlapSearch:
 def _key(
     assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
 ) -> str:
-    """Key of all that the overlaps depend on: meshes, where each is, and what it is made of."""
+    """Key of everything that the overlaps depend on: meshes, poses and densities."""
     digest = Digest("solids that overlap").add(environment(), str(max_faces))
     bodies: dict[int, None] = {}
     for link, indices in weighed.items():
@@ -123,7 +124,7 @@ def _search(
 
 @dataclass(eq=False)
 class _Collected:
-    """A group that grows."""
+    """A group under construction."""
 
     bodies: tuple[int, int]
     X_AB: Pose
@@ -138,7 +139,7 @@ def _collect(
     masses: Mapping[int, PartMass],
     groups: dict[bytes, _Collected],
 ) -> None:
-    """Sort the pairs of a link whose boxes overlap into groups."""
+    """Sort the pairs of a link with overlapping boxes into groups."""
     bodies = np.array([assembly.components[index].body for index in indices])
     R = np.array([assembly.components[index].X_WC.rotation for index in indices])
     p = np.array([assembly.components[index].X_WC.position for index in indices])
@@ -151,7 +152,7 @@ def _collect(
     a, b = box_pairs(low, high, TOUCHING)
     a, b = np.where(bodies[a] <= bodies[b], (a, b), (b, a))
     lighter, denser = np.minimum(density[a], density[b]), np.maximum(density[a], density[b])
-    twice = np.where(lighter > 0.0, lighter, denser)  # a density of 0 is that of a measured mass
+    twice = np.where(lighter > 0.0, lighter, denser)  # a density of 0 stands for a given mass
     a, b, twice = a[twice > 0.0], b[twice > 0.0], twice[twice > 0.0]
     smaller = np.minimum(volume[a], volume[b])
     shared = (np.minimum(high[a], high[b]) - np.maximum(low[a], low[b])).prod(axis=1)

@@ -1,4 +1,4 @@
-"""Where the numbers and names of a robot came from, for its report."""
+"""The sources of a robot's numbers and names, for its report."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -16,12 +16,12 @@ from .weigh import weigh
 def measured_bodies(
     assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode
 ) -> tuple[MeasuredBody, ...]:
-    """Each body of the assembly, measured on its mesh and exactly; what encloses no volume says why.
+    """Each body of the assembly, measured on its mesh and exactly; a body without volume has the reason.
 
     Args:
-        assembly: What the STEP holds.
-        measures: What trimesh measures on the mesh of each of ``assembly.bodies``.
-        mode: Whose values the sidecar asks for.
+        assembly: The content of the STEP file.
+        measures: trimesh's mass properties of the mesh of each of ``assembly.bodies``.
+        mode: Which mass properties the sidecar selects.
     """
     occurrences = Counter(component.body for component in assembly.components)
     paths: dict[int, str] = {}
@@ -45,11 +45,11 @@ def measured_bodies(
 
 
 def _shown(error: float) -> float:
-    """One digit, rounded up: the others differ between processors."""
+    """One digit, rounded up: further digits differ between processors."""
     size = 10.0 ** floor(log10(error))
     return float(f"{ceil(error / size - 1e-6) * size:.0e}")
 
 
 def emitted_names(robot: Robot) -> dict[str, str]:
-    """For each mesh file the component in the STEP that it was first made for."""
+    """For each mesh file, the component in the STEP that it was first made for."""
     return {asset.path: asset.source for asset in robot.meshes}

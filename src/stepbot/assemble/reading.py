@@ -1,4 +1,4 @@
-"""What a sidecar asks of the STEP reader: tolerances of meshes, and whether mass is measured on finer ones."""
+"""Options of the STEP reader set by the sidecar: mesh tolerances, and whether mass is measured on finer meshes."""
 
 from stepbot.sidecar.document import Document, MassMode, MeshSection
 from stepbot.step.assembly import MeshTolerance, ReadOptions
@@ -8,7 +8,7 @@ MASS_TOLERANCE = 1e-3
 
 
 def read_options(document: Document) -> ReadOptions:
-    """Options for reading the sidecar's STEP; a link's own tolerance holds for the parts that it claims."""
+    """Options for reading the sidecar's STEP; a link's own tolerance applies to its parts."""
     tolerance = _tolerance(document.mesh, MeshTolerance())
     return ReadOptions(
         tolerance=tolerance,

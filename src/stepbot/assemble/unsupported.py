@@ -1,4 +1,4 @@
-"""What version 1 of the sidecar can say and this stepbot cannot build yet: an error each, never left out."""
+"""Reports features that version 1 of the sidecar allows but this stepbot cannot build: an error each."""
 
 from stepbot.sidecar.document import CollisionShape, MergedCollision
 from stepbot.sidecar.tree import Keys

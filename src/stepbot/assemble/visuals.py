@@ -1,7 +1,7 @@
-"""What is seen of a link: the meshes of its components, in their colours.
+"""Visual geometry of a link: the meshes of its components, in their colours.
 
-The colour is the first of: what a ``parts`` rule sets, itself or by its material; the STEP's, of the face, then of the
-occurrence; the default's, itself or by its material; grey.
+The colour is the first of: the ``parts`` rule's, its own or its material's; the STEP's, of the face, then of the
+occurrence; the default's, its own or its material's; grey.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
 
 
 def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Placed]) -> tuple[Visual, ...]:
-    """Visual geometry of a link, component by component in file order; a component's ``visual`` beats its link's."""
+    """Visual geometry of a link, by component in file order; a component's ``visual`` overrides its link's."""
     assembly = binder.assembly
     drawn = binder.document.links[link].visual is not False
     default = default_color(binder.document) or GREY

@@ -1,8 +1,8 @@
-"""Whose volume, centre of mass and inertia each body gets: the mesh's, by trimesh, or the exact solid's.
+"""Selects the volume, centre of mass and inertia of each body: the mesh's, by trimesh, or the exact solid's.
 
-``auto`` takes the mesh where it agrees with the solid within a thousandth, else the exact value; ``mesh`` takes the
-finest mesh there is; ``exact`` takes the solid. Where only one of them encloses a volume, that is taken. A solid on
-which no two ways to integrate agree gets neither.
+``auto`` uses the mesh if it agrees with the solid within a thousandth, else the exact value; ``mesh`` uses the finest
+mesh available; ``exact`` uses the solid. If only one of them encloses a volume, that one is used. A solid on which no
+two integration methods agree is not used.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -18,14 +18,14 @@ from .reading import MASS_TOLERANCE
 
 @dataclass(frozen=True)
 class Weighing:
-    """Volume properties of a body, and whose they are."""
+    """Volume properties of a body, and their source."""
 
     properties: VolumeProperties | None
-    """None where the body encloses no volume."""
+    """None if the body encloses no volume."""
     method: str = ""
-    """``mesh`` or ``exact``, with the reason where that is not what was asked for."""
+    """``mesh`` or ``exact``, with the reason if it differs from the requested one."""
     deviation: float = 0.0
-    """Largest relative deviation of the mesh from the exact solid; 0 where one of them is missing."""
+    """Largest relative deviation of the mesh from the exact solid; 0 if one of them is missing."""
 
 
 def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode) -> tuple[Weighing, ...]:
@@ -34,7 +34,7 @@ def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode:
 
 
 def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
-    """Tell which of the components in the robot have mass properties of another kind than meshes give, and why."""
+    """Report the robot's components whose mass properties are not the mesh's, and why."""
     first: dict[int, int] = {}
     for index in sorted(components):
         first.setdefault(binder.assembly.components[index].body, index)
@@ -58,7 +58,7 @@ def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: C
 
 
 def report_weightless(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
-    """Report components without mass properties: surfaces have none, but a solid should."""
+    """Report components without mass properties: expected for surfaces, an error for solids."""
     surfaces: dict[int, list[int]] = {}
     broken: dict[int, list[int]] = {}
     uncertain: dict[int, list[int]] = {}
@@ -106,7 +106,7 @@ def report_weightless(binder: Binder, weighings: Sequence[Weighing], components:
 
 
 def _bodies(binder: Binder, components: Mapping[int, list[int]]) -> tuple[str, ...]:
-    """Bodies for the notes of a message: the first component of each, how many more there are, and what is wrong."""
+    """Bodies for the notes of a message: the first component of each, the number of others, and the cause."""
     notes = []
     for number, indices in components.items():
         more = f" and {len(indices) - 1} more like it" if len(indices) > 1 else ""
@@ -116,7 +116,7 @@ def _bodies(binder: Binder, components: Mapping[int, list[int]]) -> tuple[str, .
 
 
 def _is_uncertain(body: Body) -> bool:
-    """Whether there are exact mass properties that nothing confirms."""
+    """Whether the body has unconfirmed exact mass properties."""
     return body.exact is not None and body.exact_error > CERTAIN
 
 
@@ -139,7 +139,7 @@ def _weigh(body: Body, measure: VolumeProperties | None, mode: MassMode) -> Weig
 
 
 def _only_one(exact: VolumeProperties | None, mesh: VolumeProperties | None, mode: MassMode, defect: str) -> Weighing:
-    """The mass properties available where the solid or its mesh encloses no volume."""
+    """The mass properties available if the solid or its mesh encloses no volume."""
     if exact is not None:
         return Weighing(
             exact, "exact" if mode is MassMode.EXACT else f"exact: {defect or 'the mesh is not watertight'}"

@@ -14,7 +14,7 @@ from typing import Literal
 from .codes import CODES, Severity
 
 _LONGEST_COMPARED = 200
-"""Characters of a name that may be compared with others."""
+"""Maximum length of a name to compare with similar names."""
 ExitCode = Literal[0, 1, 2]
 
 
@@ -26,7 +26,7 @@ class Span:
     line: int = 0
     column: int = 0
     end_column: int = 0
-    """Column after the last character on ``line``; 0 where the extent is unknown."""
+    """Column after the last character on ``line``; 0 if the extent is unknown."""
 
     def __str__(self) -> str:
         return ":".join(map(str, filter(None, (self.file, self.line, self.column))))
@@ -187,7 +187,7 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing."""
     names = list(dict.fromkeys(candidates))
     same = [name for name in names if name.casefold() == word.casefold()]
-    comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes time to the square
+    comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes quadratic time
     near = same or (get_close_matches(word, comparable, n=3, cutoff=0.6) if len(word) <= _LONGEST_COMPARED else [])
     if not near:
         return ()
