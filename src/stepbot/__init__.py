@@ -4,7 +4,7 @@ The functions of :mod:`stepbot.api` are names of this package; they are imported
 """
 
 TYPE_CHECKING = False
-"""Replaces ``typing.TYPE_CHECKING``: a ``typing.py`` in the current folder could be imported before that folder is removed from the import path."""
+"""Replaces the one of ``typing``, which a file of the current folder could shadow at this point."""
 
 if TYPE_CHECKING:
     from stepbot.api import (
