@@ -1,4 +1,5 @@
-"""A sidecar drafted from a plain STEP: links and joints inferred from contacts, roles and names.
+"""Drafts a sidecar from a plain STEP: links and joints inferred from contacts, roles and names.
 
-Everything here is evidence, not knowledge: each line of a draft says what it was drafted from and how strong that is.
+Every result is a guess with evidence: each line of a draft states its source and the strength of the evidence. May be
+called by ``pipeline``.
 """

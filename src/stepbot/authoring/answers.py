@@ -1,4 +1,4 @@
-"""A draft corrected by what its owner says of it: which link stands, how a joint moves, that it does not."""
+"""Corrections of a draft by the user: the root link, the type of a joint, or that it is fixed."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,7 +13,7 @@ STATED = "stated by the owner"
 
 
 def rerooted(draft: Draft, root: str) -> Draft:
-    """The same robot standing on another link: joints between the two are turned round, with the same positions.
+    """The same robot with another root link; joints between the two roots are reversed and keep their positions.
 
     Raises:
         KeyError: There is no such link.
@@ -32,7 +32,7 @@ def rerooted(draft: Draft, root: str) -> Draft:
 
 
 def chosen(draft: Draft, joint: str, alternative: Alternative) -> Draft:
-    """The draft with another reading of a joint in its place, which needs no review any more."""
+    """The draft with a joint replaced by an alternative, which no longer needs review."""
 
     def pick(one: DraftJoint) -> DraftJoint:
         if one.name != joint:
@@ -55,7 +55,7 @@ def chosen(draft: Draft, joint: str, alternative: Alternative) -> Draft:
 
 
 def confirmed(draft: Draft, joint: str) -> Draft:
-    """The draft with a joint that its owner agrees with."""
+    """The draft with a joint confirmed by the user."""
 
     def sure(one: DraftJoint) -> DraftJoint:
         if one.name != joint:
@@ -66,7 +66,7 @@ def confirmed(draft: Draft, joint: str) -> Draft:
 
 
 def fixed(draft: Draft, joint: str) -> Draft:
-    """The draft with a joint that does not move; what was taken for its motion stays as an alternative."""
+    """The draft with a joint made fixed; its former motion is kept as an alternative."""
 
     def still(one: DraftJoint) -> DraftJoint:
         if one.name != joint:
@@ -93,7 +93,7 @@ def _turned_round(joint: DraftJoint) -> DraftJoint:
         joint, parent=joint.child, child=joint.parent, axis=_opposite_axis(joint.axis), direction=direction
     )
     if joint.type is JointKind.UNIVERSAL and axis2 is not None and turned.direction is not None:
-        # Seen from the other side, the second axis comes first.
+        # With parent and child exchanged, the second axis comes first.
         return replace(turned, axis=axis2, axis2=turned.axis, direction=direction2, direction2=turned.direction)
     return turned
 

@@ -1,4 +1,4 @@
-"""A line about which something may turn; for a ball its centre alone."""
+"""A possible axis of rotation; for a ball joint only its centre."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,14 @@ import numpy as np
 from stepbot.geometry.spatial import Array
 
 SAME_LINE = 2e-5
-"""Distance [m] within which axes are one: twice the tolerance of coaxial faces."""
+"""Distance [m] up to which axes are equal: twice the tolerance of coaxial faces."""
 PARALLEL = 1e-3
-"""Angle [rad] within which directions are one."""
+"""Angle [rad] up to which directions are equal."""
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """A line by a point and a unit direction, both in the assembly; the sign of the direction means nothing."""
+    """A line given by a point and a unit direction in the assembly; the sign of the direction has no meaning."""
 
     point: Array
     """Shape (3,) [m]."""
@@ -28,7 +28,7 @@ class Axis:
         return self.direction
 
     def same(self, other: "Axis", distance: float = SAME_LINE) -> bool:
-        """Whether both are one line, or one centre."""
+        """Whether both are the same line, or the same centre."""
         if self.direction is None or other.direction is None:
             both = self.direction is None and other.direction is None
             return both and float(np.linalg.norm(self.point - other.point)) < distance
@@ -51,5 +51,5 @@ class Axis:
 
 
 def are_parallel(a: Array, b: Array, angle: float = PARALLEL) -> bool:
-    """Whether two unit directions, or one and the opposite of the other, agree."""
+    """Whether two unit directions are parallel or antiparallel."""
     return float(np.linalg.norm(np.cross(a, b))) < angle

@@ -1,4 +1,4 @@
-"""What holds a bearing's outer ring turns about what is in its bore, even where that is held by a screw."""
+"""Joints at bearings: the part that holds the outer ring turns about the part in the bore, screwed on or not."""
 
 from dataclasses import dataclass
 
@@ -12,16 +12,16 @@ from .survey import Survey
 
 @dataclass(frozen=True, eq=False)
 class _Seat:
-    """A part that a bearing sits in, or that sits in it."""
+    """A part that a bearing sits in, or that sits in the bearing."""
 
     part: int
     relation: Relation
     length: float
-    """How far they are in each other [m]."""
+    """Engaged length [m]."""
 
 
 def bearing_evidence(survey: Survey, found: Evidence) -> None:
-    """Add what all bearings say."""
+    """Add the evidence of all bearings."""
     for i, part in survey.parts.items():
         if Role.BEARING in part.roles and i not in survey.small:
             _say(survey, i, found)
@@ -44,7 +44,7 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
 
 
 def _seats(survey: Survey, bearing: int) -> tuple[list[_Seat], list[_Seat]]:
-    """What is in a bearing's bore and what it is in, the longest fit first."""
+    """The parts in a bearing's bore and those around it, the longest fit first."""
     inner: list[_Seat] = []
     outer: list[_Seat] = []
     for r in survey.near.get(bearing, ()):
@@ -60,7 +60,7 @@ def _longest_first(seat: _Seat) -> tuple[float, int]:
 
 
 def _turning(survey: Survey, bearing: int, held: _Seat, inner: list[_Seat]) -> list[int]:
-    """What turns in a bearing: what is in its bore, what a screw in its bore holds, what lies against its face."""
+    """The parts that turn in a bearing: those in its bore, those held by a screw in its bore, those on its face."""
     axis = held.relation.axis
     assert axis is not None
     turning: list[int] = []

@@ -5,13 +5,13 @@ import numpy as np
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
 _FEWEST = 12
-"""Points that an outline needs to be a circle and no polygon."""
+"""Minimum number of points of a circle, below which an outline is a polygon."""
 
 
 def fitted_circle(points: Array, normal: Array, tolerance: float) -> tuple[Array, float] | None:
-    """Centre (3,) and radius of the circle through points (n, 3) of a plane; None where they lie on none.
+    """Centre (3,) and radius of the circle through coplanar points (n, 3); None if they are not on a circle.
 
-    An arc counts where it leaves no gap of half the circle.
+    An arc counts if no gap in it is larger than half of the circle.
     """
     if len(points) < _FEWEST:
         return None

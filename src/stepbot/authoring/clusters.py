@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 
 class Clusters:
-    """Parts that move as one, and pairs between which a joint was accepted."""
+    """Parts that move as one, and pairs of them with an accepted joint between them."""
 
     def __init__(self, members: Iterable[int]) -> None:
         self._root = {member: member for member in members}
@@ -16,23 +16,23 @@ class Clusters:
         return member in self._root
 
     def add(self, member: int) -> None:
-        """A further member, in a set of its own."""
+        """Add a member in a set of its own."""
         self._root[member] = member
         self._members[member] = [member]
 
     def find(self, member: int) -> int:
-        """The member that stands for a member's set."""
+        """The representative of a member's set."""
         while self._root[member] != member:
             self._root[member] = self._root[self._root[member]]
             member = self._root[member]
         return member
 
     def members(self, member: int) -> list[int]:
-        """All of a member's set, ascending."""
+        """All members of a member's set, ascending."""
         return sorted(self._members[self.find(member)])
 
     def join(self, a: int, b: int) -> bool:
-        """Unite two sets; False where they must stay apart."""
+        """Unite two sets; False if they must stay apart."""
         a, b = self.find(a), self.find(b)
         if a == b:
             return True
@@ -49,7 +49,7 @@ class Clusters:
         return True
 
     def forbid(self, a: int, b: int) -> bool:
-        """Keep two sets apart; False where they are one already."""
+        """Keep two sets apart; False if they are already united."""
         a, b = self.find(a), self.find(b)
         if a == b:
             return False
@@ -58,7 +58,7 @@ class Clusters:
         return True
 
     def allow(self, a: int, b: int) -> None:
-        """Take back that two sets stay apart."""
+        """Revoke that two sets must stay apart."""
         a, b = self.find(a), self.find(b)
         self._apart[a].discard(b)
         self._apart[b].discard(a)
@@ -68,6 +68,6 @@ class Clusters:
         return self.find(b) in self._apart[self.find(a)]
 
     def groups(self) -> dict[int, list[int]]:
-        """All sets by the member that stands for them, in the order of their first members."""
+        """All sets by their representatives, in the order of their first members."""
         found = {root: sorted(members) for root, members in self._members.items()}
         return dict(sorted(found.items(), key=lambda item: item[1][0]))

@@ -1,6 +1,7 @@
-"""The one axis about which all contacts of two bodies lie, where there is one: only such bodies can turn.
+"""The common axis of all contacts of two bodies, if there is one: only such bodies can turn.
 
-Fits lie on it or evenly in a ring about it, faces across it with their middle on it, or bounded by arcs about it.
+Fits are on the axis or evenly spaced on a circle around it; faces normal to it are centred on it or bounded by arcs
+around it.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,24 +15,24 @@ from .circles import fitted_circle
 from .contacts import Fit, FitKind, Patch
 
 _ROUND = 0.5
-"""Share of the outline of contacts that are arcs about an axis, from which they lie about it."""
+"""Share of the outline of contacts that are arcs about an axis, from which they are centred on it."""
 _OFF_CENTRE = 0.12
-"""Share of its reach by which the centroid of a contact may lie off the axis."""
+"""Distance of a contact's centroid from the axis, as a share of the contact's radius, up to which it is on the axis."""
 _CIRCLE = 2e-5
-"""Distance [m] within which an outline lies on a circle."""
+"""Distance [m] up to which an outline is on a circle."""
 _SMALLEST_ARC = 5e-4
 _LONGEST_CHORD = 0.7
-"""Share of the radius up to which a chord is a piece of an arc."""
+"""Share of the radius up to which a chord is a segment of an arc."""
 _ORDER = {FitKind.SHAFT: 0, FitKind.FLUSH: 1, FitKind.HOLES: 2}
 
 
 def concentric_axis(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[Axis]) -> Axis | None:
-    """The axis about which all fits and patches lie.
+    """The common axis of all fits and patches.
 
     Args:
-        fits: Cylinders on one line.
-        patches: Faces on each other.
-        others: Lines of the two bodies, to be tried where nothing but faces touches.
+        fits: Coaxial cylinders.
+        patches: Faces in contact.
+        others: Axis lines of the two bodies, tried if only plane faces touch.
     """
     for axis in _candidates(fits, patches, others):
         if _fits_lie_about(axis, fits) and all(_patch_lies_about(axis, patch) for patch in patches):
@@ -57,7 +58,7 @@ def _candidates(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[
 
 
 def _ring_axis(fits: Sequence[Fit]) -> Axis | None:
-    """The axis of at least three parallel holes that lie evenly on a circle."""
+    """The axis of at least three parallel holes that are evenly spaced on a circle."""
     holes = [fit for fit in fits if fit.kind == FitKind.HOLES]
     if len(holes) < 3 or not all(holes[0].axis.is_along(fit.axis.d) for fit in holes):
         return None

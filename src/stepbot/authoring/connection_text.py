@@ -1,4 +1,4 @@
-"""Drafted joints and closures as lines of the sidecar, with their evidence above and other readings below."""
+"""Drafted joints and closures as lines of the sidecar, with their evidence above and alternatives below."""
 
 from stepbot.diagnostics import one_line
 from stepbot.robot.model import JointKind
@@ -17,7 +17,7 @@ _CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.F
 
 
 def joint_lines(joint: DraftJoint, name: str, names: DraftNames) -> list[str]:
-    """A joint below ``joints:``; one that is not chosen is fixed, with the guess as a comment beneath."""
+    """A joint under ``joints:``; below the score for drafting it is fixed, with the guess as a comment beneath."""
     name, ends = scalar(name), _ends("parent", joint.parent, "child", joint.child, names)
     guess = [*_typed(joint, ends), *_limits(joint)]
     if joint.confidence.is_chosen:
@@ -29,7 +29,7 @@ def joint_lines(joint: DraftJoint, name: str, names: DraftNames) -> list[str]:
 
 
 def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[str]:
-    """A closure below ``closures:``; one that is not chosen, or of a kind that closures do not have, as a comment."""
+    """A closure under ``closures:``; a comment if it is below that score, or of a type that closures do not support."""
     name = scalar(name)
     ends = _ends("link_a", closure.link_a, "link_b", closure.link_b, names)
     entries = _typed(closure, ends)
@@ -49,9 +49,9 @@ def _origin(one: DraftConnection) -> tuple[str, str]:
 
 
 def _typed(one: DraftConnection, ends: Entries) -> Entries:
-    """Type, ends, place and axes."""
+    """Type, links, origin and axes."""
     kind, pitch = one.type, one.pitch if isinstance(one, DraftJoint) else None
-    if kind is JointKind.SCREW and pitch is None:  # what is known of it: it turns, and slides
+    if kind is JointKind.SCREW and pitch is None:  # its coordinates: it has both a revolute and a prismatic one
         kind = JointKind.CYLINDRICAL
     entries = [("type", kind.value), *ends, _origin(one)]
     if kind not in _WITHOUT_AXIS and one.axis != "z":
@@ -75,7 +75,7 @@ def _limits(joint: DraftJoint) -> Entries:
 
 
 def _evidence(one: DraftConnection) -> list[str]:
-    """What speaks for it, and what to look at."""
+    """The evidence for it, and what to review."""
     facts = "; ".join(one.confidence.evidence)
     lines = comment(f"score {one.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
     if isinstance(one, DraftJoint) and one.limits is not None and one.limits.why:
@@ -89,7 +89,7 @@ def _evidence(one: DraftConnection) -> list[str]:
 
 
 def _alternative(name: str, ends: Entries, other: Alternative, joint: DraftConnection) -> str:
-    """Another reading of a connection, as a line to put in its place."""
+    """An alternative to a connection, as a line to replace it."""
     same_line = other.point is None or (
         (other.point, other.direction) == (joint.point, joint.direction) and other.type is not JointKind.BALL
     )

@@ -1,4 +1,4 @@
-"""How two parts touch, as data: coaxial cylinders, coplanar faces, balls in sockets. In the assembly's frame [m]."""
+"""Contacts of two parts: coaxial cylinders, coplanar faces, balls in sockets. In the assembly's frame [m]."""
 
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ Pair = tuple[int, int]
 
 
 class FitKind(StrEnum):
-    """How two cylinders on one line meet."""
+    """How two coaxial cylinders meet."""
 
     SHAFT = "shaft"
     """One is in the other."""
@@ -25,25 +25,25 @@ class FitKind(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Cylinders of two parts on one line."""
+    """Coaxial cylinders of two parts."""
 
     a: int
     b: int
     kind: FitKind
     axis: Axis
-    """Its point lies in the middle of the overlap."""
+    """Its point is the middle of the overlap."""
     radius_a: float
     radius_b: float
     length: float
-    """Overlap along the axis; of holes and flush shells the gap, negative where they overlap."""
+    """Overlap along the axis; for holes and flush faces the gap, negative if they overlap."""
     shaft: int = -1
-    """The part that is inside."""
+    """The inner part."""
     full: bool = True
-    """Whether both go round more than half of the circle."""
+    """Whether both cover more than half of the circumference."""
 
     @property
     def radius(self) -> float:
-        """The smaller one."""
+        """The smaller radius."""
         return min(self.radius_a, self.radius_b)
 
     @property
@@ -54,14 +54,14 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """Two planes that face each other, and what they share."""
+    """Two planes that face each other, and their shared area."""
 
     a: int
     b: int
     point: Array
     """Shape (3,): centroid of the shared area."""
     normal: Array
-    """Shape (3,): out of a."""
+    """Shape (3,): outward normal of a."""
     area: float
     """[m^2]."""
     hull: Array
@@ -82,7 +82,7 @@ class Socket:
 
 @dataclass(frozen=True)
 class LineFace:
-    """A face of revolution on a line, by its place along it."""
+    """A face of revolution on a line, by its position along it."""
 
     radius: float
     low: float
@@ -94,11 +94,11 @@ class LineFace:
 
 @dataclass(frozen=True, eq=False)
 class CoaxialLine:
-    """A line of faces of revolution."""
+    """A line with faces of revolution."""
 
     axis: Axis
     faces: dict[int, tuple[LineFace, ...]]
-    """For each part those of its faces that lie on the line."""
+    """For each part, its faces on the line."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
-"""From evidence to clusters of parts that move as one: the surest first.
+"""Decides from the evidence which parts move as one, the strongest evidence first.
 
-A weld joins two clusters unless a joint that was accepted before lies between them; a joint keeps its sides apart
-unless they are one already. Fasteners never bridge: they go to the tightest host once everything else is decided.
+A weld joins two clusters unless there is already a joint between them; a joint keeps its sides apart unless they are
+already joined. Fasteners do not join clusters: they are assigned to their tightest host at the end.
 """
 
 from collections.abc import Sequence
@@ -18,12 +18,12 @@ from .structure import Structure
 from .survey import Survey
 
 _TINY = 2e-3
-"""Share of the assembly's volume below which a cluster that nothing ties is no link."""
+"""Share of the assembly's volume below which an unconnected cluster does not become a link."""
 
 
 @dataclass(eq=False)
 class Decision:
-    """Clusters, and why parts are where they are where that is a guess."""
+    """Clusters, and the reasons for guessed assignments."""
 
     survey: Survey
     evidence: Evidence
@@ -31,18 +31,18 @@ class Decision:
     guesses: dict[int, str] = field(default_factory=dict)
 
     def guess(self, members: Sequence[int], why: str) -> None:
-        """Note that parts are where they are by a guess."""
+        """Record that the assignment of some parts is a guess."""
         for i in members:
             self.guesses.setdefault(i, why)
 
     @property
     def hinges(self) -> list[Hinge]:
-        """The joints that were accepted."""
+        """The accepted joints."""
         return [h for h in self.evidence.hinges if h.fate == Fate.TAKEN]
 
 
 def decide(survey: Survey, structure: Structure, motors: Sequence[Motor], evidence: Evidence) -> Decision:
-    """Take the evidence, then find a home for everything that it leaves alone."""
+    """Apply the evidence, then assign everything that it leaves unconnected."""
     made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small]))
     for one in evidence.ranked():
         take(made, one)
@@ -57,7 +57,7 @@ def decide(survey: Survey, structure: Structure, motors: Sequence[Motor], eviden
 
 
 def take(made: Decision, one: Weld | Hinge) -> None:
-    """Accept or refuse one piece of evidence."""
+    """Accept or reject one piece of evidence."""
     clusters = made.clusters
     if one.a not in clusters or one.b not in clusters:
         one.fate = Fate.REFUSED
@@ -70,7 +70,7 @@ def take(made: Decision, one: Weld | Hinge) -> None:
 
 
 def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
-    """A motor that nothing holds is drawn without its screws: it goes with what is nearest, not with what it drives."""
+    """Assign an unsupported motor, drawn without its screws, to the nearest part, not to the part it drives."""
     survey, clusters = made.survey, made.clusters
     carried = {x for w in made.evidence.welds if w.fate == Fate.TAKEN and w.holds_motor for x in (w.a, w.b)}
     for motor in motors:
@@ -95,7 +95,7 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
 
 
 def _tightest_host(survey: Survey, small: int) -> int | None:
-    """The part in which a fastener sits tightest."""
+    """The part with the tightest fit around a fastener."""
     hosts = [(_tightness(r), -other) for other, r in survey.around(small)]
     return -max(hosts)[1] if hosts else None
 
@@ -107,7 +107,7 @@ def _tightness(r: Relation) -> tuple[float, ...]:
 
 
 def _adopt(made: Decision, structure: Structure) -> None:
-    """Small clusters that no joint ties go with what is nearest, of the same subassembly if there is one."""
+    """Assign small unconnected clusters to the nearest cluster, of the same subassembly if there is one."""
     survey, clusters = made.survey, made.clusters
     jointed = {x for h in made.hinges for x in (h.a, h.b)}
     for members in clusters.groups().values():
@@ -120,7 +120,7 @@ def _adopt(made: Decision, structure: Structure) -> None:
 
 
 def nearest(survey: Survey, members: Sequence[int]) -> int | None:
-    """The larger part nearest to some others, of the same subassembly if there are several as near."""
+    """The larger part nearest to the given ones; a tie goes to the same subassembly."""
     box, inside = survey.box_of(members), set(members)
     home = survey.scene.component(members[0]).parent
     ranked = []

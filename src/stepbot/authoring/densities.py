@@ -1,7 +1,7 @@
-"""Typical densities of materials, found by the words in a material's name.
+"""Typical densities of materials, found by words in a material's name.
 
-A guess to start from: what a draft takes from here it marks for review. Values are those of data sheets, rounded;
-printed plastics are taken as solid.
+A draft marks densities from this table for review. The values are from data sheets, rounded; printed plastics are taken
+as solid.
 """
 
 import re
@@ -51,11 +51,11 @@ _TYPICAL: tuple[tuple[str, float, str], ...] = (
     (r"\bglass\b|\bglas\b", 2500.0, "glass"),
     (r"resin|epox\w*|\bsla\b", 1180.0, "resin"),
 )  # fmt: skip
-"""Patterns in the order in which they are tried: what is more special first."""
+"""Patterns in the order in which they are tried: specific materials first."""
 _PATTERNS = tuple((re.compile(pattern), TypicalDensity(density, name)) for pattern, density, name in _TYPICAL)
 
 
 def typical_density(material: str) -> TypicalDensity | None:
-    """The density that is typical of a material by its name; None where no word in it is known."""
+    """The typical density of a material by its name; None without a known word."""
     name = re.sub(r"[_/(),;:]+", " ", material.casefold())
     return next((typical for pattern, typical in _PATTERNS if pattern.search(name)), None)

@@ -1,4 +1,4 @@
-"""Joints to be reviewed whatever their score: what the drawing leaves open, or what shapes alone say."""
+"""Joints to be reviewed whatever their score, because the geometry is ambiguous."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,12 @@ from .structure import Structure
 
 
 def note_doubts(arcs: Sequence[Arc], structure: Structure, *, has_drives: bool) -> None:
-    """Name what to look at of each joint that neither a motor nor a bearing tells of.
+    """Add review notes to each joint without a motor or a bearing.
 
     Args:
         arcs: Joints and closures.
         structure: Subassemblies that look like links.
-        has_drives: Whether there is any motor: without one, the assembly may be no mechanism.
+        has_drives: Whether there is any motor: without one, the assembly may not be a mechanism.
     """
     motions = loop_motions(arcs)
     for k, arc in enumerate(arcs):

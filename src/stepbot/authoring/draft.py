@@ -1,4 +1,4 @@
-"""What inference drafts: links, joints and closures as plain data, each with its evidence and a score.
+"""The result of inference: links, joints and closures as plain data, each with its evidence and a score.
 
 Lengths are in metres and angles in radians, points and directions in the frame of the assembly. Paths are canonical
 component paths, as `inspect` prints them.
@@ -13,15 +13,15 @@ from stepbot.robot.model import JointKind
 SURE = 0.8
 """Score from which a joint needs no review."""
 CHOSEN = 0.5
-"""Score from which a joint is drafted; below it is written as a comment."""
+"""Score from which a joint is drafted; below it, it is written as a comment."""
 
 
 @dataclass(frozen=True)
 class Confidence:
-    """How strong the evidence is."""
+    """The strength of the evidence."""
 
     score: float
-    """From 0 to 1; a rank set on known assemblies, not a probability."""
+    """From 0 to 1; a rank calibrated on known assemblies, not a probability."""
     evidence: tuple[str, ...] = ()
     """One fact each: ``shaft of r 4 mm in a bore of r 4.05 mm, 12 mm engaged``."""
 
@@ -46,19 +46,19 @@ class OriginForm(StrEnum):
 
 @dataclass(frozen=True)
 class OriginSnippet:
-    """What to write under ``origin``."""
+    """The value of ``origin``."""
 
     form: OriginForm
     paths: tuple[str, ...] = ()
     """Two components for ``mate``, one for ``axis_of``, none for ``xyz``."""
     radius: float | None = None
-    """Selects the line by its radius [m]; None where it needs no selection by radius."""
+    """Selects the line by its radius [m]; None if not needed."""
     near: Vector3 | None = None
-    """Selects the line by a point near it [m]; None where it needs none."""
+    """Selects the line by a point near it [m]; None if not needed."""
     xyz: Vector3 = ZERO3
-    """Position [m], where ``form`` is ``xyz``."""
+    """Position [m], if ``form`` is ``xyz``."""
     rpy: Vector3 = ZERO3
-    """Roll, pitch and yaw [rad], where ``form`` is ``xyz``."""
+    """Roll, pitch and yaw [rad], if ``form`` is ``xyz``."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class DraftLimits:
 
 @dataclass(frozen=True)
 class Alternative:
-    """Another reading of the same place: a line that `init` writes as a comment."""
+    """An alternative at the same place: a line that `init` writes as a comment."""
 
     type: JointKind
     a: str
@@ -83,7 +83,7 @@ class Alternative:
     """Path of the other."""
     confidence: Confidence
     point: Vector3 | None = None
-    """On the axis [m], or the centre of a ball; None where there is none."""
+    """On the axis [m], or the centre of a ball; None if there is none."""
     direction: Vector3 | None = None
     """Unit direction of the axis; None for a ball."""
 
@@ -94,7 +94,7 @@ class DraftLink:
 
     name: str
     parts: tuple[str, ...]
-    """Paths that claim all of it; the nearest claim wins, so a subassembly and a part of it may go to two links."""
+    """Paths that claim its components; the nearest claim wins, so it may be only part of a subassembly."""
     confidence: Confidence
     rest: bool = False
     """Whether it takes everything that no other link claims; ``parts`` may then be empty."""
@@ -104,27 +104,27 @@ class DraftLink:
 
 @dataclass(frozen=True)
 class DraftConnection:
-    """What a joint and a closure have in common."""
+    """The fields that a joint and a closure share."""
 
     name: str
     type: JointKind
     origin: OriginSnippet
     axis: str | Vector3
-    """Along the frame that ``origin`` gives: ``z``, ``-z``, or a unit vector; ``z`` where the type has no axis."""
+    """In the frame of ``origin``: ``z``, ``-z``, or a unit vector; ``z`` if the type has no axis."""
     point: Vector3
     """On the axis [m]; the centre of a ball or a universal joint."""
     direction: Vector3 | None
     """Unit direction of the axis in the assembly; None for a ball or a fixed joint."""
     confidence: Confidence
     parts: tuple[str, str]
-    """Paths of the two components whose faces tell most."""
+    """Paths of the two components with the strongest evidence."""
     alternatives: tuple[Alternative, ...] = ()
     review: str = ""
-    """What to look at; empty where the draft needs no review."""
+    """What to review; empty if the draft needs no review."""
 
     @property
     def is_reviewed(self) -> bool:
-        """Whether its line carries a REVIEW mark."""
+        """Whether its line has a REVIEW mark."""
         return bool(self.review) or not self.confidence.is_sure
 
 
@@ -142,9 +142,9 @@ class DraftJoint(DraftConnection):
     """The same in the assembly."""
     limits: DraftLimits | None = None
     zero: float = 0.0
-    """Position [rad] or [m] in which it is drawn, where the file tells."""
+    """Position [rad] or [m] as drawn, if the file states it."""
     pitch: float | None = None
-    """Of a screw [m per turn]; None where nothing in the drawing gives it."""
+    """Pitch of a screw [m per turn]; None if the file does not give it."""
 
 
 @dataclass(frozen=True)
@@ -161,17 +161,17 @@ class Draft:
 
     robot: str
     root: str
-    """Name of the link that stands."""
+    """Name of the root link."""
     links: tuple[DraftLink, ...]
     """The root first."""
     joints: tuple[DraftJoint, ...] = ()
-    """In the order of the tree: a parent's joint before those of its children."""
+    """In tree order: a parent's joint before those of its children."""
     closures: tuple[DraftClosure, ...] = ()
     offered: tuple[Alternative, ...] = ()
-    """Axes that were seen and not drafted, the strongest first."""
+    """Axes that were found but not drafted, the strongest first."""
     without_density: tuple[str, ...] = ()
     """Materials (or ``""`` for parts without one) whose parts have no density in the STEP."""
     equal_density: float = 0.0
-    """Density [kg/m^3] that all of several parts share, which a CAD program writes by default; 0 where they differ."""
+    """Density [kg/m^3] shared by all of several parts, probably a CAD program's default; 0 if they differ."""
     notes: tuple[str, ...] = ()
-    """Further facts for people: what is in no link, what could not be told."""
+    """Further notes for the user: parts in no link, open questions."""

@@ -14,7 +14,7 @@ _RESERVED = ("world", "assembly")
 
 @dataclass(frozen=True)
 class DraftNames:
-    """What links, joints and closures are called in the sidecar."""
+    """The names of links, joints and closures in the sidecar."""
 
     links: Mapping[str, str]
     """By the name in the draft."""
@@ -24,7 +24,7 @@ class DraftNames:
 
 
 def names_of(draft: Draft) -> DraftNames:
-    """Valid, unique names for all that a draft holds; links keep theirs where a joint has the same."""
+    """Valid, unique names for everything in a draft; a link keeps its name if a joint has the same."""
     taken: set[str] = set()
     links = [link.name for link in draft.links]
     return DraftNames(
@@ -50,9 +50,9 @@ def _named(wanted: Iterable[str], kind: str, taken: set[str]) -> tuple[str, ...]
 
 
 def readable_name(text: str) -> str:
-    """A text as a name that needs no quotes: letters of any script, digits, ``_ . -``; empty where nothing is left.
+    """A text as a name that needs no quotes: letters of any script, digits, ``_ . -``; may be empty.
 
-    Formats take more characters than these; scripts, shells and ROS topics do not.
+    Formats allow more characters; scripts, shells and ROS topics do not.
     """
     kept = "".join(c if c.isprintable() and c not in NOT_IN_NAMES else "_" for c in text)
     return re.sub(r"_{2,}", "_", re.sub(r"[^\w.-]+", "_", kept))[:_LONGEST].strip("_.-")

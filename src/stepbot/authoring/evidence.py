@@ -1,6 +1,7 @@
-"""What speaks for two parts being one, or for a joint between them: facts with scores, before anything is decided.
+"""Evidence that two parts are welded or joined: facts with scores, collected before anything is decided.
 
-Scores are ranks, not probabilities. From 0.8 a joint stands, from 0.5 it is drafted for review, below it is offered.
+Scores are ranks, not probabilities. From 0.8 a joint is accepted, from 0.5 it is drafted for review, below it is only
+offered as a comment.
 """
 
 from dataclasses import dataclass, field
@@ -14,21 +15,21 @@ from .relations import Relation
 
 
 class Fate(StrEnum):
-    """What became of a piece of evidence."""
+    """The result of a piece of evidence."""
 
     OPEN = "open"
     TAKEN = "taken"
     REFUSED = "refused"
-    """Something stronger says the opposite."""
+    """Stronger evidence contradicts it."""
     OFFERED = "offered"
-    """Too weak to be decided by."""
+    """Too weak to be used."""
     REPEATED = "repeated"
-    """Says the same as another."""
+    """Duplicates other evidence."""
 
 
 @dataclass(eq=False)
 class Weld:
-    """Two parts that move as one."""
+    """Evidence that two parts move as one."""
 
     score: float
     a: int
@@ -40,7 +41,7 @@ class Weld:
 
 @dataclass(eq=False)
 class Hinge:
-    """Two parts between which there is a joint of some type."""
+    """Evidence for a joint of some type between two parts."""
 
     score: float
     a: int
@@ -53,34 +54,34 @@ class Hinge:
     drives: bool = False
     """Whether it is the output of a motor."""
     by_role: bool = False
-    """Whether a part that is there for it, such as a bearing, tells of it."""
+    """Whether it is confirmed by a part with that purpose, such as a bearing."""
     review: str = ""
-    """What to look at, whatever the score is."""
+    """What to review, whatever the score."""
     fate: Fate = Fate.OPEN
 
 
 @dataclass(eq=False)
 class Evidence:
-    """All that was found, in the order in which it was."""
+    """All evidence, in the order in which it was found."""
 
     welds: list[Weld] = field(default_factory=list)
     hinges: list[Hinge] = field(default_factory=list)
 
     def weld(self, score: float, a: int, b: int, why: str, *, holds_motor: bool = False) -> None:
-        """Say that two parts are one."""
+        """Add evidence that two parts are welded."""
         self.welds.append(Weld(score, min(a, b), max(a, b), why, holds_motor))
 
     def hinge(self, hinge: Hinge) -> None:
-        """Say that there is a joint between two parts."""
+        """Add evidence for a joint between two parts."""
         self.hinges.append(hinge)
 
     def ranked(self) -> list[Weld | Hinge]:
-        """Everything, the surest first; of equal scores welds first."""
+        """Everything, the strongest first; at equal scores welds first."""
         both: list[Weld | Hinge] = [*self.welds, *self.hinges]
         return sorted(both, key=lambda e: (-round(e.score, 6), isinstance(e, Hinge), e.a, e.b))
 
     def weaker_hinges(self, least: float) -> list[Hinge]:
-        """Joints that are too weak to be drafted for themselves, the surest first."""
+        """Joints that are too weak to be drafted, the strongest first."""
         found = [h for h in self.hinges if h.fate == Fate.OFFERED and h.score >= least]
         return sorted(found, key=lambda h: (-round(h.score, 6), h.a, h.b))
 

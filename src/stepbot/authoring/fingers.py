@@ -1,4 +1,4 @@
-"""Two equal fingers slide towards each other: along which direction."""
+"""The sliding direction of two equal fingers of a gripper."""
 
 from collections.abc import Sequence
 
@@ -12,15 +12,15 @@ from .part import largest
 from .survey import Survey
 
 _EQUAL_VOLUME = 1e-3
-"""Share of its volume within which a finger is as large as another."""
+"""Relative difference of volume up to which two fingers are equal."""
 _APART = 1e-3
-"""Distance [m] from which two centroids tell a direction."""
+"""Distance [m] of two centroids from which it defines a direction."""
 _FACING = 0.9
-"""Cosine of the angle up to which a face looks to the other finger."""
+"""Cosine of the angle up to which a face points towards the other finger."""
 
 
 def direction_between(survey: Survey, one: Sequence[int], two: Sequence[int]) -> Array | None:
-    """The normal of a face of one finger that looks to the other, an equal one, or away from it."""
+    """The normal of a face of one finger that points towards or away from the other, equal finger."""
     volumes = survey.total_volume(one), survey.total_volume(two)
     apart = centroid(survey, two) - centroid(survey, one)
     distance = float(np.linalg.norm(apart))
@@ -35,7 +35,7 @@ def direction_between(survey: Survey, one: Sequence[int], two: Sequence[int]) ->
 
 
 def centroid(survey: Survey, members: Sequence[int]) -> Array:
-    """Of parts, by their volumes [m]."""
+    """Centroid of parts, weighted by volume [m]."""
     parts = [survey.parts[i] for i in members]
     total = exact_sum(p.volume for p in parts)
     if not total:

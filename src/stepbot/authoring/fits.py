@@ -1,4 +1,4 @@
-"""Which cylinders of different parts lie on one line, and how they meet there.
+"""Finds coaxial cylinders of different parts, and how they meet.
 
 Lines are found by sorting (``step.features.coaxial``); on a line only parts that overlap or nearly do are compared.
 """
@@ -16,19 +16,19 @@ from .contacts import CoaxialLine, Contacts, Fit, FitKind, LineFace
 from .scene import PlacedFace, Scene
 
 LINE_DISTANCE = 1e-5
-"""How far apart [m] coaxial faces may be, as for ``mate`` in a sidecar."""
+"""Distance [m] up to which faces are coaxial, as for ``mate`` in a sidecar."""
 LINE_ANGLE = 1e-3
 HALF_ROUND = 3.2
-"""Angle [rad] above which a face goes round more than half of the circle."""
+"""Angle [rad] above which a face covers more than half of the circumference."""
 
 _SHORTEST = 2e-4
-"""Least length [m] that a shaft is in its bore."""
+"""Minimum engaged length [m] of a shaft in its bore."""
 _SLACK, _SLACK_SHARE, _LEAST_SLACK = 5e-4, 0.06, 1e-5
-"""Most difference of radii that is a fit: [m], as a share of the bore, and in any case [m]."""
+"""Maximum difference of radii of a fit: [m], as a share of the bore, and in any case [m]."""
 _PRESS = 1.5e-4
-"""Most by which a shaft may be drawn thicker than its bore [m]."""
+"""Maximum interference [m] of a shaft drawn thicker than its bore."""
 _HOLE_GAP, _HOLE_RATIO = 1.5e-3, 2.5
-"""Gap [m] between two holes in line, and ratio of their radii, up to which one screw could be in both."""
+"""Gap [m] between two coaxial holes, and ratio of their radii, up to which one screw could be in both."""
 _FLUSH_GAP = 5e-4
 _NEAR = 3e-3
 """Gap [m] along a line up to which two parts are compared."""
@@ -64,7 +64,7 @@ def _line(rows: Sequence[PlacedFace]) -> CoaxialLine:
 
 
 def _joined(faces: list[LineFace]) -> tuple[LineFace, ...]:
-    """Faces of one part on one line; halves of one cylinder, and pieces end to end, are one."""
+    """Faces of one part on one line; halves of one cylinder, and pieces end to end, are merged."""
     joined: list[LineFace] = []
     for face in sorted(faces, key=lambda f: (f.cone, f.bore, round(f.radius, 8), f.low, f.high)):
         for n, other in enumerate(joined):
@@ -79,7 +79,7 @@ def _joined(faces: list[LineFace]) -> tuple[LineFace, ...]:
 
 
 def _neighbours(line: CoaxialLine) -> list[tuple[int, int]]:
-    """Pairs of parts whose faces on the line overlap or come near each other."""
+    """Pairs of parts whose faces on the line overlap or nearly do."""
     spans = sorted((min(f.low for f in faces), max(f.high for f in faces), part) for part, faces in line.faces.items())
     found = set()
     active: list[tuple[float, int]] = []
@@ -91,7 +91,7 @@ def _neighbours(line: CoaxialLine) -> list[tuple[int, int]]:
 
 
 def _pair_fits(line: CoaxialLine, a: int, b: int) -> list[Fit]:
-    """The fit that tells most, of each kind."""
+    """The strongest fit of each kind."""
     best: dict[FitKind, Fit] = {}
     for face_a in line.faces[a]:
         for face_b in line.faces[b]:

@@ -1,7 +1,8 @@
-"""What two bodies can do relative to each other, from the faces by which they touch: linear algebra on twists.
+"""Relative mobility of two bodies from the faces in contact: linear algebra on twists.
 
-Each contact forbids some twists (w, v): a shared plane keeps its normal, a shared axis its line, a ball its centre.
-What no contact forbids is free. Planes hold both ways: faces that are drawn flush are meant to stay flush.
+Each contact forbids some twists (w, v): a shared plane constrains its normal, a shared axis its line, a ball its
+centre. The remaining twists are free. Planes constrain in both directions: faces that are drawn flush are assumed to
+stay flush.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,7 +18,7 @@ from .contacts import Fit, FitKind, Patch, Socket
 
 
 class FreedomKind(StrEnum):
-    """Names of what is left free."""
+    """Kinds of relative mobility."""
 
     RIGID = "rigid"
     REVOLUTE = "revolute"
@@ -34,36 +35,36 @@ class FreedomKind(StrEnum):
 _RANK = 2e-3
 """Singular value below which a twist is free: 1e-5 m over a part of 1 cm, or 1 mrad."""
 _TURNING = 1e-2
-"""Singular value of the free rotations below which there is none."""
+"""Singular value of the free rotations below which there is no free rotation."""
 _STEEP = 1e-2
-"""Sine of an angle below which directions of freedoms agree; share of the size below which a screw has no pitch."""
+"""Sine of an angle up to which directions of free twists agree; share of the size up to which a screw has no pitch."""
 _SHORT = 0.1
-"""Share of the radius below which a shaft's length does not keep its direction."""
+"""Length of a shaft as a share of its radius, below which it does not constrain the direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class Freedom:
-    """The twists that remain."""
+    """The free twists."""
 
     kind: FreedomKind
     dof: int
     point: Array | None = None
     """Shape (3,) [m]: on the axis; the centre of a ball or a universal joint."""
     direction: Array | None = None
-    """Shape (3,): of the axis."""
+    """Shape (3,): direction of the axis."""
 
 
 def freedom(
     fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], about: Array, size: float
 ) -> Freedom:
-    """What contacts leave free.
+    """The motion that the contacts leave free.
 
     Args:
-        fits: Cylinders on one line; flush ones forbid nothing.
-        patches: Faces on each other.
-        sockets: Balls.
-        about: A point (3,) [m] amid the contacts.
-        size: Their extent [m], by which lengths become comparable with angles.
+        fits: Coaxial cylinders; flush ones constrain nothing.
+        patches: Faces in contact.
+        sockets: Balls in sockets.
+        about: A reference point (3,) [m] near the contacts.
+        size: Their extent [m], used to compare lengths with angles.
     """
     rows = list(_rows(fits, patches, sockets, about, size))
     if not rows:
@@ -76,7 +77,7 @@ def freedom(
 def _rows(
     fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], about: Array, size: float
 ) -> Iterable[Array]:
-    """Rows (6,) that all allowed (w, v / size) about a point are normal to."""
+    """Rows (6,) that are orthogonal to all allowed (w, v / size) about a point."""
     nothing = np.zeros(3)
 
     def keeps(point: Array, direction: Array) -> Array:
@@ -100,7 +101,7 @@ def _rows(
 
 
 def _named(basis: Array, about: Array, size: float) -> Freedom:
-    """Free twists (dof, 6) by name."""
+    """Classify free twists (dof, 6)."""
     dof = len(basis)
     if dof == 0:
         return Freedom(FreedomKind.RIGID, 0)
@@ -117,7 +118,7 @@ def _named(basis: Array, about: Array, size: float) -> Freedom:
 
 
 def _about_one_axis(W: Array, V: Array, axis: Array, about: Array, size: float) -> Freedom:
-    """Free twists that all turn about one direction."""
+    """Free twists that all rotate about one direction."""
     dof = len(W)
     velocity = V.T @ (np.linalg.pinv(W.T) @ axis)
     point = about + np.cross(axis, velocity)
@@ -134,7 +135,7 @@ def _about_one_axis(W: Array, V: Array, axis: Array, about: Array, size: float) 
 
 
 def _centre(W: Array, V: Array, about: Array) -> Array | None:
-    """The point (3,) that none of the twists moves."""
+    """The point (3,) that no twist moves."""
     A = np.concatenate([cross_matrix(w) for w in W])
     offset = np.linalg.lstsq(A, -V.reshape(-1), rcond=None)[0]
     residual = float(np.abs(A @ offset + V.reshape(-1)).max())

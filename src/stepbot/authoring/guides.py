@@ -1,4 +1,4 @@
-"""Slides on two rods, and crosses of universal joints: three bodies that only together say what they are."""
+"""Slides on two rods and crosses of universal joints: relations that only three bodies together reveal."""
 
 from itertools import combinations
 
@@ -14,19 +14,19 @@ from .structure import Structure
 from .survey import Survey
 
 _LONGER = 1.3
-"""Ratio of a rod's length and that of its bore from which something can slide on it."""
+"""Ratio of the lengths of a rod and its bore, from which a part can slide on it."""
 _LONG_BORE = 3.0
-"""Length of a bore in radii above which it guides, below which it holds."""
+"""Length of a bore in radii, above which it guides, below which it clamps."""
 _APART = 1e-3
-"""Distance [m] from which two rods are two."""
+"""Distance [m] from which two rods are distinct."""
 _MEET = 1e-5
-"""Distance [m] within which two axes cross."""
+"""Distance [m] up to which two axes intersect."""
 _CROSS_SHARE = 0.02
-"""Share of the assembly's volume up to which a part is a cross."""
+"""Share of the assembly's volume up to which a part can be a cross."""
 
 
 def guide_evidence(survey: Survey, found: Evidence) -> None:
-    """A part with bores on two parallel rods, and nothing that holds it along them, slides on them."""
+    """A part with bores on two parallel rods, not held along them, slides on them."""
     for i in survey.parts:
         if i in survey.small:
             continue
@@ -56,12 +56,12 @@ def _is_rod(survey: Survey, other: int, r: Relation) -> bool:
 
 
 def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:
-    """Whether a face keeps a part from moving along an axis."""
+    """Whether a face blocks a part along an axis."""
     return any(abs(float(p.normal @ axis.d)) > 0.99 for _, r in survey.around(part) for p in r.patches)
 
 
 def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> None:
-    """A small part that turns in two others about axes that cross at a right angle is a universal joint's cross."""
+    """A small part that turns in two others about axes that intersect at a right angle is a universal joint's cross."""
     pins: dict[int, list[Relation]] = {}
     for (a, b), r in survey.pairs():
         if r.via == Via.PIN:
@@ -88,7 +88,7 @@ def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> Non
 
 
 def _crossing(r: Relation, s: Relation) -> np.ndarray | None:
-    """Where the axes of two relations cross at a right angle."""
+    """The point where the axes of two relations intersect at a right angle."""
     assert r.axis is not None
     assert s.axis is not None
     if abs(float(r.axis.d @ s.axis.d)) > 1e-3 or are_parallel(r.axis.d, s.axis.d):

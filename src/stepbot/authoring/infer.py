@@ -1,4 +1,4 @@
-"""A drafted robot from a plain assembly: what ``stepbot init`` writes down."""
+"""Drafts a robot from a plain assembly: the content of ``stepbot init``."""
 
 from collections.abc import Sequence
 
@@ -16,10 +16,10 @@ from .origins import Origins
 from .survey import ALL_SOURCES, Sources
 
 _OFFERED = 0.3
-"""Score from which an axis that is not drafted is offered."""
+"""Score from which an undrafted axis is offered as a comment."""
 _KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
 _SEVERAL = 3
-"""Parts from which one density for all is a default of the CAD program."""
+"""Number of parts from which a common density is taken for a CAD program's default."""
 
 
 def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Draft:
@@ -28,7 +28,7 @@ def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Dra
     Args:
         assembly: Read with its faces (``ReadOptions.faces``).
         robot: Name of the robot.
-        sources: What to look at besides the geometry.
+        sources: Sources of evidence besides the geometry.
     """
     return _Drafting(assembly, infer_mechanism(assembly, sources)).draft(robot)
 
@@ -42,7 +42,7 @@ class _Drafting:
         self._names = self._link_names()
 
     def draft(self, robot: str) -> Draft:
-        """All that was inferred, as data."""
+        """The inferred mechanism, as data."""
         found = self._found
         order = [found.root, *(n for n in range(len(found.links)) if n != found.root)]
         tree = [arc for arc in found.arcs if not arc.is_closure]
@@ -114,13 +114,13 @@ class _Drafting:
         return arc.hinge.a if self._link_of[arc.hinge.a] == arc.child else arc.hinge.b
 
     def _alternatives(self, arc: Arc) -> tuple[Alternative, ...]:
-        """Other joints that were seen between the same two links."""
+        """Other joints found between the same two links."""
         ends = {arc.parent, arc.child}
         between = [h for h in self._found.offered if {self._link_of[h.a], self._link_of[h.b]} == ends]
         return tuple(self._alternative(h) for h in _distinct(between, [arc.hinge]))
 
     def _offered(self) -> list[Hinge]:
-        """Joints that were seen within one link or between links that another path joins."""
+        """Joints found within one link, or between links that another path joins."""
         joined = {frozenset((arc.parent, arc.child)) for arc in self._found.arcs}
         free = [
             h
@@ -151,7 +151,7 @@ class _Drafting:
 
 
 def _distinct(hinges: Sequence[Hinge], known: Sequence[Hinge]) -> list[Hinge]:
-    """The first of each axis, without those on an axis that is known."""
+    """The first of each axis, without those on an axis that is already used."""
     kept: list[Hinge] = []
     for h in sorted(hinges, key=lambda h: (-round(h.score, 6), h.a, h.b)):
         if not any(h.axis.same(other.axis) and h.type == other.type for other in (*known, *kept)):

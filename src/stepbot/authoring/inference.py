@@ -1,4 +1,4 @@
-"""From an assembly to links, joints and closures, as the drafting of a sidecar needs them."""
+"""Infers links, joints and closures from an assembly, to draft a sidecar."""
 
 from dataclasses import dataclass
 
@@ -26,23 +26,23 @@ from .swivels import slide_in_struts, stop_spinning_rods
 
 @dataclass(frozen=True, eq=False)
 class Inferred:
-    """Links by number, and what is between them."""
+    """Links by number, and the joints between them."""
 
     survey: Survey
     links: list[list[int]]
-    """For each link its parts, ascending; in the order of their first parts."""
+    """Parts of each link, ascending; links in the order of their first parts."""
     root: int
     arcs: list[Arc]
-    """Joints in the order of the tree, then closures."""
+    """Joints in tree order, then closures."""
     offered: list[Hinge]
-    """Joints that were seen and not taken, the surest first."""
+    """Joints that were found but not accepted, the strongest first."""
     motors: list[Motor]
     guesses: dict[int, str]
-    """For parts that are where they are by a guess, why."""
+    """Reasons for guessed assignments of parts."""
 
 
 def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Inferred:
-    """Infer links and joints; ``assembly`` was read with its faces (``ReadOptions.faces``)."""
+    """Infer links and joints; ``assembly`` must be read with its faces (``ReadOptions.faces``)."""
     survey = Survey(assembly, sources)
     motors = find_motors(survey)
     evidence = Evidence()

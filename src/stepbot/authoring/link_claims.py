@@ -1,4 +1,4 @@
-"""Which paths claim the parts of each link: whole subassemblies where they can, since the nearest claim wins."""
+"""Paths that claim the parts of each link: whole subassemblies where possible, since the nearest claim wins."""
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
@@ -25,11 +25,11 @@ class LinkClaims:
         self._visit(0, root)
 
     def paths(self, link: int) -> tuple[str, ...]:
-        """What claims a link; the root claims the rest, and needs a path only within what others claim."""
+        """Paths that claim a link; the root claims the rest, and needs a path only below components of other links."""
         return tuple(self._claims[link])
 
     def _visit(self, node: int, above: int) -> None:
-        """Claim what is at and below a component, ``above`` being the link that claims it so far."""
+        """Claim the parts at and below a component; ``above`` is the link that claims it so far."""
         here = self._below.get(node)
         if not here or set(here) == {above}:
             return
@@ -43,7 +43,7 @@ class LinkClaims:
             self._visit(child, above)
 
     def name(self, parts: Sequence[Part]) -> str:
-        """What a link is called: its largest part, or the subassembly that is all of it."""
+        """Name of a link: that of its largest part, or of the subassembly that is all of it."""
         inside = {part.index for part in parts}
         own = [part for part in parts if not part.is_small] or list(parts)
         node = largest(own).index

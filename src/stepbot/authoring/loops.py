@@ -1,4 +1,4 @@
-"""Tree and closures of a mechanism, and what its loops leave of joints that could both turn and slide."""
+"""Tree and closures of a mechanism, and the mobility that its loops leave to cylindrical joints."""
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from .freedom import FreedomKind
 from .mechanism import Link
 
 _METRES = 10.0
-"""Twists are in decimetres: rotations and slides of like size."""
+"""Twists are in decimetres, so that rotations and translations have similar magnitudes."""
 _NULL = 1e-6
 
 
@@ -30,15 +30,15 @@ class Arc:
 
     @property
     def could_slide(self) -> bool:
-        """Whether its faces leave it both a turn and a slide."""
+        """Whether its faces allow both rotation and translation."""
         r = self.hinge.relation
         return self.hinge.type == JointKind.REVOLUTE and r is not None and r.freedom.kind == FreedomKind.CYLINDRICAL
 
 
 def spanning_tree(joints: Sequence[Link], number: dict[int, int], root: int) -> list[Arc]:
-    """A tree from the surest joints, each pointing away from the root, then the closures.
+    """A tree of the strongest joints, each directed away from the root, then the closures.
 
-    Slides and universal joints come first, since few formats close a loop with one; balls last.
+    Prismatic and universal joints come first, since few formats support them as closures; balls come last.
     """
     tied = Clusters(number.values())
     tree: list[Link] = []
@@ -75,16 +75,16 @@ def _priority(j: Link) -> tuple[bool, bool, bool, float, int, int]:
 
 @dataclass(frozen=True)
 class Motion:
-    """What the loops leave of a joint that could turn and slide."""
+    """The mobility that the loops leave to a cylindrical joint."""
 
     turns: bool
     slides: bool
 
 
 def loop_motions(arcs: Sequence[Arc]) -> dict[int, Motion]:
-    """For each arc that could both turn and slide and lies in a loop, by its index: what it does.
+    """For each cylindrical arc in a loop, by its index: its mobility.
 
-    The null space of all loop equations together, at the drawn configuration.
+    Computed from the null space of all loop equations at the drawn configuration.
     """
     columns: list[Array] = []
     owners: list[tuple[int, str]] = []
@@ -110,7 +110,7 @@ def loop_motions(arcs: Sequence[Arc]) -> dict[int, Motion]:
 
 
 def _cycle(closure: Arc, index: int, above: dict[int, tuple[int, int]]) -> dict[int, float]:
-    """Which arcs a closure makes a loop of, with the direction in which each is passed."""
+    """The arcs of the loop that a closure closes, with the direction in which each is traversed."""
 
     def path(link: int) -> list[int]:
         found = []

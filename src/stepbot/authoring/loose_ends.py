@@ -1,4 +1,4 @@
-"""Clusters that no joint ties: a link with a placeholder, a wheel or finger by name, else put elsewhere."""
+"""Connects clusters without a joint: by a placeholder, as a wheel or finger by name, else to another link."""
 
 from collections.abc import Iterable, Sequence
 
@@ -17,23 +17,23 @@ from .part import box_gap
 from .structure import Structure
 
 _BIG = 0.2
-"""Share of the assembly's volume from which a cluster is a link even if nothing ties it."""
+"""Share of the assembly's volume from which an unconnected cluster is a link."""
 _TRIMMINGS = ("pad", "tip", "cover", "nail")
-"""Words for what is on a finger and no finger."""
+"""Words for parts on a finger that are not fingers."""
 _GROUP = 0.01
 """The same for a subassembly."""
 _BY_NAME = 0.55
 
 
 class LooseEnds:
-    """Ties what nothing ties."""
+    """Connects unconnected clusters."""
 
     def __init__(self, made: Decision, mechanism: Mechanism, structure: Structure) -> None:
         self._made, self._mechanism, self._structure = made, mechanism, structure
         self._survey, self._clusters = made.survey, made.clusters
 
     def tie(self, root: int) -> None:
-        """Make one tree of everything: ``root`` stands for the link that stands."""
+        """Connect everything to one tree; ``root`` represents the root link."""
         groups = self._clusters.groups()
         jointed = self._jointed()
         loose = [r for r in groups if r not in jointed and r != root]
@@ -58,7 +58,7 @@ class LooseEnds:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
 
     def _connect(self, groups: dict[int, list[int]], root: int) -> None:
-        """Placeholders between pieces of the mechanism that nothing ties."""
+        """Placeholders between unconnected pieces of the mechanism."""
         tied = Clusters(groups)
         for j in self._mechanism.joints:
             tied.join(j.a, j.b)

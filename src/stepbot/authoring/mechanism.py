@@ -1,4 +1,4 @@
-"""Joints between clusters: one for each pair of clusters, and none for what only spins about its own axis."""
+"""Joints between clusters: one per pair of clusters, and none for parts that only spin about their own axis."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -17,20 +17,20 @@ from .structure import Structure
 _SAME_AXIS = 5e-5
 _SAME_CENTRE = 1e-4
 _SPINNER = 0.05
-"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring and no link."""
+"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring, not a link."""
 _TRIFLE = 0.02
-"""Share of a cluster's volume below which a part does not count."""
+"""Share of a cluster's volume below which a part is ignored."""
 _EQUAL = 0.01
-"""Share of its volume within which a body is as large as another."""
+"""Relative difference of volume up to which two bodies are equal."""
 _SCREW = 2e-3
 """Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
 _WHEEL = 0.08
-"""Share of the assembly's size from which a body of its own subassembly that spins is a wheel."""
+"""Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
 
 
 @dataclass(eq=False)
 class Link:
-    """A joint between two clusters, each by the member that stands for it."""
+    """A joint between two clusters, each given by its representative."""
 
     hinge: Hinge
     a: int
@@ -47,7 +47,7 @@ class Link:
 
 
 class Mechanism:
-    """The joints that were accepted, and those that are only offered."""
+    """The accepted joints, and those that are only offered."""
 
     def __init__(self, made: Decision, structure: Structure) -> None:
         self._made, self._survey, self._structure = made, made.survey, structure
@@ -61,7 +61,7 @@ class Mechanism:
             pass
 
     def _gather(self) -> None:
-        """One joint for each pair of clusters: the surest."""
+        """One joint per pair of clusters: the strongest."""
         taken: dict[tuple[int, int], Link] = {}
         for h in sorted(self._made.evidence.hinges, key=lambda h: (-round(h.score, 6), h.a, h.b)):
             if h.a not in self._clusters or h.b not in self._clusters:
@@ -88,7 +88,7 @@ class Mechanism:
         return found
 
     def _drop_spinner(self) -> bool:
-        """Unite one body that only spins about its own axis with what it is held by; False where there is none."""
+        """Unite one body that only spins about its own axis with its support; False if there is none."""
         of = self._of()
         members = {root: self._clusters.members(root) for root in of}
         for root in sorted(of, key=lambda r: (self._survey.total_volume(members[r]), r)):
@@ -108,7 +108,7 @@ class Mechanism:
         return False
 
     def _unite(self, gone: Link, one: int, two: int) -> bool:
-        """Make two clusters one instead of joining them."""
+        """Unite two clusters instead of joining them."""
         self._clusters.allow(one, two)
         self.joints = [j for j in self.joints if j is not gone]
         if not self._clusters.join(one, two):
@@ -119,7 +119,7 @@ class Mechanism:
         return True
 
     def _unite_two_sides(self) -> bool:
-        """Two bodies that turn on a third about one axis are one, where one of them hangs on nothing else."""
+        """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
         of = self._of()
         for hub in sorted(of):
             turning = [j for j in of[hub] if j.hinge.type == JointKind.REVOLUTE]
@@ -135,7 +135,7 @@ class Mechanism:
                         continue
                     if len(of[one]) > 1 and len(of[two]) > 1:
                         continue
-                    # Two equal bodies that hang on nothing else are wheels, and no two sides of one.
+                    # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
                     if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
                         continue
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.hinge.score < k.hinge.score)
@@ -152,14 +152,14 @@ class Mechanism:
         return False
 
     def _hold(self, joint: Link) -> tuple[float, ...]:
-        """How loosely a spinning body is held on one side: the tightest side is no joint."""
+        """Looseness of a spinning body on one side: the tightest side is not a joint."""
         h, r = joint.hinge, joint.hinge.relation
         clearance = min((f.clearance for f in r.shafts), default=1.0) if r is not None else 1.0
         length = r.length if r is not None else 0.0
         return not self._structure.are_together(h.a, h.b), round(clearance, 7), h.score, -length
 
     def _spins(self, members: Sequence[int], axis: Axis) -> bool:
-        """Whether a body is small and even about an axis."""
+        """Whether a body is small and symmetric about an axis."""
         volume = self._survey.total_volume(members)
         if axis.direction is None or not 0.0 < volume <= _SPINNER * self._survey.volume:
             return False

@@ -1,4 +1,4 @@
-"""Where the output of a motor is: by its horn, else by the vote of all motors of one definition."""
+"""The output axis of a motor: from its horn, else by a vote of all motors of one definition."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,12 +12,12 @@ from .relations import Relation, Via, reach
 from .survey import Survey
 
 SAME_AXIS = 5e-5
-"""Distance [m] within which axes at a motor are one."""
+"""Distance [m] up to which axes at a motor are equal."""
 _WEIGHTS = {Via.RING: 3, Via.FACE: 2, Via.PIN: 2}
 _LEVEL = 1e-2
-"""Angle [rad] up to which a contact lies across the output."""
+"""Angle [rad] up to which a contact is normal to the output axis."""
 _MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME = 0.25, 0.01
-"""Shares of the case's volume between which a part without a name may be its output."""
+"""Shares of the case's volume between which an unnamed part may be its output."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Output:
     axis: Axis
     """In the assembly; in a vote, in the frame of the case."""
     reach: float
-    """How far contacts with it reach from the axis [m]; 0 where that is not known."""
+    """Radius [m] of the contacts about the axis; 0 if unknown."""
 
 
 class OutputAxes:
@@ -38,7 +38,7 @@ class OutputAxes:
         self._votes = self._vote(motors)
 
     def of(self, motor: Motor, outputs: Iterable[int]) -> Output | None:
-        """The output of a motor, ``outputs`` being its parts that turn; None where nothing tells."""
+        """The output of a motor, ``outputs`` being its rotating parts; None without evidence."""
         survey = self._survey
         for output in outputs:
             others = [i for i in motor.parts if i not in (output, motor.case) and i not in survey.small]
@@ -54,7 +54,7 @@ class OutputAxes:
         return Output(Axis(X.apply(voted.axis.point), X.turn(voted.axis.d)), voted.reach)
 
     def _vote(self, motors: Sequence[Motor]) -> Mapping[int, Output]:
-        """For each definition of a case the axis on which most turns, in its own frame."""
+        """For each definition of a case, the axis with most rotating parts, in its own frame."""
         survey = self._survey
         votes: dict[int, list[tuple[Axis, list[tuple[int, float]]]]] = defaultdict(list)
         for motor in motors:
@@ -82,7 +82,7 @@ class OutputAxes:
 
 
 def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
-    """Parts of a motor that no name calls its output: small and turned, and they touch the case about one axis only."""
+    """Unnamed output parts of a motor: small turned parts that touch the case about one axis only."""
     if motor.outputs or len(motor.parts) < 2:
         return []
     case = survey.parts[motor.case]
@@ -101,7 +101,7 @@ def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
 
 
 def lies_on(output: Output, relations: Sequence[Relation]) -> bool:
-    """Whether all contacts lie on the output's face: across its axis, no further out than it reaches."""
+    """Whether all contacts are on the output's face: normal to its axis, and within its radius."""
     if not output.reach:
         return False
     directions = [p.normal for r in relations for p in r.patches] + [f.axis.d for r in relations for f in r.fits]

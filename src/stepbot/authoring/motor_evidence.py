@@ -1,4 +1,4 @@
-"""A motor carries on one side and drives on the other: what touches only its output turns, all else carries it."""
+"""Evidence from motors: parts that touch only a motor's output turn with it; all others hold the motor."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from .relations import Relation, merged, reach
 from .survey import Survey
 
 _BRUSH_AREA = 5e-6
-"""Contact [m^2] below which a part that shares no two holes with a motor only brushes it."""
+"""Contact [m^2] below which a part that shares fewer than two holes with a motor is not fastened to it."""
 _WIDER = 0.8
-"""Ratio of the reaches of a motor's two sides below which it is clear which of them is held."""
+"""Ratio of the radii of a motor's two sides, below which the side that holds it is unambiguous."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Side:
-    """Something that touches a motor."""
+    """A part that touches a motor."""
 
     part: int
     relations: tuple[Relation, ...]
@@ -30,12 +30,12 @@ class _Side:
 
     @property
     def is_held(self) -> bool:
-        """Whether it does more than brush the motor."""
+        """Whether the contact is more than incidental."""
         return self.whole.holes >= 2 or self.whole.area > _BRUSH_AREA or self.whole.freedom.dof <= 1
 
 
 def motor_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
-    """Add what all motors say."""
+    """Add the evidence of all motors."""
     axes = OutputAxes(survey, motors)
     for motor in motors:
         _OneMotor(survey, motor, axes, found).say()
@@ -49,7 +49,7 @@ class _OneMotor:
         self._output = axes.of(motor, self._outputs)
 
     def say(self) -> None:
-        """Add what this motor says."""
+        """Add the evidence of this motor."""
         motor, survey = self._motor, self._survey
         for i in motor.parts:
             if i != motor.case and i not in self._outputs and i not in survey.small:
@@ -88,13 +88,13 @@ class _OneMotor:
         return sides
 
     def _split(self, driven: list[_Side]) -> tuple[list[_Side], list[_Side], float, str]:
-        """Where all that touches a motor lies about its axis: what holds it does so on a wider circle.
+        """For contacts that are all centred on the motor's axis: the part on the wider circle holds the motor.
 
-        Returns what is driven, what carries, the score of the joint, and what to review.
+        Returns the driven part, the holding part, the score of the joint, and what to review.
         """
         groups = self._groups(driven)
         if len(groups) < 2:
-            # Nothing but its own output and one neighbour: the case stands alone.
+            # Only its own output and one neighbour: the case stands alone.
             return (driven, [], 0.85, "") if self._outputs else ([], [], 0.0, "")
         assert self._output is not None
         widths = [
@@ -126,7 +126,7 @@ class _OneMotor:
         return [by_root[root] for root in sorted(by_root)]
 
     def _idle(self, why: str) -> None:
-        """A motor that is held and whose output nothing is fastened to."""
+        """A motor that is held and has a free output."""
         turning = [o for o in self._outputs if "IDLE" not in self._survey.parts[o].path.upper()]
         if not turning:
             return
@@ -136,7 +136,7 @@ class _OneMotor:
                 self._found.weld(0.5, self._motor.case, o, "an idler that carries nothing")
 
     def _drive(self, driven: list[_Side], score: float, why: str, review: str) -> None:
-        """What touches the output turns, with the output's own part where there is one."""
+        """Parts that touch the output turn with it, and with the output's own part if there is one."""
         touched = {side.part: {r.other(side.part) for r in side.relations} for side in driven}
         anchors = sorted({o for parts in touched.values() for o in parts if o in self._outputs})
         for side in driven:

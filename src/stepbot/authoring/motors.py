@@ -1,4 +1,4 @@
-"""Motors as units: one part, or a subassembly of case, output and screws; by name, else by how equal parts are used."""
+"""Finds motors: one part, or a subassembly of case, output and screws; by name, else by the use of equal parts."""
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ from .survey import Survey
 _LARGEST = 0.6
 """Share of the assembly's size from which a subassembly is more than a motor."""
 _BLOCK = 0.35
-"""Share of its box that a motor fills; a bracket is a folded sheet."""
+"""Share of its bounding box that a motor fills; a bracket, a folded sheet, fills less."""
 _LEAST = 5e-3
-"""Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are used like one."""
+"""Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
 _SAME_AXIS = 5e-5
-"""Distance [m] within which axes of equal parts agree."""
+"""Distance [m] up to which axes of equal parts agree."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,17 +32,17 @@ class Motor:
     outputs: tuple[int, ...] = ()
     """Parts that are named a horn or an idler."""
     is_named: bool = True
-    """Whether its name says that it is a motor; else only its use does."""
+    """Whether it is a motor by its name; otherwise by its use."""
 
 
 def find_motors(survey: Survey) -> list[Motor]:
-    """All motors; by their use only where no name says so."""
+    """All motors; by use only if no name indicates one."""
     by_name = _named_motors(survey) if survey.sources.names else []
     return by_name or _motors_by_use(survey)
 
 
 def _named_motors(survey: Survey) -> list[Motor]:
-    """Each at the highest component that is one motor and not a folder of them."""
+    """The highest component of each motor that is one motor and not a folder of several."""
     assembly, parts = survey.assembly, survey.parts
     named = {c.index for c in assembly.components[1:] if _is_named_motor(spoken_names(c))}
     taken: set[int] = set()
@@ -70,7 +70,7 @@ def _is_named_motor(names: list[str]) -> bool:
 
 
 def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
-    """Whether a component holds motors rather than being one: assemblies of their own, or several of one product."""
+    """Whether a component contains motors: subassemblies of their own, or several of one product."""
     assembly = survey.assembly
     motors = [i for i in assembly.children[index] if i in named]
     if any(assembly.components[j].product for i in motors for j in assembly.children[i]):
@@ -79,7 +79,7 @@ def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
 
 
 def _motors_by_use(survey: Survey) -> list[Motor]:
-    """Equal blocks that are held off an axis and drive on it, again and again the same axis of theirs."""
+    """Equal blocks that are mounted off an axis and drive about it, each about the same axis of their definition."""
     equal: dict[int, list[int]] = defaultdict(list)
     for i, part in survey.parts.items():
         if not part.is_small and part.volume > _LEAST * survey.volume and _fill(survey, i) > _BLOCK:
@@ -92,7 +92,7 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
 
 
 def _fill(survey: Survey, part: int) -> float:
-    """Share of its box that a part fills, along its own axes."""
+    """Share of its bounding box that a part fills, along its own axes."""
     faces = survey.scene.body(part).faces
     if not faces:
         return 0.0

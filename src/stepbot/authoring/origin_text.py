@@ -1,4 +1,4 @@
-"""The frames of drafted joints, as the sidecar writes them."""
+"""The frames of drafted joints, formatted for the sidecar."""
 
 from math import atan2, hypot
 
@@ -10,7 +10,7 @@ from .yaml_lines import angles, flow, lengths, listed, millimetres
 
 
 def origin_text(origin: OriginSnippet) -> str:
-    """What stands behind ``origin:``."""
+    """The value of ``origin:``."""
     if origin.form is OriginForm.XYZ:
         return _numbers(origin.xyz, origin.rpy)
     entries = [
@@ -24,7 +24,7 @@ def origin_text(origin: OriginSnippet) -> str:
 
 
 def alternative_origin(point: Vector3, direction: Vector3 | None) -> str:
-    """A frame by numbers with z along ``direction``."""
+    """A numeric frame with z along ``direction``."""
     return _numbers(point, ZERO3 if direction is None else z_along(direction))
 
 

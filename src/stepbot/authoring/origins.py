@@ -1,4 +1,4 @@
-"""Where a drafted joint is, as a sidecar says it: a mate or an axis of components; they outlive changes of the CAD."""
+"""Origins of drafted joints: a mate or an axis of components where possible, since these survive CAD changes."""
 
 import numpy as np
 
@@ -16,16 +16,16 @@ _MICRORADIAN = 12
 
 
 class Origins:
-    """Writes origins; faces are gathered once for each component."""
+    """Writes origins; faces are collected once per component."""
 
     def __init__(self, assembly: Assembly) -> None:
         self._assembly = assembly
         self._faces: dict[int, AxisFaces] = {}
 
     def of(self, hinge: Hinge, child: int) -> tuple[OriginSnippet, Axis]:
-        """What to write for a joint, and the axis that it then has; ``child`` is the part on the child's side.
+        """The origin of a joint, and the resulting axis; ``child`` is the part on the child's side.
 
-        The mate of both parts where it is on the axis, else the axis of one of them, else numbers.
+        The mate of both parts if it is on the axis, else the axis of one of them, else numbers.
         """
         kind, axis = hinge.type, hinge.axis
         if kind == JointKind.FIXED:
@@ -43,7 +43,7 @@ class Origins:
         return _numbers(axis.point, perpendicular_frame(axis.d)), axis
 
     def _chosen(self, parts: tuple[int, ...], axis: Axis) -> tuple[OriginSnippet, Axis] | None:
-        """The line of one component, or the mate of two, that is the axis, with what selects it among all."""
+        """The line of one component, or the mate of two, on the axis, with its selector among all lines."""
         faces = [self._of(part) for part in parts]
         found = mates(faces[0], faces[1]) if len(faces) == 2 else lines(faces[0])
         form = OriginForm.MATE if len(faces) == 2 else OriginForm.AXIS_OF

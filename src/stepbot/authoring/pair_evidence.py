@@ -1,4 +1,4 @@
-"""What two touching parts say by themselves: by what they could move, and how likely each of that is meant."""
+"""Evidence from two parts in contact: their possible motions, and the likelihood of each."""
 
 from stepbot.robot.model import JointKind
 
@@ -11,11 +11,11 @@ from .structure import Structure, is_guide
 from .survey import Survey
 
 _SPIGOT = 0.5
-"""Length of a shaft in its bore, in radii, below which it centres and does not bear."""
+"""Length of a shaft in its bore, in radii, below which it is centred but not guided."""
 
 
 class PairEvidence:
-    """Adds what pairs of larger parts say, except those within one motor."""
+    """Adds the evidence of pairs of larger parts, except within one motor."""
 
     def __init__(self, survey: Survey, structure: Structure, found: Evidence) -> None:
         self._survey, self._structure, self._found = survey, structure, found
@@ -127,7 +127,7 @@ class PairEvidence:
 
 
 def several_axes(structure: Structure, found: Evidence) -> None:
-    """Two subassemblies that meet on several axes turn on none: four posts, two hinges out of line."""
+    """Two subassemblies that meet on several axes turn about none: four posts, two misaligned hinges."""
     between: dict[tuple[int, int], list[Hinge]] = {}
     for h in found.hinges:
         one, two = structure.link_of.get(h.a), structure.link_of.get(h.b)

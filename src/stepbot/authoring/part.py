@@ -1,4 +1,4 @@
-"""One part: what it is for, its size, and where its mass is."""
+"""One part: its role, size and centroid."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from .axis import Axis
 from .names import SMALL_PARTS, Role
 
 _OFF_AXIS = 0.01
-"""Share of its size by which the centre of a turned part may lie off its axis."""
+"""Distance of a turned part's centroid from its axis, as a share of its size, up to which it is on the axis."""
 _TILT, _UNEVEN = 0.02, 0.03
-"""Shares of its moments by which a turned part's inertia may be tilted and uneven about its axis."""
+"""Tolerances of a turned part's inertia about its axis, as shares of its moments: tilt and asymmetry."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,15 +23,15 @@ class Part:
     index: int
     path: str
     name: str
-    """Its own, or that of the product whose body it is."""
+    """Its own name, or that of the product of its body."""
     roles: tuple[Role, ...]
     role: Role | None
-    """The first of ``roles``, or what the shape says."""
+    """The first of ``roles``, or the role by its shape."""
     definition: int
     volume: float
-    """[m^3]; 0 where it encloses none."""
+    """[m^3]; 0 if it encloses none."""
     size: float
-    """Diagonal of its box [m]."""
+    """Diagonal of its bounding box [m]."""
     box: Array
     """Shape (2, 3) [m], in the assembly."""
     com: Array
@@ -45,7 +45,7 @@ class Part:
         return self.role in SMALL_PARTS
 
     def is_balanced(self, axis: Axis) -> bool:
-        """Whether its mass lies evenly about an axis, as that of a turned part does."""
+        """Whether its mass is symmetric about an axis, as that of a turned part is."""
         if not self.volume or axis.distance(self.com) > _OFF_AXIS * self.size:
             return False
         tilt = float(np.linalg.norm(np.cross(self.inertia @ axis.d, axis.d)))
@@ -57,7 +57,7 @@ class Part:
 
 
 def joint_box(parts: Iterable[Part]) -> Array:
-    """The box (2, 3) [m] around several parts."""
+    """The bounding box (2, 3) [m] of several parts."""
     boxes = np.array([part.box for part in parts if part.size])
     if not len(boxes):
         return np.zeros((2, 3))
@@ -65,10 +65,10 @@ def joint_box(parts: Iterable[Part]) -> Array:
 
 
 def box_gap(one: Array, two: Array) -> float:
-    """Distance [m] between two boxes (2, 3); 0 where they meet."""
+    """Distance [m] between two boxes (2, 3); 0 if they overlap."""
     return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - two[1], two[0] - one[1]))))
 
 
 def largest(parts: Sequence[Part]) -> Part:
-    """The part with the most volume; of equal ones the first."""
+    """The part with the largest volume; the first of equal ones."""
     return max(parts, key=lambda part: (part.volume, -part.index))

@@ -1,4 +1,4 @@
-"""The parts of an assembly with what their names and shapes say they are for."""
+"""The parts of an assembly with the roles that their names and shapes indicate."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -51,5 +51,5 @@ def _part(scene: Scene, index: int, *, use_names: bool) -> Part:
 
 
 def spoken_names(component: Component) -> list[str]:
-    """The names of a component that say something."""
+    """The meaningful names of a component."""
     return [name for name in (component.product, component.occurrence) if is_spoken(name)]

@@ -1,7 +1,7 @@
-"""Which planes of different parts lie on each other, and what area they share.
+"""Finds planes of different parts in contact, and their shared area.
 
-Planes are sorted by direction, then by height, then by their boxes; only then are outlines intersected (Clipper2, by
-way of manifold3d).
+Planes are sorted by direction, then by height, then by their boxes; only then are outlines intersected (Clipper2,
+through manifold3d).
 """
 
 from collections.abc import Iterator
@@ -20,9 +20,9 @@ from .scene import PlacedFace, Scene
 GAP = 2e-5
 """Gap [m] up to which two planes touch."""
 _SMALLEST = 5e-7
-"""Least shared area [m^2] that counts as a contact."""
+"""Minimum shared area [m^2] of a contact."""
 _CELLS = 2000.0
-"""Directions are sorted into cells of 1 / 2000, twice: neighbours across a border meet in the shifted ones."""
+"""Directions are sorted into cells of 1 / 2000, twice: neighbours across a border meet in the shifted cells."""
 
 Indices = Any
 
@@ -57,7 +57,7 @@ class _Planes:
         self._regions: dict[tuple[int, bytes], Region] = {}
 
     def candidates(self) -> Iterator[tuple[int, int]]:
-        """Pairs of planes of different parts that face each other at one height, and whose boxes meet."""
+        """Pairs of planes of different parts that face each other at one height and have overlapping boxes."""
         if not self.rows:
             return
         for shift in (0.0, 0.5):
@@ -92,7 +92,7 @@ class _Planes:
                 yield p, q
 
     def patch(self, p: int, q: int) -> Patch | None:
-        """What two planes share; None where it is too little."""
+        """The shared area of two planes; None if it is too small."""
         one, two = self.rows[p], self.rows[q]
         frame = perpendicular_frame(signed(one.direction[None, :])[0])[:, :2]
         shared = self._region(p, frame).shared(self._region(q, frame), _SMALLEST)

@@ -1,4 +1,4 @@
-"""What each pair of touching parts is to each other: what its contacts leave free, and whether all lie about one axis.
+"""The relation of each pair of parts in contact: its free motion, and the common axis of its contacts.
 
 Pure geometry; roles, names and the tree come later.
 """
@@ -18,23 +18,23 @@ from .contacts import Contacts, Fit, FitKind, Pair, Patch, Socket
 from .freedom import Freedom, FreedomKind, freedom
 
 _LEAST_SIZE = 5e-3
-"""Extent [m] that contacts count as having at least, where lengths are compared with angles."""
+"""Minimum extent [m] of contacts, used to compare lengths with angles."""
 _TURNED_RADIUS, _BORED_RADIUS, _MOST_LINES = 1e-3, 2.5e-3, 24
-"""Radii [m] from which shafts and bores make a line of a part that may be an axis, and how many one has at most."""
+"""Minimum radius [m] of shafts and bores on a possible axis of a part, and the maximum number of such axes."""
 
 
 class Via(StrEnum):
-    """By what two parts could move on each other."""
+    """Kinds of possible motion between two parts."""
 
     BALL = "ball"
     SLIDE = "slide"
-    """Shafts in bores leave one direction."""
+    """Shafts in bores leave one direction free."""
     GROOVE = "groove"
-    """Planes leave one direction."""
+    """Planes leave one direction free."""
     PIN = "pin"
     """A shaft in a bore."""
     BOLT = "bolt"
-    """One hole in line with another."""
+    """Two coaxial holes."""
     FACE = "face"
     """A round face on a face."""
     RING = "ring"
@@ -56,14 +56,14 @@ class Relation:
     freedom: Freedom
     via: Via = Via.NOTHING
     axis: Axis | None = None
-    """The axis about which everything lies, or along which it slides; None where there is none."""
+    """The axis of rotation or translation; None if there is none."""
     ring: int = 0
     """Number of holes in a circle about ``axis``."""
     ring_radius: float = 0.0
     length: float = 0.0
-    """How far the shaft is in its bore [m]."""
+    """Engaged length [m] of the shaft in its bore."""
     radius: float = 0.0
-    """Of what lies on the axis [m]."""
+    """Radius [m] of the fits on the axis."""
 
     def other(self, part: int) -> int:
         """The part on the other side."""
@@ -76,7 +76,7 @@ class Relation:
 
     @property
     def holes(self) -> int:
-        """Number of holes in line."""
+        """Number of coaxial pairs of holes."""
         return sum(fit.kind == FitKind.HOLES for fit in self.fits)
 
     @property
@@ -86,7 +86,7 @@ class Relation:
 
     @property
     def turns(self) -> Axis | None:
-        """The axis, where it is a line that everything lies about."""
+        """The axis, if it is a line that all contacts are centred on."""
         about = self.via in (Via.PIN, Via.BOLT, Via.FACE, Via.RING, Via.SEAM)
         return self.axis if about and self.axis is not None and self.axis.direction is not None else None
 
@@ -110,7 +110,7 @@ def find_relations(found: Contacts) -> dict[Pair, Relation]:
 
 
 def turned_lines(found: Contacts) -> dict[int, list[Axis]]:
-    """For each part the lines of its wider faces of revolution, the widest first."""
+    """For each part, the lines of its wider faces of revolution, the widest first."""
     lines: dict[int, list[tuple[float, int]]] = {}
     for number, line in enumerate(found.lines):
         for part, faces in line.faces.items():
@@ -121,7 +121,7 @@ def turned_lines(found: Contacts) -> dict[int, list[Axis]]:
 
 
 def merged(relations: Iterable[Relation], pair: Pair, lines: Sequence[Axis]) -> Relation:
-    """The relation of two bodies that several parts make."""
+    """The relation of two bodies that consist of several parts."""
     parts = list(relations)
     return relate(
         pair,
@@ -135,7 +135,7 @@ def merged(relations: Iterable[Relation], pair: Pair, lines: Sequence[Axis]) -> 
 def relate(
     pair: Pair, fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], lines: Sequence[Axis]
 ) -> Relation:
-    """What contacts make of two bodies; ``lines`` are tried as axes where nothing but faces touches."""
+    """The relation of two bodies from their contacts; ``lines`` are tried as axes if only plane faces touch."""
     points = np.array(
         [fit.axis.point for fit in fits] + [s.point for s in sockets] + [q for p in patches for q in p.hull]
     )
@@ -148,14 +148,14 @@ def relate(
         if all(centre.distance(s.point) < SAME_LINE for s in sockets):
             return replace(relation, via=Via.BALL, axis=centre, radius=sockets[0].radius)
     axis = concentric_axis(fits, patches, lines)
-    # A ring of holes is a bolt pattern even where faces leave a direction free.
+    # A ring of holes is a bolt pattern even if the faces leave a direction free.
     if free.kind == FreedomKind.PRISMATIC and (axis is None or relation.holes < 3):
         return _sliding(relation)
     return relation if axis is None else _turning(relation, axis)
 
 
 def _sliding(r: Relation) -> Relation:
-    """Two parts between which one direction is free; holes in line without a shaft are a bolt pattern."""
+    """Two parts with one free direction between them; coaxial holes without a shaft are a bolt pattern."""
     shafts = r.shafts
     if r.holes and not shafts:
         return r
@@ -168,7 +168,7 @@ def _sliding(r: Relation) -> Relation:
 
 
 def _turning(r: Relation, axis: Axis) -> Relation:
-    """Two parts whose contacts all lie about one axis."""
+    """Two parts whose contacts are all centred on one axis."""
     on = [fit for fit in r.fits if axis.distance(fit.axis.point) < SAME_LINE]
     off = [fit for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
     shafts = [fit for fit in on if fit.kind == FitKind.SHAFT]
@@ -189,7 +189,7 @@ def _turning(r: Relation, axis: Axis) -> Relation:
 
 
 def reach(axis: Axis, relations: Iterable[Relation]) -> float:
-    """How far contacts reach from an axis [m]."""
+    """Largest distance [m] of the contacts from an axis."""
     points: list[Array] = []
     for r in relations:
         points += [fit.axis.point for fit in r.fits]
@@ -198,7 +198,7 @@ def reach(axis: Axis, relations: Iterable[Relation]) -> float:
 
 
 def neighbours(relations: Mapping[Pair, Relation]) -> dict[int, list[Relation]]:
-    """For each part all its relations."""
+    """For each part, all its relations."""
     near: dict[int, list[Relation]] = {}
     for (a, b), relation in relations.items():
         near.setdefault(a, []).append(relation)

@@ -1,4 +1,4 @@
-"""The link that stands: by name, else a trunk from which most hangs, else the larger and lower end of the chain."""
+"""Selects the root link: by name, else the trunk with most branches, else the larger and lower end of the chain."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -10,14 +10,14 @@ from .names import Role
 from .structure import Structure
 
 _LOOSE = 0.2
-"""Share of the assembly's volume below which a cluster without joints does not stand."""
+"""Share of the assembly's volume below which a cluster without joints is not the root."""
 _NAMED_SHARE = 0.05
 """Share of its cluster's volume from which a part's name counts."""
 _BRANCHES, _MOST_BRANCHES = 3, 6
 
 
 def find_root(made: Decision, structure: Structure, joints: Sequence[Link], motors: Sequence[Motor]) -> int:
-    """The member that stands for the cluster that stands."""
+    """The representative of the root cluster."""
     degree = Counter(root for j in joints for root in (j.a, j.b))
     cases = {i for motor in motors for i in motor.parts}
     holds: Counter[int] = Counter()

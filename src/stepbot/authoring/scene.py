@@ -23,12 +23,12 @@ class PlacedFace:
     """Shape (3,) [m], in the assembly, as ``direction``, ``low`` and ``high``."""
     direction: Array
     low: Array
-    """Lowest corner of its box."""
+    """Lowest corner of its bounding box."""
     high: Array
 
 
 class Scene:
-    """What inference reads: parts are the indices of all components with a body, in file order."""
+    """Input of the inference: parts are the indices of all components with a body, in file order."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
@@ -53,7 +53,7 @@ class Scene:
 
     @cached_property
     def boxes(self) -> dict[int, Array]:
-        """Box (2, 3) [m] of each part along the axes of the assembly; none for a part without extent."""
+        """Bounding box (2, 3) [m] of each part in the assembly; parts without extent are left out."""
         found = {}
         for part in self.parts:
             placed = self._placed(part)
@@ -63,7 +63,7 @@ class Scene:
         return found
 
     def outline(self, placed: PlacedFace) -> list[Array]:
-        """The rings of a plane in the assembly."""
+        """The outlines of a plane in the assembly."""
         X = self.component(placed.part).X_WC
         return [X.apply(ring) for ring in placed.face.rings]
 

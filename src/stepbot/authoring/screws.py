@@ -1,4 +1,4 @@
-"""Fasteners by their shape: small, turned about one line, with a head and something to drive it by; and nuts."""
+"""Fasteners by shape: small, turned about one line, with a head and a drive recess; and nuts."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -16,7 +16,7 @@ _MOST_VOLUME, _LONGEST = 8e-6, 0.1
 _HEAD = (1.25, 3.0)
 """Ratio of the radii of head and shank."""
 _NUT = 12.0
-"""Ratio of a nut's size and the radius of its bore, at most."""
+"""Maximum ratio of a nut's size to the radius of its bore."""
 _HEXAGON = 6
 _SIXTY_DEGREES = 2e-3
 _ACROSS = 1e-3
@@ -34,7 +34,7 @@ def is_screw(part: Part, lines: Sequence[CoaxialLine], faces: Sequence[Face]) ->
     line = max(full, key=lambda row: (not row[1].bore, row[1].radius))[0]
     own = [face for other, face in full if other is line]
     widest = max(face.radius for face in own)
-    # Holes elsewhere are those of a part that others are fastened to.
+    # A part with holes elsewhere has other parts fastened to it.
     if any(line.axis.distance(other.axis.point) > 0.95 * widest for other, _ in full if other is not line):
         return False
     return part.is_balanced(line.axis) and (
@@ -65,7 +65,7 @@ def _has_head(outer: Sequence[float]) -> bool:
 
 
 def _most_flats(faces: Sequence[Face]) -> int:
-    """Most planes along one direction among which there are angles of 60 degrees; counted to six."""
+    """Maximum number of planes along one direction at angles of 60 degrees to each other; counted to six."""
     normals = np.array([face.direction for face in faces if face.kind == FaceKind.PLANE]).reshape(-1, 3)
     best = 0
     for i, j in combinations(range(len(normals)), 2):

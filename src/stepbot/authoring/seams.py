@@ -1,7 +1,7 @@
-"""Clusters that nothing ties: weaker joints first, then surfaces of revolution on one line across a seam.
+"""Connects unconnected clusters: by weaker joints first, then by coaxial surfaces of revolution across a gap.
 
-Two links that are drawn with a gap between them have no contact; that the one turns on the other shows in faces about
-one line on both sides of the gap. Such a joint is always a guess.
+Two links that are drawn with a gap between them have no contact; faces about one line on both sides of the gap show
+that one turns on the other. Such a joint is always a guess.
 """
 
 from collections import defaultdict
@@ -25,21 +25,21 @@ from .freedom import Freedom, FreedomKind
 from .relations import Relation, Via
 
 _WEAKEST = 0.3
-"""Score from which a joint may tie what nothing else does."""
+"""Score from which a joint may connect otherwise unconnected clusters."""
 _SEAM = 6e-3
-"""Gap [m] across which faces of two links may still be about one joint."""
+"""Gap [m] across which faces of two links may still belong to one joint."""
 _FAR = 3e-3
 _WIDEST_SHARE = 0.25
 """Share of the assembly's size within which faces on one line are compared."""
 _SMALLEST_RADIUS, _LEAST_SPAN = 2e-3, 3.0
 _ALIKE = 0.25
-"""Ratio of radii below which two faces belong to no common joint."""
+"""Ratio of radii below which two faces do not belong to one joint."""
 _CIRCLE = 1e-6
 _NEAR_BOX = 3e-3
 _PER_PAIR = 4
-"""Lines that are offered for one pair of clusters."""
+"""Maximum number of lines offered for one pair of clusters."""
 _TINY = 1e-4
-"""Share of the volume of the assembly below which a cluster is left aside, where there are many."""
+"""Share of the assembly's volume below which a cluster is ignored, if there are many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class _Round:
 
 @dataclass(frozen=True)
 class _Span:
-    """A face of revolution on a line, by its place along it."""
+    """A face of revolution on a line, by its position along it."""
 
     low: float
     high: float
@@ -76,7 +76,7 @@ class _Seam:
 
 
 def tie_by_seams(made: Decision) -> None:
-    """Add joints between clusters that nothing ties to the rest."""
+    """Add joints to clusters that are not connected to the rest."""
     survey, groups = made.survey, made.clusters.groups()
     big = {
         root: members
@@ -102,7 +102,7 @@ def _is_one(tied: Clusters, big: dict[int, list[int]]) -> bool:
 
 
 def _tie(made: Decision, tied: Clusters, h: Hinge, note: str) -> None:
-    """Accept a joint if it ties what was not tied, else offer it."""
+    """Accept a joint if it connects unconnected clusters, else offer it."""
     if h.a not in made.clusters or h.b not in made.clusters:
         return
     a, b = made.clusters.find(h.a), made.clusters.find(h.b)
@@ -175,7 +175,7 @@ class _Seams:
             active.append((high, root))
 
     def _seam(self, one: int, two: int, spans: dict[int, list[_Span]], line: Axis) -> _Seam | None:
-        """The two faces that tell most; across a wide gap only where something of both is between, as of a fork."""
+        """The two faces with the strongest evidence; a wide gap must have parts of both in between, as in a fork."""
         best, rank = None, (True, 0.0, np.inf)
         for s in spans[one]:
             for t in spans[two]:
@@ -190,7 +190,7 @@ class _Seams:
         return best
 
     def _touch(self, one: int, two: int) -> bool:
-        """Whether parts of two clusters come near each other, by their boxes."""
+        """Whether parts of two clusters are close to each other, by their bounding boxes."""
         key = min(one, two), max(one, two)
         if key not in self._adjacent:
             a, b = (
@@ -201,7 +201,7 @@ class _Seams:
         return self._adjacent[key]
 
     def _faces(self) -> list[_Round]:
-        """All faces that go round, and all round outlines."""
+        """All faces that cover more than half of a circumference, and all round outlines."""
         rows: list[_Round] = []
         faces = self._survey.scene.faces
         for placed in (f for kind in (FaceKind.CYLINDER, FaceKind.CONE, FaceKind.TORUS) for f in faces[kind]):

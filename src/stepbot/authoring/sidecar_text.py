@@ -1,7 +1,7 @@
-"""A draft as the text of a sidecar: every guess with its evidence, and a REVIEW mark where the evidence is weak.
+"""A draft as the text of a sidecar: every guess with its evidence, and a REVIEW mark if the evidence is weak.
 
-What is written passes ``check --step`` and converts as it is. What is less than chosen stands in comments only, as
-lines to uncomment. Same draft, same bytes.
+The text passes ``check --step`` and converts as it is. Guesses that are not accepted are comments only, as lines to
+uncomment. Same draft, same bytes.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,21 +18,21 @@ from .origin_text import alternative_origin
 from .yaml_lines import comment, listed, number
 
 SCHEMA_FILE = "robot-1.schema.json"
-"""Name of the schema that the first line tells editors of."""
+"""Name of the schema in the first line, for editors."""
 _DEFAULT_DENSITY = 1000.0
 """[kg/m^3]; between plastics and light metals, and easy to recognize as a placeholder."""
 _OFFERED = 12
-"""Axes that were seen and not drafted, at most."""
+"""Maximum number of axes that were found but not drafted."""
 
 
 def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = SCHEMA_FILE) -> str:
     """The sidecar of a draft.
 
     Args:
-        draft: What was found.
-        step: Path of the STEP file as the sidecar names it: relative to the sidecar, with forward slashes.
-        encoding: Code page of the names in the STEP, where its reader was given one.
-        schema: Path of the JSON Schema, for editors; empty for no such line.
+        draft: The inferred robot.
+        step: Path of the STEP file in the sidecar: relative to the sidecar, with forward slashes.
+        encoding: Code page of the names in the STEP, if its reader was given one.
+        schema: Path of the JSON Schema, for editors; empty to omit that line.
 
     Returns:
         YAML, with a line feed at the end of every line.
@@ -73,7 +73,7 @@ def _introduction(draft: Draft) -> list[str]:
 
 
 def _densities(draft: Draft) -> list[str]:
-    """What the STEP leaves without a density: typical ones by name, and a placeholder for the rest."""
+    """Densities that the STEP lacks: typical ones by name, and a placeholder for the rest."""
     lines: list[str] = []
     if draft.equal_density:
         text = (
@@ -112,7 +112,7 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
 
 
 def _parts(paths: Sequence[str]) -> list[str]:
-    """``parts`` on one line where they fit, else one path per line."""
+    """``parts`` on one line if they fit, else one path per line."""
     line = f"    parts: {listed(paths)}"
     return [line] if len(line) <= 100 else ["    parts:", *(f"      - {quoted(path)}" for path in paths)]
 

@@ -1,4 +1,7 @@
-"""Turn or slide: a shaft in a bore without a shoulder allows both. A loop may tell, else shape and names."""
+"""Revolute or prismatic: a shaft in a bore without a shoulder allows both.
+
+Decided by a loop, else by shape and name.
+"""
 
 from collections.abc import Sequence
 
@@ -9,11 +12,11 @@ from .survey import Survey
 
 _WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear", "quill", "carriage")
 _SLIM = 3.0
-"""Engaged length in radii from which a shaft may be meant to slide."""
+"""Engaged length in radii from which a shaft may be prismatic."""
 
 
 def choose_slides(survey: Survey, arcs: Sequence[Arc]) -> None:
-    """Make slides of those joints that only move so, or are called so."""
+    """Make joints prismatic if only that motion is possible, or if they are named so."""
     motions = loop_motions(arcs)
     for k, arc in enumerate(arcs):
         if not arc.could_slide:

@@ -1,4 +1,4 @@
-"""Balls in sockets: concentric spheres, one looking outwards and one inwards, of nearly one radius."""
+"""Balls in sockets: concentric convex and concave spheres of nearly equal radius."""
 
 from collections import defaultdict
 
@@ -13,9 +13,9 @@ from .scene import PlacedFace, Scene
 _CELL = 1e-4
 """Size [m] of the cells that centres are sorted into."""
 _CENTRES = 2e-5
-"""Distance [m] within which centres are one."""
+"""Distance [m] up to which centres are equal."""
 _SLACK, _SLACK_SHARE = 5e-4, 0.06
-"""Most difference of radii: [m], and as a share of the radius; the larger holds."""
+"""Maximum difference of radii: [m], and as a share of the radius; the larger applies."""
 _NEIGHBOURS = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
 
 

@@ -1,8 +1,8 @@
-"""A draft from the kinematic pairs that a STEP file states: no joint is inferred, and each has score 1.
+"""A draft from the kinematic pairs in a STEP file: no joint is inferred, and each has score 1.
 
-What a file leaves open is marked: the components of a link, and the degrees of freedom of a pair. A pair's placements
-are in the frames of its links' components; in files that give them in the frame of the assembly, both placements have
-one axis there.
+What the file leaves open is marked: the components of a link, and the degrees of freedom of a pair. The placements of a
+pair are in the frames of its links' components; in files that give them in the frame of the assembly, both placements
+have the same axis there.
 """
 
 from collections.abc import Iterable, Sequence
@@ -29,12 +29,12 @@ from .draft import (
 )
 
 _SAME_PLACE, _SAME_DIRECTION = 1e-5, 1e-4
-"""How far [m] and [rad] two placements may miss each other's axis."""
+"""Tolerances [m] and [rad] within which the axes of two placements are equal."""
 _AXES = ("x", "y", "z")
 
 
 def draft_of_mechanism(mechanism: Mechanism, assembly: Assembly, robot: str) -> Draft | None:
-    """The draft that a file's kinematic pairs make; None where its links are not found among the components.
+    """The draft of a file's kinematic pairs; None if its links are not found among the components.
 
     Args:
         mechanism: Links and pairs of the file.
@@ -70,7 +70,7 @@ def draft_of_mechanism(mechanism: Mechanism, assembly: Assembly, robot: str) -> 
 
 
 def _members(link: KinematicLink, assembly: Assembly) -> list[int]:
-    """The components of a link: those that it refers to, else those that have its name."""
+    """The components of a link: those that it refers to, else those with its name."""
     stated = [
         component.index
         for wanted in link.occurrences
@@ -88,12 +88,12 @@ def _members(link: KinematicLink, assembly: Assembly) -> list[int]:
     ):
         named = [index for index, one in enumerate(names) if one == name and index]
         if named:
-            return named if len(named) == 1 else []  # of several nobody says which
+            return named if len(named) == 1 else []  # ambiguous among several
     return []
 
 
 def _names(links: Sequence[KinematicLink], members: Sequence[Sequence[int]], assembly: Assembly) -> list[str]:
-    """A name for each link, each once."""
+    """A unique name for each link."""
     names: list[str] = []
     for index, (link, parts) in enumerate(zip(links, members, strict=True)):
         first = assembly.components[parts[0]] if parts else None
@@ -105,7 +105,7 @@ def _names(links: Sequence[KinematicLink], members: Sequence[Sequence[int]], ass
 def _tree(
     pairs: Iterable[KinematicPair], links: Sequence[int], root: int
 ) -> tuple[list[tuple[KinematicPair, int, int]], list[KinematicPair], list[int]]:
-    """Pairs of the tree from the root on with their parents and children, those that close loops, and what is apart."""
+    """Pairs of the tree in order with parent and child, pairs that close loops, and unconnected links."""
     waiting, reached = list(pairs), {root}
     tree: list[tuple[KinematicPair, int, int]] = []
     apart: list[int] = []
@@ -136,7 +136,7 @@ def _joint(
     frame, drawn, review = _placed(pair, members, assembly, scale)
     kind, axis, axis2 = _kind(pair)
     forward = parent == pair.links[0]
-    if not forward:  # the same motion, seen from the other side
+    if not forward:  # the same motion, with parent and child exchanged
         axis, axis2 = (-v for v in (axis, axis2))
     direction = frame.turn(axis)
     zero = _drawn_position(kind, np.abs(axis), drawn)
@@ -213,7 +213,7 @@ def _held(
 def _placed(
     pair: KinematicPair, members: Sequence[Sequence[int]], assembly: Assembly, scale: float
 ) -> tuple[Pose, Pose, str]:
-    """The pair's frame on the first link in the assembly, the second's in it, and what to review."""
+    """The pair's frame on the first link in the assembly, the second's relative to it, and what to review."""
     own = [Pose(p.rotation, vector3(p.p * scale)) for p in pair.placements]
     first, second = (assembly.components[members[link][0]].X_WC @ X for link, X in zip(pair.links, own, strict=True))
     review = "" if pair.is_stated or pair.kind in _SURE_WITHOUT_FLAGS else (
@@ -228,11 +228,11 @@ def _placed(
 
 
 _SURE_WITHOUT_FLAGS = ("REVOLUTE_PAIR", "SPHERICAL_PAIR", "CYLINDRICAL_PAIR", "SCREW_PAIR", "FULLY_CONSTRAINED_PAIR")
-"""Kinds whose degrees of freedom need no flags: about z, and along it, or all of them or none."""
+"""Kinds whose degrees of freedom need no flags: about z, along it, all or none."""
 
 
 def _agree(first: Pose, second: Pose, axis: Array) -> bool:
-    """Whether two placements differ by no more than some motion of the pair could: one axis, or one point without."""
+    """Whether two placements differ only by a possible motion of the pair: same axis, or same point."""
     apart = second.p - first.p
     if not axis.any():
         return bool(np.linalg.norm(apart) <= _SAME_PLACE)
@@ -242,7 +242,7 @@ def _agree(first: Pose, second: Pose, axis: Array) -> bool:
 
 
 def _kind(pair: KinematicPair) -> tuple[JointKind, Array, Array]:
-    """The kind of joint that some degrees of freedom make, with its axis and second axis in the placement."""
+    """The type of joint with the given degrees of freedom, and its axis and second axis in the placement."""
     slides = [f for f in pair.dofs if f < 3]
     turns = [f - 3 for f in pair.dofs if f >= 3]
     none = np.zeros(3)
@@ -270,12 +270,12 @@ def _kind(pair: KinematicPair) -> tuple[JointKind, Array, Array]:
 
 
 def _drawn_position(kind: JointKind, axis: Array, drawn: Pose) -> float:
-    """Position [rad or m] of a joint of one freedom, from the second placement in the first."""
+    """Position [rad or m] of a joint with one degree of freedom, from the second placement in the first."""
     if kind is JointKind.PRISMATIC:
         return round(float(drawn.p @ axis), 9) + 0.0
     if kind not in (JointKind.REVOLUTE, JointKind.CONTINUOUS):
         return 0.0
-    u = np.roll(axis, 1)  # the next of x, y, z: at right angles to the axis
+    u = np.roll(axis, 1)  # the next of x, y, z: perpendicular to the axis
     turned = drawn.turn(u)
     return round(atan2(float(turned @ np.cross(axis, u)), float(turned @ u)), 9) + 0.0
 

@@ -1,4 +1,4 @@
-"""Subassemblies as links: they move as one, unless a joint lies inside or they are folders of things held elsewhere."""
+"""Subassemblies as links: they move as one, unless a joint is inside or they are folders of unconnected parts."""
 
 from collections.abc import Sequence
 
@@ -10,19 +10,19 @@ from .survey import Survey
 
 
 class Structure:
-    """Which subassembly that looks like a link each part is in."""
+    """For each part, the subassembly above it that looks like a link."""
 
     def __init__(self, survey: Survey, mechanisms: set[tuple[int, int]]) -> None:
         self._survey, self._assembly = survey, survey.assembly
         self.link_of: dict[int, int] = {}
-        """For each larger part the highest component above it that looks like a link; empty without the tree."""
+        """For each larger part, the highest component above it that looks like a link; empty without the tree."""
         self.groups: list[int] = []
         """Components with several larger parts that look like links."""
         if survey.sources.tree:
             self._visit(self._top(), mechanisms | self._moving_pairs())
 
     def are_across(self, a: int, b: int) -> bool:
-        """Whether two parts are in different links by the tree, at least one of which is a subassembly."""
+        """Whether the tree puts two parts in different links, at least one of which is a subassembly."""
         one, two = self.link_of.get(a), self.link_of.get(b)
         if one is None or two is None or one == two:
             return False
@@ -34,11 +34,11 @@ class Structure:
         return one is not None and one == self.link_of.get(b) and bool(self._assembly.children[one])
 
     def names(self, part: int) -> set[Role]:
-        """What the subassembly of a part is called."""
+        """The roles in the name of a part's subassembly."""
         return self._survey.node_roles(self.link_of[part]) if part in self.link_of else set()
 
     def welds(self, found: Evidence) -> None:
-        """Say that the parts of each such subassembly are one."""
+        """Add evidence that the parts of each such subassembly are one."""
         survey = self._survey
         for group in self.groups:
             members = [i for i in self._assembly.subtree(group) if i in survey.parts and i not in survey.small]
@@ -48,7 +48,7 @@ class Structure:
                     found.weld(0.75, first, i, f"in one subassembly '{self._assembly.components[group].path}'")
 
     def _top(self) -> int:
-        """The component whose children are the first to tell anything apart."""
+        """The highest component with more than one child."""
         top = 0
         children = self._assembly.children
         while len(children[top]) == 1 and children[children[top][0]]:
@@ -80,7 +80,7 @@ class Structure:
                 self.groups.append(child)
 
     def _is_folder(self, members: Sequence[int]) -> bool:
-        """Whether a subassembly is a list of things: pieces apart from each other, two of them held from outside."""
+        """Whether a subassembly is only a list: disconnected pieces, two of them held from outside."""
         inside = set(members)
         islands = self._survey.islands(members)
         held = sum(1 for island in islands if any(self._survey.holders(i) - inside for i in island))
@@ -88,7 +88,7 @@ class Structure:
 
 
 def is_guide(survey: Survey, a: int, b: int) -> bool:
-    """Whether parts that could slide in each other do: a name says so, or each is fastened to something else."""
+    """Whether parts that could slide in each other do: by name, or because each is fastened to another part."""
     if {Role.JAW, Role.SLIDE}.intersection(survey.parts[a].roles + survey.parts[b].roles):
         return True
     holds_a, holds_b = survey.holders(a) - {b}, survey.holders(b) - {a}
@@ -96,7 +96,7 @@ def is_guide(survey: Survey, a: int, b: int) -> bool:
 
 
 def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence) -> None:
-    """Say that the bodies of one product are one part, unless it is a motor drawn as case and horn."""
+    """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn."""
     in_motor = {i for parts in motors for i in parts}
     assembly = survey.assembly
     for c in assembly.components:

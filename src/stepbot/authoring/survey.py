@@ -1,4 +1,4 @@
-"""All that is known of an assembly before anything is decided: parts, contacts, relations, subassemblies, motors."""
+"""The facts about an assembly before anything is decided: parts, contacts, relations, subassemblies, motors."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -23,18 +23,18 @@ from .scene import Scene
 from .sockets import find_sockets
 
 _SMALL_SHARE = 0.35
-"""Share of the assembly's size from which a part is no fastener, whatever it is called."""
+"""Share of the assembly's size from which a part is not a fastener, whatever its name."""
 _SCREW_REACH = 4e-3
-"""Distance [m] of a screw's box within which it clamps."""
+"""Distance [m] from a screw's bounding box within which it clamps."""
 
 
 @dataclass(frozen=True)
 class Sources:
-    """What inference may look at besides the geometry."""
+    """Sources of evidence besides the geometry."""
 
     names: bool = True
     tree: bool = True
-    """Whether subassemblies count."""
+    """Whether to use subassemblies."""
 
 
 ALL_SOURCES = Sources()
@@ -57,11 +57,11 @@ class Survey:
         self.small = {i for i, p in self.parts.items() if p.is_small and p.size < _SMALL_SHARE * self.extent}
 
     def relation(self, a: int, b: int) -> Relation | None:
-        """The relation of two parts; None where they do not touch."""
+        """The relation of two parts; None if they do not touch."""
         return self.relations.get((min(a, b), max(a, b)))
 
     def around(self, part: int) -> Iterator[tuple[int, Relation]]:
-        """The larger parts that a part touches, with the relation."""
+        """The larger parts in contact with a part, with the relation."""
         for relation in self.near.get(part, ()):
             other = relation.other(part)
             if other not in self.small:
@@ -74,17 +74,17 @@ class Survey:
                 yield pair, relation
 
     def holders(self, part: int) -> set[int]:
-        """What a part is fastened to."""
+        """The parts that a part is fastened to."""
         return {other for other, r in self.around(part) if r.is_rigid or r.via == Via.RING}
 
     def node_roles(self, component: int) -> set[Role]:
-        """What the names of a component hint at."""
+        """The roles that a component's names indicate."""
         if not self.sources.names:
             return set()
         return {role for name in spoken_names(self.assembly.components[component]) for role in roles(name)}
 
     def has_screw_at(self, axis: Axis) -> bool:
-        """Whether a screw lies on a line, near the place that stands for it."""
+        """Whether a screw is on a line, near the given position."""
         return any(
             axis.same(line)
             and bool(np.all(axis.point > box[0] - _SCREW_REACH) and np.all(axis.point < box[1] + _SCREW_REACH))
@@ -106,11 +106,11 @@ class Survey:
         return exact_sum(self.parts[i].volume for i in members)
 
     def box_of(self, members: Iterable[int]) -> Array:
-        """The box (2, 3) [m] around parts."""
+        """The bounding box (2, 3) [m] of parts."""
         return joint_box(self.parts[i] for i in members)
 
     def size_of(self, members: Iterable[int]) -> float:
-        """Diagonal of the box around parts [m]."""
+        """Diagonal of the bounding box of parts [m]."""
         low, high = self.box_of(members)
         return float(np.linalg.norm(high - low)) or 1.0
 

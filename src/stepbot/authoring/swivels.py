@@ -1,7 +1,7 @@
-"""Rods and struts between ball joints: what would turn about itself to no purpose.
+"""Removes idle rotations of rods and struts between ball joints.
 
-A rod with a ball at either end spins about its own axis, which moves nothing: the end nearer to the root is drafted as
-a universal joint. A shaft in a bore, each side of which hangs on one swivel, is a strut: it slides.
+A rod with a ball joint at each end can spin about its own axis, which moves nothing else: the end nearer to the root is
+drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
 """
 
 from collections import defaultdict, deque
@@ -20,7 +20,7 @@ _SWIVELS = (JointKind.BALL, JointKind.UNIVERSAL)
 
 
 def stop_spinning_rods(joints: Sequence[Link], root: int) -> None:
-    """Make a universal joint of one end of each rod between two balls; each is a choice to be reviewed."""
+    """Make one end of each rod between two ball joints a universal joint; each is to be reviewed."""
     of = _by_cluster(joints)
     depth = _depths(of, root)
     for rod in sorted(of):
@@ -39,7 +39,7 @@ def stop_spinning_rods(joints: Sequence[Link], root: int) -> None:
 
 
 def slide_in_struts(joints: Sequence[Link]) -> None:
-    """Make a slide of a shaft in a bore between two swivels."""
+    """Make a shaft in a bore between two swivels prismatic."""
     of = _by_cluster(joints)
     for j in joints:
         r = j.hinge.relation
@@ -59,7 +59,7 @@ def _by_cluster(joints: Sequence[Link]) -> dict[int, list[Link]]:
 
 
 def _depths(of: dict[int, list[Link]], root: int) -> dict[int, int]:
-    """How many joints each cluster is away from the root."""
+    """The number of joints between each cluster and the root."""
     depth, waiting = {root: 0}, deque([root])
     while waiting:
         here = waiting.popleft()

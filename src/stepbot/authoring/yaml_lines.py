@@ -1,4 +1,4 @@
-"""Values and comments of a drafted sidecar as YAML, on one line each and the same on every machine."""
+"""Values and comments of a drafted sidecar as YAML, one line each and the same on every machine."""
 
 import textwrap
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ from stepbot.geometry.spatial import Vector3
 from stepbot.step.structure.paths import quoted
 
 WIDTH = 120
-"""Columns that comments are wrapped to."""
+"""Column at which comments are wrapped."""
 
 
 def number(value: float) -> str:
@@ -18,7 +18,7 @@ def number(value: float) -> str:
 
 
 def millimetres(metres: float) -> str:
-    """A length, to a nanometre: ``12.5 mm``; nothing but ``0`` for zero."""
+    """A length, to a nanometre: ``12.5 mm``; ``0`` for zero."""
     rounded = round(metres * 1e3, 6) + 0.0
     return f"{number(rounded)} mm" if rounded else "0"
 
@@ -45,7 +45,7 @@ def axis(given: str | Vector3) -> str:
 
 
 def flow(entries: Iterable[tuple[str, str]]) -> str:
-    """A mapping on one line; values are YAML already."""
+    """A mapping on one line; values are already YAML."""
     return "{" + ", ".join(f"{key}: {value}" for key, value in entries) + "}"
 
 
@@ -55,7 +55,7 @@ def listed(paths: Iterable[str]) -> str:
 
 
 def comment(text: str, indent: int = 0) -> list[str]:
-    """A text as comment lines, wrapped; whatever characters are in it, it ends no comment."""
+    """A text as wrapped comment lines; no character in it can end the comment."""
     space = " " * indent
     text = one_line(text)
     return textwrap.wrap(
