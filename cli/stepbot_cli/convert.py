@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import did_you_mean
+from stepbot.formats import FORMATS, default_formats, format_named
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
@@ -28,12 +29,19 @@ if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
 
+
+def _titles() -> str:
+    """What is written where no format is asked for, as people call it."""
+    *others, last = (FORMATS[name].title for name in default_formats())
+    return f"{', '.join(others)} and {last}" if others else last
+
+
 format_option = names_option(
     "-f",
     "--format",
     "formats",
     metavar="FORMAT,...",
-    help="Formats to write, such as urdf,sdf; may be repeated.  [default: all]",
+    help=f"Formats to write, of {', '.join(FORMATS)}; may be repeated.  [default: {','.join(default_formats())}]",
 )
 again_format_option = names_option("-f", "--format", "formats", metavar="FORMAT,...", help="Same as for `convert`.")
 strict_option = click.option(
@@ -44,7 +52,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 
 @click.command(
     cls=Command,
-    short_help="Write and verify URDF, SDFormat and MJCF.",
+    short_help=f"Write and verify {_titles()}.",
     epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm",
 )
 @click.argument("sidecar", type=click.Path(path_type=Path))
@@ -155,18 +163,14 @@ def written_to(conversion: "Conversion", output: Path) -> Path:
 
 def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the formats to write, each once, whatever alias they were given by."""
-    from stepbot.pipeline.conversion import Options
-
-    if not given:  # without a look at the writers: the kernel starts a quarter of a second earlier
-        return Options.formats
-    from stepbot.formats import FORMATS, writer_of
-
+    if not given:
+        return default_formats()
     names = []
     for name in given:
         try:
-            names.append(writer_of(name).NAME)
+            names.append(format_named(name).name)
         except KeyError:
-            known = (*FORMATS, *(alias for writer in FORMATS.values() for alias in writer.ALIASES))
+            known = (*FORMATS, *(alias for one in FORMATS.values() for alias in one.aliases))
             remedy = "".join(did_you_mean(name, known)) or f"choose from {', '.join(FORMATS)}"
             raise click.BadParameter(f"unknown format '{name}'; {remedy}", param_hint="--format") from None
     return tuple(dict.fromkeys(names))

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
+from stepbot.formats import FORMATS, default_formats, format_named
 from stepbot.pipeline.conversion import Checked, Conversion, Options
 from stepbot.runtime.cache import Cache, default_folder
 from stepbot.runtime.worker import DEFAULT_TIMEOUT
@@ -215,11 +216,10 @@ def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0)
 def _format_names(given: Iterable[str]) -> tuple[str, ...]:
     names = tuple(given)
     if not names:
-        return Options.formats
-    from stepbot.formats import FORMATS, writer_of
+        return default_formats()
 
     try:
-        return tuple(dict.fromkeys(writer_of(name).NAME for name in names))
+        return tuple(dict.fromkeys(format_named(name).name for name in names))
     except KeyError as error:
         raise ValueError(f"no format {error}; there are {', '.join(FORMATS)}") from None
 

@@ -373,7 +373,7 @@ def test_engine_that_dies(desk: Desk) -> None:
     """What is not proven does not replace what is: it goes to a folder of its own; file and engine are named."""
     before = snapshot(desk.folder)
     with start(desk) as command:
-        os.kill(wait_for(lambda: engines(command, "mujoco"), command)[0], signal.SIGKILL)
+        os.kill(wait_for(lambda: engines(command, "mujoco.observer"), command)[0], signal.SIGKILL)
         out, err = command.communicate(timeout=120)
     assert command.returncode == 1, err.decode()
     assert b"Traceback" not in err

@@ -23,7 +23,9 @@ NEVER = Check("a.xml", "mjcf", "drake", "mass", Status.NOT_RUN, why="drake is no
 
 def test_one_line_per_file() -> None:
     """Each line has the engines that compared something and the worst deviation; a failure is the file's result."""
-    lines = proof_lines(Report(checks=(LOADED, MASS, MESHES, NOT_TOLD, OWN, FAILED, NEVER)), None)
+    lines = proof_lines(
+        Report(checks=(LOADED, MASS, MESHES, NOT_TOLD, OWN, FAILED, NEVER), own_parsers=("reader",)), None
+    )
     assert [line.split(maxsplit=3) for line in lines[:4]] == [
         ["format", "file", "result", "engines           worst deviation"],
         ["urdf", "a.urdf", "passed", "mujoco, pybullet  meshes: 3.4e-06 of 2e-05 m"],

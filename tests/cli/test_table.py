@@ -17,7 +17,7 @@ ABSENT = Check("a.xml", "mjcf", "pybullet", "mass", Status.NOT_RUN, why="pybulle
 
 def table(capsys: pytest.CaptureFixture[str], *checks: Check) -> list[str]:
     """Lines of the table of some checks."""
-    show_table(Report(checks=checks))
+    show_table(Report(checks=checks, own_parsers=("reader", "extensions")))
     return capsys.readouterr().out.splitlines()
 
 

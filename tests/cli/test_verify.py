@@ -7,7 +7,8 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS, render
+from stepbot.formats import FORMATS
+from stepbot.formats.rendering import render
 from stepbot.runtime.output import write_atomically
 from tests.robots import two_link_arm
 
@@ -21,7 +22,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     for name in FORMATS:
         write_atomically(render(robot, name, Diagnostics()), tmp_path)
     monkeypatch.chdir(tmp_path)
-    return [f"{robot.name}{writer.SUFFIX}" for writer in FORMATS.values()]
+    return [f"{robot.name}{writer.suffix}" for writer in FORMATS.values()]
 
 
 @pytest.mark.slow

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS, render
+from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import render
 from stepbot.robot.model import Robot
 from tests.robots import ROBOTS
 
@@ -24,6 +25,6 @@ def write(tmp_path_factory: pytest.TempPathFactory) -> Write:
         for path, content in render(robot, format_, Diagnostics()).items():
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
-        return lower(robot, FORMATS[format_], Diagnostics()), folder / f"{robot.name}{FORMATS[format_].SUFFIX}"
+        return lower(robot, FORMATS[format_], Diagnostics()), folder / f"{robot.name}{FORMATS[format_].suffix}"
 
     return write_robot

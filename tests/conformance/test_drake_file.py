@@ -8,9 +8,10 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS, render
+from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
+from stepbot.formats.rendering import render
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import link_poses
 from tests.robots import ROBOTS

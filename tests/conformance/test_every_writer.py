@@ -12,8 +12,9 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS, render, used_meshes, writer_of
+from stepbot.formats import FORMATS, format_named
 from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import render, used_meshes
 from stepbot.robot.model import Robot
 from stepbot.robot.multi_dof import steps_by_child
 from tests.robots import ROBOTS
@@ -24,7 +25,8 @@ every_format = pytest.mark.parametrize("format_", FORMATS)
 RENDER_ALL = """
 import hashlib, sys
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS, render
+from stepbot.formats import FORMATS
+from stepbot.formats.rendering import render
 from tests.robots import ROBOTS
 digest = hashlib.sha256()
 for build in ROBOTS.values():
@@ -84,7 +86,7 @@ def test_every_name_is_in_the_file(name: str, format_: str) -> None:
     """Names of the robot, its links and joints stand in the file as they are, where the format has room for them."""
     robot = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
     files = render(ROBOTS[name](), format_, Diagnostics())
-    top = etree.fromstring(files[f"{robot.name}{FORMATS[format_].SUFFIX}"])
+    top = etree.fromstring(files[f"{robot.name}{FORMATS[format_].suffix}"])
     names = {element.get("name") for element in top.iter("*")} | {top.get("model")}
     said = {robot.name, *(link.name for link in robot.links), *(frame.name for frame in robot.frames)}
     said |= {shape.name for link in robot.links for shape in (*link.visuals, *link.collisions)}
@@ -127,10 +129,10 @@ def test_meshes_read_back_by_trimesh() -> None:
 def test_formats_are_found_and_have_aliases() -> None:
     """Formats are known by name in the order in which people name them, and by alias in any case."""
     assert tuple(FORMATS) == ("urdf", "sdf", "mjcf")
-    assert writer_of("SDFormat") is FORMATS["sdf"]
-    assert writer_of("mujoco") is FORMATS["mjcf"]
+    assert format_named("SDFormat") is FORMATS["sdf"]
+    assert format_named("mujoco") is FORMATS["mjcf"]
     with pytest.raises(KeyError):
-        writer_of("step")
+        format_named("step")
 
 
 def test_finding_formats_imports_no_xml_library() -> None:

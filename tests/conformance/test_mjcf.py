@@ -10,7 +10,7 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import render
+from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose, rotation_from_rpy

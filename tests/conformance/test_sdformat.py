@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import render
+from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.kinematics import configurations, initial_configuration, link_poses
 from stepbot.robot.model import Base, JointKind, Limit, Mimic, Robot

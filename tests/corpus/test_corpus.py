@@ -12,7 +12,8 @@ import pytest
 
 from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS, render
+from stepbot.formats import FORMATS
+from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.model import Robot
 from stepbot.robot.shared_meshes import share_meshes

@@ -15,7 +15,8 @@ import numpy as np
 from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.diagnostics.codes import CODES
-from stepbot.formats import FORMATS, render
+from stepbot.formats import FORMATS
+from stepbot.formats.rendering import render
 from stepbot.geometry.mass_properties import measured
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.shared_meshes import share_meshes

@@ -45,7 +45,7 @@ class Judge:
             expected: What it should see in them.
         """
         self.engine = engine
-        self._module: Any = engine_of(engine)
+        self._module: Any = engine_of(engine).observer
         self._module.prepare()
         self._request, self._expected = request, expected
         self.reads = True

@@ -117,15 +117,15 @@ class Siblings:
         for engine in engines_for(written_in):
             outcome = self._outcome(path.as_posix(), engine, request)
             if outcome.fate in (Fate.REFUSED, Fate.BROKEN):
-                return f"{engine.NAME}: {outcome.fate}"
+                return f"{engine.name}: {outcome.fate}"
             for one in compare(self._expected[written_in], outcome.observation) if outcome.observation else ():
                 if one.deviations.failures and not one.not_run:
-                    return f"{engine.NAME}: {one.quantity.value}: {str(one.deviations.failures[0])[:200]}"
+                    return f"{engine.name}: {one.quantity.value}: {str(one.deviations.failures[0])[:200]}"
         return ""
 
     def _outcome(self, key: str, engine: Engine, request: Request) -> Outcome:
         def outcome(fate: Fate, **more: Any) -> Outcome:
-            return Outcome(key, request.format, engine.NAME, fate, **more)
+            return Outcome(key, request.format, engine.name, fate, **more)
 
         if engine.available() is not None:
             return outcome(Fate.ABSENT, reason="not installed")
@@ -143,8 +143,8 @@ class Siblings:
 
     def _observe(self, engine: Engine, request: Request) -> Observation:
         """What an engine sees; what it saw in the same file, asked the same, is remembered."""
-        key = f"{engine.NAME} {request!r}"
+        key = f"{engine.name} {request!r}"
         if key not in self._known or "changed_" in request.file:
             with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-                self._known[key] = engine.observe(request)
+                self._known[key] = engine.observer.observe(request)
         return self._known[key]

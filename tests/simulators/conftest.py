@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.engines import engine_of, engines
+from stepbot.engines import engine_of
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.reference import observe_robot
-from stepbot.formats import FORMATS, render, writer_of
+from stepbot.formats import FORMATS, format_named
 from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import render
 from stepbot.robot.model import Robot
 from stepbot.verification import Written
 from stepbot.verification.compare import compare
@@ -47,17 +48,16 @@ def write(robot: Robot, path: Path) -> Folder:
             target = path / relative
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-        lowered = lower(robot, writer_of(name), Diagnostics())
+        lowered = lower(robot, format_named(name), Diagnostics())
         written[name] = Written(path / next(iter(files)), lowered)
-        for beside in writer_of(name).companions(lowered):
+        for beside in format_named(name).writer.companions(lowered):
             written[beside.format] = Written(path / beside.path, beside.robot)
     return Folder(robot, path, written)
 
 
 def skip_without(engine: str) -> None:
     """Skip the test where an engine is not installed."""
-    (module,) = (module for module in engines() if engine == module.NAME)
-    reason = module.available()
+    reason = engine_of(engine).available()
     if reason is not None:
         pytest.skip(reason)
 
@@ -68,7 +68,7 @@ def look(engine: str, request: Request) -> Observation:
     In this process, which saves a start for each of many files: none of the files that tests look at crashes an engine.
     """
     skip_without(engine)
-    observation: Observation = engine_of(engine).observe(request)
+    observation: Observation = engine_of(engine).observer.observe(request)
     return observation
 
 

@@ -15,7 +15,7 @@ from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, skip_without, write
 
-INSTALLED = {engine.NAME for engine in engines() if engine.available() is None}
+INSTALLED = {engine.name for engine in engines() if engine.available() is None}
 
 
 @pytest.fixture(scope="module")
@@ -124,9 +124,7 @@ def test_a_required_engine_that_is_unknown_or_missing(
     arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SB005, with the nearest name; exit code 2."""
-    from stepbot.engines import mujoco
-
-    monkeypatch.setattr(mujoco, "available", lambda: "mujoco is not installed")
+    monkeypatch.setattr(engine_of("mujoco"), "available", lambda: "mujoco is not installed")
     report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), timeout=120.0)
     unknown, missing = (diagnostic for diagnostic in found if diagnostic.code == "SB005")
     assert unknown.help == ("did you mean 'mujoco'?",)

@@ -10,7 +10,7 @@ from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import EngineRefused
-from stepbot.formats import render
+from stepbot.formats.rendering import render
 from tests.devices import equipped
 from tests.simulators.conftest import Folder, failures, look, write
 

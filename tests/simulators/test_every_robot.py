@@ -127,7 +127,7 @@ def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
 def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) -> None:
     """Each engine passes exactly what it can tell of this robot: nothing is skipped in silence."""
     name, report, _ = proof
-    installed = {engine.NAME for engine in engines() if engine.available() is None}
+    installed = {engine.name for engine in engines() if engine.available() is None}
     passed: dict[tuple[str, str], set[str]] = defaultdict(set)
     for check in report.checks:
         if check.status is Status.PASSED:

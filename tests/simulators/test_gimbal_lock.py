@@ -51,7 +51,7 @@ def _urdf(folder: Path, roll_damping: float = 0.0, wrist_damping: float = 0.0, b
 
 
 def _seen(path: Path) -> Observation:
-    seen = call_isolated("stepbot.engines.mujoco:observe", Request(str(path), "urdf"))
+    seen = call_isolated("stepbot.engines.mujoco.observer:observe", Request(str(path), "urdf"))
     assert isinstance(seen, Observation)
     return seen
 

@@ -11,7 +11,7 @@ from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import Quantity
-from stepbot.formats import render
+from stepbot.formats.rendering import render
 from stepbot.robot.dynamics import mass_matrix
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointDynamics
@@ -42,7 +42,9 @@ def test_pybullet_is_kept_from_joints_of_one_name(arm: Folder) -> None:
     skip_without("pybullet")
     path = _changed(arm, "urdf", "twice.urdf", 'joint name="elbow"', 'joint name="shoulder"')
     with pytest.raises((WorkerDied, RemoteError)) as caught:
-        call_isolated("stepbot.engines.pybullet:observe", replace(arm.request("urdf"), file=str(path)), timeout=60.0)
+        call_isolated(
+            "stepbot.engines.pybullet.observer:observe", replace(arm.request("urdf"), file=str(path)), timeout=60.0
+        )
     assert isinstance(caught.value, WorkerDied) or caught.value.kind == "EngineRefused"
 
 
@@ -175,7 +177,7 @@ def test_drake_needs_a_scene_to_miss_a_mesh(tmp_path: Path) -> None:
     (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
     assert build(request, shapes=False).bodies
     with pytest.raises((WorkerDied, RemoteError), match="upper_arm_1"):
-        call_isolated("stepbot.engines.drake:observe", request, timeout=120.0)
+        call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
 
 
 def test_drake_does_not_read_mimics_of_sdformat(tmp_path: Path) -> None:
@@ -191,7 +193,7 @@ def test_drake_takes_no_joint_that_closes_a_loop(tmp_path: Path) -> None:
     skip_without("drake")
     folder = write(ROBOTS["four_bar"](), tmp_path)
     with pytest.raises(RemoteError, match="closes a loop") as caught:
-        call_isolated("stepbot.engines.drake:observe", folder.request("sdf"), timeout=120.0)
+        call_isolated("stepbot.engines.drake.observer:observe", folder.request("sdf"), timeout=120.0)
     assert caught.value.kind == "EngineCannotRead"
     assert look("drake", replace(folder.request("drake.sdf"), simulate=0.0)).closures
 
@@ -202,7 +204,7 @@ def test_drake_ends_over_swapped_limits(arm: Folder) -> None:
     path = _changed(arm, "urdf", "swapped_limits.urdf", 'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"')
     request = replace(arm.request("urdf"), file=str(path), simulate=0.0)
     with pytest.raises((WorkerDied, RemoteError)):
-        call_isolated("stepbot.engines.drake:observe", request, timeout=120.0)
+        call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
 
 
 def test_pinocchio_has_two_coordinates_for_a_joint_without_limits(tmp_path: Path) -> None:
@@ -221,7 +223,7 @@ def test_pinocchio_has_two_coordinates_for_a_joint_without_limits(tmp_path: Path
 def test_libsdformat_calls_later_versions_valid(arm: Folder) -> None:
     """With exit code 0; its text is read, and such a file is not run."""
     skip_without("libsdformat")
-    from stepbot.engines import libsdformat
+    from stepbot.engines.libsdformat import observer as libsdformat
 
     path = _changed(arm, "sdf", "later.sdf", 'sdf version="1.9"', 'sdf version="9.9"')
     program = libsdformat._command()
@@ -230,5 +232,5 @@ def test_libsdformat_calls_later_versions_valid(arm: Folder) -> None:
     assert run.returncode == 0
     assert "Valid." in run.stdout
     with pytest.raises(RemoteError, match=r"version 9\.9") as caught:
-        call_isolated("stepbot.engines.libsdformat:observe", replace(arm.request("sdf"), file=str(path)))
+        call_isolated("stepbot.engines.libsdformat.observer:observe", replace(arm.request("sdf"), file=str(path)))
     assert caught.value.kind == "EngineCannotRead"

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.engines import sdformat_reader as reader
 from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request
+from stepbot.engines.sdformat_reader import observer as reader
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Limit, Mimic
 from stepbot.runtime.worker import RemoteError, call_isolated
@@ -221,5 +221,5 @@ def test_text_that_is_not_xml_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "model.sdf"
     file.write_text("<sdf><model", encoding="utf-8")
     with pytest.raises(RemoteError, match="not XML") as caught:
-        call_isolated("stepbot.engines.sdformat_reader:observe", Request(str(file), "sdf"))
+        call_isolated("stepbot.engines.sdformat_reader.observer:observe", Request(str(file), "sdf"))
     assert caught.value.kind == "EngineRefused"

@@ -55,7 +55,7 @@ def _engines_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stepbot.verification.files.CONFIGURATIONS", 8)
     monkeypatch.setattr("stepbot.verification.files.SECONDS", 0.01)
     for engine in engines():
-        if engine.NAME not in ENGINES:
+        if engine.name not in ENGINES:
             monkeypatch.setattr(engine, "available", lambda: "left out")
 
 

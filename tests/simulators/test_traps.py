@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stepbot.engines import engine_of
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.workers import Engines, Fate
 from stepbot.robot.model import Collision, Sphere
@@ -121,7 +122,7 @@ def test_pybullet_refuses_what_is_not_there(tmp_path: Path) -> None:
     """A missing file is a refusal in words, not a crash."""
     skip_without("pybullet")
     with pytest.raises(RemoteError, match="Cannot load URDF file") as caught:
-        call_isolated("stepbot.engines.pybullet:observe", Request(str(tmp_path / "no.urdf"), "urdf"))
+        call_isolated("stepbot.engines.pybullet.observer:observe", Request(str(tmp_path / "no.urdf"), "urdf"))
     assert caught.value.kind == "EngineRefused"
     assert str(tmp_path) not in caught.value.text
 
@@ -133,7 +134,7 @@ def test_pybullet_says_which_mesh_is_missing(tmp_path: Path) -> None:
     folder = write(ROBOTS["two_link_arm"](), tmp_path)
     (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
     with pytest.raises(RemoteError, match=r"cannot find 'meshes/upper_arm_1\.obj'") as caught:
-        call_isolated("stepbot.engines.pybullet:observe", folder.request("urdf"))
+        call_isolated("stepbot.engines.pybullet.observer:observe", folder.request("urdf"))
     assert caught.value.kind == "EngineRefused"
     assert str(tmp_path) not in caught.value.text
 
@@ -147,7 +148,7 @@ def test_pybullet_does_not_remember_a_former_file(arm: Folder, tmp_path: Path) -
     swapped.write_bytes((tmp_path / "meshes" / "base_1.obj").read_bytes())
     seen = call_isolated(
         "tests.simulators.raw_engines:observe_both",
-        "stepbot.engines.pybullet",
+        "stepbot.engines.pybullet.observer",
         replace(arm.request("urdf"), simulate=0.0),
         replace(other.request("urdf"), simulate=0.0),
     )
@@ -202,7 +203,7 @@ def test_mujoco_says_what_it_refuses(arm: Folder) -> None:
     text = arm.written["mjcf"].path.read_text(encoding="utf-8")
     path.write_text(text.replace("upper_arm_1.obj", "no.obj"), encoding="utf-8")
     with pytest.raises(RemoteError, match="upper_arm_1") as caught:
-        call_isolated("stepbot.engines.mujoco:observe", replace(arm.request("mjcf"), file=str(path)))
+        call_isolated("stepbot.engines.mujoco.observer:observe", replace(arm.request("mjcf"), file=str(path)))
     assert caught.value.kind == "EngineRefused"
     assert str(arm.path) not in caught.value.text
 
@@ -242,9 +243,7 @@ def test_yourdfpy_does_not_follow_a_chain_of_mimics(tmp_path: Path) -> None:
 
 def test_an_engine_that_is_not_there_is_absent(arm: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not run, with the reason; nothing is started for it."""
-    from stepbot.engines import yourdfpy
-
-    monkeypatch.setattr(yourdfpy, "available", lambda: "yourdfpy is not installed")
+    monkeypatch.setattr(engine_of("yourdfpy"), "available", lambda: "yourdfpy is not installed")
     with Engines({"file": "urdf"}) as engines:
         engines.submit({"file": replace(arm.request("urdf"), simulate=0.0)})
         outcomes = {outcome.engine: outcome for outcome in engines.results(120.0)}

@@ -1,43 +1,25 @@
-"""file -> Observation: one module per engine, each run in a process of its own; engines only observe, never judge.
+"""file -> Observation: one package per engine, each run in a process of its own; engines only observe, never judge.
 
-A module of this package that is not private and has an ``observe`` is an engine. It has ``NAME``, ``FORMATS`` (the
-formats that it reads), ``available`` (why it cannot run here, or None), ``prepare`` (its slow import) and ``observe``.
-None of them imports the engine when it is imported itself. One that most people do without is ``OPTIONAL``, and
-``INSTALL`` says how to get one that ``pip install NAME`` does not.
+A package in this one with a module ``observer`` is an engine. Its ``__init__`` has ``ENGINE``, the declaration
+(:class:`.engine.Engine`), and imports nothing slow. The observer has ``prepare``, the slow import, and ``observe``.
+Nothing else lists the engines.
 """
 
 from functools import cache
 from importlib import import_module
-from pkgutil import iter_modules
-from typing import TYPE_CHECKING, Protocol, cast
+from pathlib import Path
+from typing import cast
 
-if TYPE_CHECKING:  # to know the engines takes no numpy
-    from .observation import Observation, Request
+from .engine import Engine
 
-
-class Engine(Protocol):
-    """The module of an engine."""
-
-    NAME: str
-    FORMATS: tuple[str, ...]
-    __name__: str
-
-    def available(self) -> str | None:
-        """Why the engine cannot run here; None where it can."""
-
-    def prepare(self) -> None:
-        """Do the slow import."""
-
-    def observe(self, request: "Request") -> "Observation":
-        """Say what is in a file; to be called in a worker process."""
+__all__ = ["Engine", "engine_of", "engines", "engines_for", "optional_engines", "own_parsers"]
 
 
 @cache
 def engines() -> tuple[Engine, ...]:
-    """All engines, by name, whether they are installed or not."""
-    names = sorted(module.name for module in iter_modules(__path__) if not module.name.startswith("_"))
-    modules = [import_module(f"{__name__}.{name}") for name in names]
-    return tuple(cast(Engine, module) for module in modules if hasattr(module, "observe"))
+    """All engines, by the name of their package, whether they are installed or not."""
+    folders = sorted(observer.parent.name for path in __path__ for observer in Path(path).glob("*/observer.py"))
+    return tuple(cast(Engine, import_module(f"{__name__}.{name}").ENGINE) for name in folders)
 
 
 def engine_of(name: str) -> Engine:
@@ -47,16 +29,21 @@ def engine_of(name: str) -> Engine:
         KeyError: There is no such engine.
     """
     for engine in engines():
-        if name == engine.NAME:
+        if name == engine.name:
             return engine
     raise KeyError(name)
 
 
 def optional_engines() -> frozenset[str]:
     """Names of the engines whose absence is nothing remarkable."""
-    return frozenset(engine.NAME for engine in engines() if getattr(engine, "OPTIONAL", False))
+    return frozenset(engine.name for engine in engines() if engine.optional)
+
+
+def own_parsers() -> tuple[str, ...]:
+    """Names of stepbot's own parsers, which confirm the text of a file and no engine."""
+    return tuple(engine.name for engine in engines() if engine.own_parser)
 
 
 def engines_for(format_name: str) -> tuple[Engine, ...]:
     """The engines that read a format."""
-    return tuple(engine for engine in engines() if format_name in engine.FORMATS)
+    return tuple(engine for engine in engines() if format_name in engine.formats)

@@ -37,4 +37,4 @@ class Memory:
         if self.cache is None or key not in self._contents:
             return None
         asked = codec_of(Request).encode(replace(request, file=""))
-        return Digest("observation").add(environment(), engine.NAME, self._contents[key], asked).key
+        return Digest("observation").add(environment(), engine.name, self._contents[key], asked).key

@@ -2,15 +2,12 @@
 
 from stepbot.runtime.fork_server import ForkServer, can_serve
 
-_SHARED = (
-    "lxml.etree",
-    "stepbot.verification.self_collision",
-    *(f"stepbot.engines.{name}" for name in ("libsdformat", "sdformat_reader", "urdf_extensions", "yourdfpy")),
-    *(f"stepbot.engines.{name}:prepare" for name in ("mujoco", "pybullet")),
-)
-"""What is imported once for all engines; two of them read several formats each."""
+from . import engines
 
 
 def started_engine_server() -> ForkServer | None:
     """A process that will start engines; None where it cannot, so that each starts on its own."""
-    return ForkServer(_SHARED) if can_serve() else None
+    if not can_serve():
+        return None
+    shared = [engine.shared_import for engine in engines() if not engine.optional]
+    return ForkServer(("lxml.etree", "stepbot.verification.self_collision", *shared))

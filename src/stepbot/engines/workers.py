@@ -77,11 +77,11 @@ class Engines:
             for engine in engines_for(written_in):
                 reason = engine.available()
                 if reason is None:
-                    function = f"{engine.__name__}:observe"
+                    function = engine.observe_function
                     worker = Worker(function, memory_limit=self._memory_limit, start=self._start)
-                    self._workers[key, engine.NAME] = worker
+                    self._workers[key, engine.name] = worker
                 else:
-                    self._absent[engine.NAME] = reason
+                    self._absent[engine.name] = reason
 
     def submit(self, requests: Mapping[str, Request], memory: Memory | None = None) -> None:
         """Hand every worker the request for its file; returns at once.
@@ -97,7 +97,7 @@ class Engines:
                 self._ask(key, engine, request)
 
     def _ask(self, key: str, engine: Engine, request: Request) -> None:
-        worker = self._workers.get((key, engine.NAME))
+        worker = self._workers.get((key, engine.name))
         if worker is None:
             return
         remembered = self._memory.recall(key, engine, request)
@@ -105,7 +105,7 @@ class Engines:
             worker.submit(request)
         else:
             worker.close()
-            self._remembered[key, engine.NAME] = remembered
+            self._remembered[key, engine.name] = remembered
 
     def results(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[Outcome, ...]:
         """Wait for all workers, each of which may take ``timeout`` [s]; by file, then by engine."""
@@ -127,7 +127,7 @@ class Engines:
         self.close()
 
     def _outcome(self, key: str, engine: Engine, timeout: float) -> Outcome:
-        written_in, name = self._files[key], engine.NAME
+        written_in, name = self._files[key], engine.name
         if name in self._absent:
             return Outcome(key, written_in, name, Fate.ABSENT, reason=self._absent[name])
         if (key, name) in self._remembered:
@@ -154,7 +154,7 @@ _FATES = {
 
 def check_required(names: Iterable[str], found: Diagnostics) -> None:
     """Report required engines that are unknown or not installed (SB005)."""
-    known = {engine.NAME: engine for engine in engines()}
+    known = {engine.name: engine for engine in engines()}
     for name in names:
         engine = known.get(name.lower())
         if engine is None:
@@ -163,13 +163,13 @@ def check_required(names: Iterable[str], found: Diagnostics) -> None:
             continue
         reason = engine.available()
         if reason is not None:
-            install = getattr(engine, "INSTALL", f"pip install {engine.NAME}")
+            install = engine.install or f"pip install {engine.name}"
             found.add("SB005", f"--require {name}: {reason}", Span("stepbot"), help=(install,))
 
 
 def check_started(required: Iterable[str], outcomes: Iterable[Outcome], found: Diagnostics) -> None:
     """Report required engines that are installed but did not start (SB005)."""
-    installed = {engine.NAME for engine in engines() if engine.available() is None}
+    installed = {engine.name for engine in engines() if engine.available() is None}
     wanted = {name.lower() for name in required} & installed
     for outcome in outcomes:
         if outcome.engine in wanted and outcome.fate is Fate.ABSENT:

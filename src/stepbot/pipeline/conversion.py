@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.formats import default_formats
 from stepbot.robot.joint_table import JointRow
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.output import discard, failed_output, write_atomically
@@ -25,7 +26,7 @@ class Options:
 
     output: Path
     """Folder that receives the files; made where it is missing."""
-    formats: tuple[str, ...] = ("urdf", "sdf", "mjcf")
+    formats: tuple[str, ...] = field(default_factory=default_formats)
     step: Path | None = None
     """STEP file to read in place of the one that the sidecar names."""
     encoding: str = ""

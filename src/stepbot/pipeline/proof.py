@@ -6,7 +6,8 @@ from tempfile import TemporaryDirectory
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation_cache import Memory
-from stepbot.formats import joined, main_file, writer_of
+from stepbot.formats import format_named
+from stepbot.formats.rendering import joined, main_file
 from stepbot.report.record import Report
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import content_digest
@@ -52,10 +53,10 @@ class Proof:
         with TemporaryDirectory(dir=run_folder()) as folder:
             place = Path(folder)
             write_atomically(joined(files), place)
-            written = {name: Written(place / main_file(one, writer_of(name)), one) for name, one in lowered.items()}
+            written = {name: Written(place / main_file(one, format_named(name)), one) for name, one in lowered.items()}
             contents = {name: content_digest(of_format) for name, of_format in files.items()}
             for name, one in lowered.items():
-                for beside in writer_of(name).companions(one):
+                for beside in format_named(name).writer.companions(one):
                     written[beside.format] = Written(place / beside.path, beside.robot)
                     contents[beside.format] = contents[name]
             memory = Memory(options.cache, contents)

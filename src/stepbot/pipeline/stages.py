@@ -19,8 +19,9 @@ from stepbot.assemble.provenance import emitted_names, measured_bodies
 from stepbot.assemble.reading import read_options
 from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError, did_you_mean
 from stepbot.engines.workers import check_required
-from stepbot.formats import files_of, joined, writer_of
+from stepbot.formats import default_formats, format_named
 from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import files_of, joined
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Report
@@ -99,14 +100,14 @@ def _produce(
     server: ForkServer | None,
 ) -> Conversion:
     progress("read")
-    writers = [writer_of(name) for name in dict.fromkeys(options.formats)]
+    formats = [format_named(name) for name in dict.fromkeys(options.formats)]
     if options.verify:
         check_required(options.require, found)
     sidecar = _load(path, options, found)
     with ExitStack() as running:
         step = options.step or _named_step(sidecar, found)
         loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
-        proof = _started_proof([writer.NAME for writer in writers], options, server)
+        proof = _started_proof([written.name for written in formats], options, server)
         if proof is not None:
             running.enter_context(closing(proof))
         assembly = loading.assembly(found)
@@ -121,9 +122,9 @@ def _produce(
         found.raise_if_errors()
 
         progress("write")
-        lowered = {writer.NAME: lower(robot, writer, found) for writer in writers}
+        lowered = {written.name: lower(robot, written, found) for written in formats}
         found.raise_if_errors()
-        by_format = {writer.NAME: files_of(lowered[writer.NAME], writer) for writer in writers}
+        by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
         built.double_counting.report(options.timeout)
         if options.strict:
             found.make_strict()
@@ -226,7 +227,7 @@ _JUDGED_BY_BUILD = ("SB1", "SB2", "SB3", "SB4", "SB5", "SB6")
 
 def _judged_by_files(options: Options) -> tuple[str, ...]:
     """Codes that were looked for because all formats were written, or the files verified."""
-    losses = ("SB7",) if set(options.formats) >= set(Options.formats) else ()
+    losses = ("SB7",) if set(options.formats) >= set(default_formats()) else ()
     return (*losses, *(("SB8",) if options.verify else ()))
 
 

@@ -8,9 +8,6 @@ from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 
-OWN_PARSERS = ("reader", "extensions")
-"""What reads files back for stepbot itself: it confirms the text, and no engine."""
-
 
 class Status(StrEnum):
     """The outcome of a check."""
@@ -107,6 +104,8 @@ class Report:
     bodies: tuple[MeasuredBody, ...] = ()
     joint_table: tuple[JointRow, ...] = ()
     """Where each joint is, for a person to check; of files that were compared, as the first one says."""
+    own_parsers: tuple[str, ...] = ()
+    """Names of stepbot's own parsers among the engines: they confirm the text, and no engine."""
 
     @property
     def failed(self) -> bool:
@@ -116,7 +115,9 @@ class Report:
     @property
     def read_back(self) -> tuple[Check, ...]:
         """The checks that passed because stepbot's own parsers say so, and no engine."""
-        return tuple(check for check in self.checks if check.status is Status.PASSED and check.engine in OWN_PARSERS)
+        return tuple(
+            check for check in self.checks if check.status is Status.PASSED and check.engine in self.own_parsers
+        )
 
     def rows(self) -> tuple[Row, ...]:
         """One row for each file and engine, in the order of the checks."""

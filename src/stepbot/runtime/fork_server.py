@@ -259,5 +259,5 @@ def _work(streams: Sequence[int], function: str, memory_limit: int | None) -> No
 def _rename(function: str) -> None:
     """Show in lists of processes what this one does; on Linux."""
     if sys.platform == "linux":
-        name = function.partition(":")[0].rpartition(".")[2]
+        name = ".".join(function.partition(":")[0].split(".")[-2:])  # mujoco.observer
         ctypes.CDLL(None).prctl(_PR_SET_NAME, name.encode()[:_NAME_LENGTH])

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines import own_parsers
 from stepbot.engines.observation import Observation, Quantity
 from stepbot.engines.observation_cache import Memory
 from stepbot.engines.reference import observe_robot
@@ -121,6 +122,7 @@ def verify(
         driven=driven_joints(robot) if robot.closures else (),
         collisions=overlaps,
         notes=_notes(written, outcomes),
+        own_parsers=own_parsers(),
     )
 
 

@@ -12,11 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.file_references import first_element
 from stepbot.engines.observation import Quantity, Request
 from stepbot.engines.openable import openable
 from stepbot.engines.prestart import started_engine_server
 from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
+from stepbot.formats import FORMATS
 from stepbot.report.record import Check, Report
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
@@ -37,9 +39,6 @@ from .restated import normalized_joints
 
 ENGINE_WARNING = "SB813"
 
-_FORMATS = {"robot": "urdf", "sdf": "sdf", "mujoco": "mjcf"}
-_PREFERRED = ("mujoco", "reader", "drake", "pybullet", "pinocchio", "yourdfpy")
-"""Engines by how much they tell; one that is not named comes after these."""
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """What an engine says without a second one to compare with."""
 _STILL = frozenset(
@@ -90,7 +89,9 @@ def verify_files(
     checks = judge(outcomes, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
     notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
-    return Report(checks, dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table)
+    return Report(
+        checks, dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table, own_parsers=own_parsers()
+    )
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:
@@ -109,9 +110,10 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     except etree.XMLSyntaxError as error:
         found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0))
         return None
-    name = _FORMATS.get(str(element.tag))
+    by_root = {written.root: written.name for written in FORMATS.values()}
+    name = by_root.get(str(element.tag))
     if name is None:
-        found.add("SB814", f"first element <{element.tag}>, expected one of: {', '.join(_FORMATS)}", span)
+        found.add("SB814", f"first element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
     return name
 
 
@@ -204,14 +206,10 @@ def _clear_of_locks(
     return tuple(clear)
 
 
-def _rank(engine: str) -> int:
-    return _PREFERRED.index(engine) if engine in _PREFERRED else len(_PREFERRED)
-
-
 def _ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
     """Those who saw the file, and who tells most first."""
     seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
-    return sorted(seen, key=lambda outcome: _rank(outcome.engine))
+    return sorted(seen, key=lambda outcome: engine_of(outcome.engine).order)
 
 
 def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:

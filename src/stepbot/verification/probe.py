@@ -33,7 +33,7 @@ def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) 
     """
 
     def observe(engine: Engine, request: Request) -> Observation | None:
-        with Worker(f"{engine.__name__}:observe", memory_limit=memory_limit, start=start) as worker:
+        with Worker(engine.observe_function, memory_limit=memory_limit, start=start) as worker:
             try:
                 seen: Observation = worker.submit(request).result(timeout)
             except (RemoteError, WorkerDied):
@@ -63,7 +63,7 @@ class Probe:
     def look(self, path: Path, written_in: str) -> Probed | None:
         """What there is in a file; None where no engine can tell."""
         asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
-        for engine in sorted(engines_for(written_in), key=lambda engine: _rank(engine.NAME)):
+        for engine in sorted(engines_for(written_in), key=lambda engine: engine.scouting_order):
             if engine.available() is None:
                 seen = self.observe(engine, asked)
                 if seen is not None:
@@ -107,7 +107,3 @@ def _chain(edge: Edge, naming: Naming, at_zero: Mapping[str, Pose], moved: Mappi
         return poses[edge.parent].inverse() @ poses[edge.child]
 
     return chain(edge, naming, {name: X_PC(moved[name]) for name in coordinates(edge, naming)}, X_PC(at_zero))
-
-
-def _rank(engine: str) -> int:
-    return _PROBES.index(engine) if engine in _PROBES else len(_PROBES)

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats import render
+from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import JointKind, MeshRef, Robot

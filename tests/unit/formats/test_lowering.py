@@ -9,11 +9,12 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.codes import CODES
-from stepbot.formats import FORMATS, lowering, render
+from stepbot.formats import FORMATS, lowering
 from stepbot.formats.lowering import UNLIMITED, Feature, Level, lower
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.formats.lowering.shapes import is_convex
 from stepbot.formats.mapping import mapping_page
+from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
@@ -66,7 +67,7 @@ def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
 @every_format
 def test_every_notion_is_declared(format_: str) -> None:
     """A writer says for every feature what it does; what is not exact has a code of the right severity."""
-    declared = FORMATS[format_].EXPRESSES
+    declared = FORMATS[format_].expresses
     assert set(declared) == set(Feature)
     for feature, support in declared.items():
         assert support.how
@@ -86,7 +87,7 @@ SAID_BY_WHO_LOADS = {Feature.FIXED_BASE, Feature.FLOATING_BASE, Feature.INITIAL_
 @every_format
 def test_every_loss_is_an_error_when_strict(format_: str) -> None:
     """What a format leaves out draws a warning, which ``--strict`` makes an error."""
-    for feature, support in FORMATS[format_].EXPRESSES.items():
+    for feature, support in FORMATS[format_].expresses.items():
         if support.level is Level.REPORTED and feature not in SAID_BY_WHO_LOADS:
             assert CODES[support.code].severity == "warning", feature
     found = Diagnostics()
@@ -101,7 +102,7 @@ def test_every_loss_is_an_error_when_strict(format_: str) -> None:
 def test_what_is_not_exact_is_handled(format_: str) -> None:
     """A feature that a format does not say as it is cannot slip through unnoticed."""
     handled = {*lowering._HANDLINGS, Feature.RESERVED_NAME}
-    not_exact = {feature for feature, s in FORMATS[format_].EXPRESSES.items() if s.level is not Level.EXACT}
+    not_exact = {feature for feature, s in FORMATS[format_].expresses.items() if s.level is not Level.EXACT}
     assert not_exact <= handled
 
 

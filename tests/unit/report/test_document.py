@@ -132,7 +132,10 @@ def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012
 def test_what_no_engine_tells_is_counted_apart() -> None:
     """Checks that stepbot's own parsers pass are among those that passed, and said to be theirs."""
     read_back = replace(PASSED, file="a.sdf", format="sdf", engine="reader")
-    report = Report((PASSED, read_back, replace(read_back, file="a.urdf", engine="extensions"), FAILED))
+    report = Report(
+        (PASSED, read_back, replace(read_back, file="a.urdf", engine="extensions"), FAILED),
+        own_parsers=("reader", "extensions"),
+    )
     assert report_document(report, Diagnostics())["summary"] == {
         "passed": 3,
         "failed": 1,

@@ -22,6 +22,8 @@ from stepbot.robot.multi_dof import (
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.unique_names import free_name
 
+from ..features import Feature, Level, Support, exact, lowered, refused, reported
+from ..format import Format
 from .devices import (
     actuators_where,
     bound_actuators,
@@ -46,7 +48,6 @@ from .devices import (
     without_rates,
     without_sensors,
 )
-from .features import Feature, Format, Level, Support, exact, lowered, refused, reported
 from .joints import (
     UNLIMITED,
     bound,
@@ -83,7 +84,6 @@ from .shapes import (
 
 __all__ = [
     "UNLIMITED",
-    "Format",
     "Level",
     "Feature",
     "Support",
@@ -111,16 +111,16 @@ class _Handling:
 
 def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
     """The robot as the format can say it; what is rewritten or left out is reported, once per feature."""
-    span = Span(f"{robot.name}{written.SUFFIX}")
-    names = reserved(robot, written.reserves)
+    span = Span(f"{robot.name}{written.suffix}")
+    names = reserved(robot, written.writer.reserves)
     if names:
-        support = written.EXPRESSES[Feature.RESERVED_NAME]
-        found.add(support.code, f"{written.TITLE}: {support.how}: {', '.join(names)}", span)
+        support = written.expresses[Feature.RESERVED_NAME]
+        found.add(support.code, f"{written.title}: {support.how}: {', '.join(names)}", span)
     for feature, handling in _HANDLINGS.items():
-        support = written.EXPRESSES[feature]
+        support = written.expresses[feature]
         affected = [] if support.level is Level.EXACT else handling.affected(robot)
         if affected:
-            found.add(support.code, f"{written.TITLE}: {support.how}: {', '.join(affected)}", span)
+            found.add(support.code, f"{written.title}: {support.how}: {', '.join(affected)}", span)
             left_out = support.level is Level.REPORTED and handling.leave_out is not None
             robot = handling.leave_out(robot) if left_out and handling.leave_out else handling.rewrite(robot)
     return robot

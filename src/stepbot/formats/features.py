@@ -1,9 +1,7 @@
 """What a robot may have and a format may lack, and how a format declares what it does about it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
 
 
 class Feature(StrEnum):
@@ -109,14 +107,3 @@ def reported(code: str, how: str) -> Support:
 def refused(code: str, how: str) -> Support:
     """There is no file of a robot that has it."""
     return Support(Level.REFUSED, how, code)
-
-
-class Format(Protocol):
-    """What lowering asks of the module of a format."""
-
-    TITLE: str
-    SUFFIX: str
-    EXPRESSES: Mapping[Feature, Support]
-
-    def reserves(self, name: str) -> bool:
-        """Whether the name means something else to the format."""

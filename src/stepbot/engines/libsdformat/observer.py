@@ -11,12 +11,8 @@ from pathlib import Path
 
 from stepbot.runtime.programs import sdf_programs
 
-from .observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request
-
-NAME = "libsdformat"
-FORMATS = ("sdf", "drake.sdf")
-OPTIONAL = True
-INSTALL = "apt-get install libsdformat-dev ignition-tools"
+from ..observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request
+from . import ENGINE
 
 _TOLD = frozenset({Quantity.LOAD, Quantity.WARNINGS})
 _ONLY_PARSES = "its command only validates files"
@@ -48,11 +44,6 @@ def _run(program: str, *arguments: str) -> str:
     return "" if run.returncode and arguments == ("--versions",) else run.stdout
 
 
-def available() -> str | None:
-    """Why the engine cannot run here; None where it can."""
-    return None if any(sdf_programs()) else "libsdformat is not installed"
-
-
 def prepare() -> None:
     """There is no slow import: the command is a program of its own."""
 
@@ -78,7 +69,7 @@ def observe(request: Request) -> Observation:
     if "Valid." not in lines:
         raise EngineRefused("; ".join(dict.fromkeys(_PLACE.sub("", line) for line in lines)))
     return Observation(
-        engine=NAME,
+        engine=ENGINE.name,
         version=_run(program, "--versions").split("\n")[-2].strip(),
         format=request.format,
         warnings=tuple(dict.fromkeys(_PLACE.sub("", line) for line in lines if line != "Valid.")),

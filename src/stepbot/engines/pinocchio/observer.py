@@ -5,7 +5,6 @@ its cosine and sine. https://github.com/stack-of-tasks/pinocchio
 """
 
 import importlib.metadata
-import importlib.util
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,9 +18,9 @@ from stepbot.geometry.spatial import Array, Pose, matrix3, quaternion_from_rotat
 from stepbot.robot.dynamics import GRAVITY, Rates
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 
-from .ball_coordinates import ball_bias, ball_rates
-from .captured_output import printed
-from .observation import (
+from ..ball_coordinates import ball_bias, ball_rates
+from ..captured_output import printed
+from ..observation import (
     Dynamics,
     EngineCannotRead,
     EngineRefused,
@@ -31,11 +30,7 @@ from .observation import (
     Quantity,
     Request,
 )
-
-NAME = "pinocchio"
-FORMATS = ("urdf", "mjcf")
-OPTIONAL = True
-INSTALL = "pip install 'stepbot[verify]'"
+from . import ENGINE
 
 _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.MESHES: "checked by the simulating engines only",
@@ -51,16 +46,6 @@ _MJCF_NOT_RUN: Mapping[Quantity, str] = {
 }
 _TURNING = ("R", "Revolute")
 _HOME = "home"
-
-
-def available() -> str | None:
-    """Why the engine cannot run here; None where it can."""
-    # A test framework of the same name is on the package index as well; only the real one is installed as `pin`.
-    try:
-        importlib.metadata.version("pin")
-    except importlib.metadata.PackageNotFoundError:
-        return "pinocchio is not installed"
-    return None
 
 
 def prepare() -> None:
@@ -125,7 +110,7 @@ class _Built:
         if isinstance(mimics, str):
             not_run[Quantity.MIMIC] = mimics
         return Observation(
-            engine=NAME,
+            engine=ENGINE.name,
             version=importlib.metadata.version("pin"),
             format=request.format,
             base=("floating" if self.floats else "fixed") if mjcf else None,

@@ -5,7 +5,6 @@ https://github.com/clemense/yourdfpy
 """
 
 import importlib.metadata
-import importlib.util
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,10 +18,8 @@ from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.runtime.light_import import import_lightly
 
-from .observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
-
-NAME = "yourdfpy"
-FORMATS = ("urdf",)
+from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
+from . import ENGINE
 
 _NO_DYNAMICS = "yourdfpy has no dynamics"
 _EXTENSION = "yourdfpy ignores the extension blocks that contain it"
@@ -37,13 +34,6 @@ _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.SENSORS: _EXTENSION,
 }
 _MOVING = ("revolute", "continuous", "prismatic")
-
-
-def available() -> str | None:
-    """Why the engine cannot run here; None where it can."""
-    if importlib.util.find_spec("yourdfpy") is None:
-        return "yourdfpy is not installed"
-    return None
 
 
 def prepare() -> None:
@@ -74,7 +64,7 @@ def observe(request: Request) -> Observation:
         not_run[Quantity.POSES] = f"yourdfpy does not follow a mimic of a mimic: {', '.join(chained)}"
         warnings = [text for text in warnings if "supposed to mimic" not in text]
     return Observation(
-        engine=NAME,
+        engine=ENGINE.name,
         version=importlib.metadata.version("yourdfpy"),
         format=request.format,
         name=urdf.robot.name,

@@ -1,0 +1,197 @@
+"""Drake as an observer of SDFormat, URDF and MJCF: libsdformat's reading of poses and frames, and a plant of its own.
+
+Drake does not support a joint that closes a loop: a robot with loops gets a separate file, with ball constraints.
+Warnings about features that Drake does not support, such as joint friction, are noted; they are no fault of the file.
+https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
+"""
+
+import importlib.metadata
+import logging
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_inertia, vector3
+from stepbot.robot.dynamics import Rates
+
+from ..observation import Dynamics, EngineCannotRead, EngineRefused, Observation, ObservedLink, Quantity, Request
+from . import ENGINE
+from .joints import observed_joints
+from .plant import Built, build
+from .poses import pose
+from .shapes import bounds_of, observed_shape
+
+_NOT_TOLD = "pydrake does not report it"
+_EFFORTS = "Drake stores effort limits per actuator; they are compared as joint limits"
+_NO_SENSORS = "Drake ignores sensors"
+_NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
+    "urdf": {
+        Quantity.CLOSURES: "URDF cannot represent closed loops",
+        Quantity.MIMIC: _NOT_TOLD,
+        Quantity.ACTUATORS: _EFFORTS,
+        Quantity.SENSORS: _NO_SENSORS,
+    },
+    "sdf": {
+        Quantity.MIMIC: "Drake ignores <mimic> in SDFormat",
+        Quantity.ACTUATORS: _EFFORTS,
+        Quantity.SENSORS: _NO_SENSORS,
+    },
+    "mjcf": {
+        Quantity.MIMIC: "Drake ignores joint equalities",
+        Quantity.CLOSURES: "Drake ignores site equalities",
+        Quantity.FRAMES: "Drake ignores sites",
+        Quantity.ACTUATORS: "Drake reads motors only",
+        Quantity.SENSORS: _NO_SENSORS,
+        Quantity.LIMITS: "Drake ignores actuatorfrcrange",
+    },
+}
+_GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
+"""What Drake says of things that it knows, and does nothing about."""
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import pydrake.multibody.parsing
+    import pydrake.multibody.plant  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Parse the file and say what is in it; to be run in a worker, because Drake aborts on some of what it refuses.
+
+    Raises:
+        EngineRefused: Drake says that the file is wrong.
+        EngineCannotRead: It holds what Drake is known not to read.
+    """
+    from .motion import closures_in, simulate
+
+    path = Path(request.file)
+    if request.format == "mjcf":
+        _check_mjcf(path)
+    with _messages(path) as messages:
+        built = build(request)
+        observation = _static(built, request)
+        if request.closures and request.format == "drake.sdf":
+            observation = replace(observation, closures=closures_in(built, request))
+        if request.simulate:
+            observation = replace(observation, simulation_finite=simulate(built, request))
+    gaps = [message for message in messages if _GAP.search(message)]
+    warnings = [message for message in messages if message not in gaps]
+    return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=tuple(dict.fromkeys(gaps)))
+
+
+@contextmanager
+def _messages(path: Path) -> Iterator[list[str]]:
+    """Collect what Drake logs as a warning or worse, without folders and line numbers."""
+    collected: list[str] = []
+    place = re.compile(r"^.*?(warning|error): ", re.DOTALL)
+
+    class Collector(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            text = record.getMessage()
+            text = place.sub("", text, count=1).replace(f"{path.parent.as_posix()}/", "")
+            collected.append(" ".join(text.split()))
+
+    logger, collector = logging.getLogger("drake"), Collector(logging.WARNING)
+    handed_on, logger.propagate = logger.propagate, False
+    logger.addHandler(collector)
+    try:
+        yield collected
+    finally:
+        logger.removeHandler(collector)
+        logger.propagate = handed_on
+
+
+def _check_mjcf(path: Path) -> None:
+    """Refuse to ask Drake what it is known to stumble over: several joints in a body, infinite ranges, no mass.
+
+    Raises:
+        EngineCannotRead: The file has one of them.
+    """
+    from lxml import etree
+
+    try:
+        top = etree.parse(str(path), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
+    except etree.XMLSyntaxError as error:
+        raise EngineRefused(f"not XML: {error.msg}") from error
+    if any(len(body.findall("joint")) > 1 for body in top.iter("body")):
+        raise EngineCannotRead("Drake uses wrong axes for several joints in one body")
+    if any("inf" in joint.get("range", "") for joint in top.iter("joint")):
+        raise EngineCannotRead("Drake does not support infinite ranges in MJCF")
+    if any(float(inertial.get("mass") or 1.0) == 0.0 for inertial in top.iter("inertial")):
+        raise EngineCannotRead("Drake aborts on a massless body in MJCF")
+
+
+def _static(built: Built, request: Request) -> Observation:
+    closed = [q for way in request.ways for q in way]
+    format_name = "sdf" if request.format == "drake.sdf" else request.format
+    held = any(joint.child_body().index() == built.root.index() for joint in built.joints)
+    return Observation(
+        engine=ENGINE.name,
+        version=importlib.metadata.version("drake"),
+        format=request.format,
+        name=built.name,
+        base=None if format_name == "urdf" else "fixed" if held else "floating",
+        links=tuple(_link(built, body) for body in built.bodies),
+        joints=observed_joints(built),
+        coordinates=built.coordinates.names,
+        poses=tuple(_poses(built, q) for q in [*request.configurations, *closed]),
+        dynamics=tuple(_dynamics(built, *at) for at in request.moments),
+        frames=_frames(built) if format_name == "sdf" else None,
+        not_run=_NOT_RUN[format_name],
+    )
+
+
+def _link(built: Built, body: Any) -> ObservedLink:
+    spatial = body.default_spatial_inertia()
+    mass = float(spatial.get_mass())
+    inertia, com = np.zeros((3, 3)), np.zeros(3)
+    if mass:
+        com = np.array(spatial.get_com())
+        inertia = shift_inertia(spatial.CalcRotationalInertia().CopyToFullMatrix3(), -mass, com)
+    visuals = built.plant.GetVisualGeometriesForBody(body)
+    collisions = built.plant.GetCollisionGeometriesForBody(body)
+    seen, touched = ([bounds_of(built, shape) for shape in shapes] for shapes in (visuals, collisions))
+    named = built.request.format != "mjcf"  # of which Drake keeps no names of shapes
+    return ObservedLink(
+        body.name(),
+        mass,
+        vector3(com),
+        matrix3(inertia),
+        visual_bounds=join_bounds(seen) if seen else None,
+        collision_bounds=join_bounds(touched) if touched else None,
+        has_visuals=bool(seen),
+        has_collisions=bool(touched),
+        visuals=tuple(observed_shape(built, shape, seen=True) for shape in visuals) if named else None,
+        collisions=tuple(observed_shape(built, shape, seen=False) for shape in collisions) if named else None,
+    )
+
+
+def _poses(built: Built, q: Mapping[str, float]) -> dict[str, Pose]:
+    built.place(q)
+    X_RW = built.X_WB(built.root).inverse()
+    return {body.name(): X_RW @ built.X_WB(body) for body in built.bodies}
+
+
+def _frames(built: Built) -> dict[str, tuple[str, Pose]]:
+    frames = (built.plant.GetFrameByName(name) for name in built.frames)
+    return {frame.name(): (frame.body().name(), pose(frame.GetFixedPoseInBodyFrame())) for frame in frames}
+
+
+def _dynamics(built: Built, q: Mapping[str, float], rates: Rates) -> Dynamics:
+    """Mass matrix, gravity forces and inverse dynamics over the coordinates."""
+    from pydrake.multibody.tree import MultibodyForces
+
+    plant, context = built.plant, built.context
+    built.place(q)
+    E = built.coordinates.rates(q)
+    M: Array = np.array(plant.CalcMassMatrix(context))
+    gravity = -np.array(plant.CalcGravityGeneralizedForces(context))
+    speeds, accelerations = built.coordinates.moving(q, rates)
+    plant.SetVelocities(context, speeds)
+    inverse = np.array(plant.CalcInverseDynamics(context, accelerations, MultibodyForces(plant))) + gravity
+    return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)

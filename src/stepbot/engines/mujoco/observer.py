@@ -1,0 +1,234 @@
+"""MuJoCo as an observer of MJCF and URDF: everything that it compiles, its mass matrix, and loops closed by Newton.
+
+URDF is read from a copy with compiler options that keep what MuJoCo would throw away or lose: the base
+(``fusestatic``), visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality constraints are soft,
+so closures are solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_inertia
+from stepbot.robot.dynamics import GRAVITY, Rates
+
+from ..bounding_boxes import Bounds
+from ..observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
+from ..resources import resolve
+from . import ENGINE
+from .compiled import Compiled
+from .contacts import excluded_pairs
+from .devices import observed_actuators, observed_frames, observed_sensors
+from .joints import observed_joints
+from .shapes import observed_shapes
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+
+_URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
+_EXTENSION = "MuJoCo ignores the URDF extension blocks that contain it"
+_NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
+    "urdf": {
+        Quantity.CLOSURES: "URDF cannot represent closed loops",
+        Quantity.ACTUATORS: _EXTENSION,
+        Quantity.SENSORS: _EXTENSION,
+    },
+    "mjcf": {},
+}
+_FOR_COMPILING = 1e-6
+"""Mass [kg] and moments of inertia [kg m^2] of moving links that weigh nothing, while MuJoCo compiles them."""
+HOME = "home"
+"""Name of the keyframe that holds the initial pose."""
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import mujoco  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Compile the file and say what is in it.
+
+    Raises:
+        EngineRefused: MuJoCo does not compile the file.
+    """
+    import mujoco as engine
+
+    from .motion import close_by_newton, simulate
+
+    with _warnings(engine) as warnings:
+        model, notes = _compile(engine, request)
+        compiled = Compiled(engine, model, request.balls)
+        observation = _static(compiled, request)
+        if request.format == "mjcf":
+            observation = replace(observation, closures=close_by_newton(compiled, request))
+        if request.simulate:
+            finite, said = simulate(compiled, request)
+            observation, notes = replace(observation, simulation_finite=finite), (*notes, *said)
+    return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
+
+
+@contextmanager
+def _warnings(engine: Any) -> Iterator[list[str]]:
+    """Collect what MuJoCo warns about; on its own it would write a log file into the working directory."""
+    collected: list[str] = []
+    former = engine.get_mju_user_warning()
+    engine.set_mju_user_warning(collected.append)
+    try:
+        yield collected
+    finally:
+        engine.set_mju_user_warning(former)
+
+
+def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
+    """The compiled model, and what was done to have it compiled."""
+    path = Path(request.file)
+    try:
+        if request.format == "urdf":
+            spec = engine.MjSpec.from_string(_urdf_copy(path))
+            for mesh in spec.meshes:  # URDF gives every mass itself, so a flat mesh is no fault
+                mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
+            return _with_weightless_links(engine, spec)
+        return engine.MjModel.from_xml_path(str(path)), ()
+    except ValueError as error:
+        # Folders of this machine have no place in a message that may end in a report.
+        raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+
+
+def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]]:
+    """The compiled model of a spec whose moving bodies may weigh nothing, and a note on them.
+
+    MuJoCo compiles no moving body without mass, although it computes with such bodies: they weigh something while it
+    compiles, and nothing from then on.
+    """
+    weightless = [body.name for body in spec.bodies if body.name != "world" and body.joints and body.mass == 0.0]
+    for name in weightless:
+        body = spec.body(name)
+        body.mass, body.inertia = _FOR_COMPILING, [_FOR_COMPILING] * 3
+    model = spec.compile()
+    if not weightless:
+        return model, ()
+    for name in weightless:
+        index = engine.mj_name2id(model, engine.mjtObj.mjOBJ_BODY, name)
+        model.body_mass[index], model.body_inertia[index] = 0.0, 0.0
+    engine.mj_setConst(model, engine.MjData(model))
+    return model, (f"compiled with a placeholder mass for massless moving links: {', '.join(weightless)}",)
+
+
+def _urdf_copy(path: Path) -> str:
+    """The URDF with MuJoCo's compiler options, and with meshes where they are found."""
+    from lxml import etree
+
+    try:
+        top = etree.parse(str(path), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
+    except etree.XMLSyntaxError as error:
+        raise EngineRefused(f"not XML: {error.msg}") from error
+    for mesh in top.iter("mesh"):
+        found = resolve(mesh.get("filename", ""), path)
+        if found is not None:
+            mesh.set("filename", found.absolute().as_posix())
+    extension = top.find("mujoco")
+    if extension is None:
+        extension = etree.SubElement(top, "mujoco")
+    compiler = extension.find("compiler")
+    if compiler is None:
+        compiler = etree.SubElement(extension, "compiler")
+    for name, value in _URDF_COMPILER.items():
+        compiler.set(name, value)
+    return str(etree.tostring(top, encoding="unicode"))
+
+
+def _static(compiled: Compiled, request: Request) -> Observation:
+    closed = [q for way in request.ways for q in way]
+    mjcf = request.format == "mjcf"
+    sensors = observed_sensors(compiled)
+    return Observation(
+        engine=ENGINE.name,
+        version=compiled.engine.__version__,
+        format=request.format,
+        name=_name(compiled),
+        base=_base(compiled) if mjcf else None,
+        links=tuple(_link(compiled, body, mjcf) for body in compiled.bodies),
+        joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
+        coordinates=compiled.coordinates.names,
+        poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
+        dynamics=tuple(_dynamics(compiled, *at) for at in request.moments),
+        frames=observed_frames(compiled, sensors) if mjcf else None,
+        actuators=observed_actuators(compiled) if mjcf else None,
+        sensors=sensors if mjcf else None,
+        initial=_initial(compiled) if mjcf else None,
+        excluded_pairs=excluded_pairs(compiled) if mjcf else None,
+        not_run=_NOT_RUN[request.format],
+    )
+
+
+def _base(compiled: Compiled) -> str:
+    free = compiled.engine.mjtJoint.mjJNT_FREE
+    joints = range(compiled.model.njnt)
+    return "floating" if any(compiled.joint_type(j) == free for j in joints) else "fixed"
+
+
+def _name(compiled: Compiled) -> str:
+    """What the model is called: MuJoCo keeps that before all other names."""
+    return bytes(compiled.model.names).split(b"\0", 1)[0].decode("utf-8", "replace")
+
+
+def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
+    model = compiled.model
+    X_LI = Pose.from_quaternion(model.body_iquat[body].tolist(), model.body_ipos[body])
+    seen, touched = (observed_shapes(compiled, body, touched=side, mjcf=mjcf) for side in (False, True))
+    return ObservedLink(
+        compiled.name("BODY", body),
+        float(model.body_mass[body]),
+        X_LI.position,
+        matrix3(turn_inertia(X_LI.R, np.diag(model.body_inertia[body]))),
+        visual_bounds=_around(seen),
+        collision_bounds=_around(touched),
+        has_visuals=bool(seen),
+        has_collisions=bool(touched),
+        visuals=seen,
+        collisions=touched,
+    )
+
+
+def _around(shapes: Sequence[ObservedShape]) -> Bounds | None:
+    boxes = [shape.bounds for shape in shapes if shape.bounds is not None]
+    return join_bounds(boxes) if boxes else None
+
+
+def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:
+    """Mass matrix without armature, gravity forces, and inverse dynamics, over the coordinates."""
+    engine, model = compiled.engine, compiled.model
+    E = compiled.coordinates.rates(q)
+    kept = model.dof_armature.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
+    model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = 0.0, GRAVITY, 0
+    try:
+        data = compiled.data(q)
+        engine.mj_forward(model, data)
+        M = np.zeros((model.nv, model.nv))
+        for column, unit in enumerate(np.eye(model.nv)):
+            product = np.zeros(model.nv)
+            engine.mj_mulM(model, data, product, unit)
+            M[:, column] = product
+        gravity: Array = np.array(data.qfrc_bias)
+        inverse = np.zeros(model.nv)
+        data.qvel[:], data.qacc[:] = compiled.coordinates.moving(q, rates)
+        engine.mj_fwdVelocity(model, data)
+        engine.mj_rne(model, data, 1, inverse)
+    finally:
+        model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = kept
+    return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
+
+
+def _initial(compiled: Compiled) -> dict[str, float]:
+    """The pose in the keyframe :data:`HOME`, or else that of the model."""
+    model = compiled.model
+    keys = [k for k in range(model.nkey) if compiled.name("KEY", k) == HOME]
+    return compiled.coordinates.read(model.key_qpos[keys[0]] if keys else model.qpos0)

@@ -1,0 +1,303 @@
+"""PyBullet as an observer: URDF in full, SDFormat as a tree without inertia, MJCF as a smoke test.
+
+Bullet keeps each link in its inertial frame, whose axes are the principal ones: poses, axes and closures are carried
+over to the link's frame here. A body with a fixed base reports no base mass, so URDF is loaded a second time floating.
+Link frames come back as floats, inertial frames as doubles: poses are taken from the latter.
+https://docs.google.com/document/d/10sXEhzFRSnvFcl3XxNGhnD4N2SedqwdAvK3dsihxVUA
+"""
+
+import importlib.metadata
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, vector3
+from stepbot.robot.dynamics import GRAVITY, Rates
+from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
+
+from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
+from ..captured_output import printed
+from ..observation import (
+    Dynamics,
+    EngineCannotRead,
+    EngineRefused,
+    Observation,
+    ObservedJoint,
+    ObservedLink,
+    ObservedShape,
+    Quantity,
+    Request,
+)
+from ..sdformat_reader.tree import round_shapes, tree_copy
+from . import ENGINE
+from .body import Body, body_of, pose
+
+_NO_INERTIA = "loadSDF ignores <inertia> and computes it from the collision shapes"
+_NOT_READ = "PyBullet ignores it"
+_NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
+    "urdf": {Quantity.MIMIC: _NOT_READ, Quantity.ACTUATORS: _NOT_READ, Quantity.SENSORS: _NOT_READ},
+    "sdf": {
+        Quantity.INERTIA: _NO_INERTIA,
+        Quantity.MASS_MATRIX: _NO_INERTIA,
+        Quantity.INVERSE_DYNAMICS: _NO_INERTIA,
+        Quantity.SIMULATION: _NO_INERTIA,
+        Quantity.MIMIC: _NOT_READ,
+        Quantity.CLOSURES: "PyBullet crashes on closed loops in SDFormat; tested on a copy without them",
+        Quantity.FRAMES: _NOT_READ,
+        Quantity.ACTUATORS: _NOT_READ,
+        Quantity.SENSORS: _NOT_READ,
+    },
+}
+_MJCF_REASON = "PyBullet's MJCF reader computes wrong poses; only loading is tested"
+_KINDS = {0: "revolute", 1: "prismatic", 2: "ball", 3: "planar", 4: "fixed"}
+_TESSELLATED = b"unknown_file"
+"""Name of the mesh that loadSDF makes of a cylinder, with 32 sides."""
+_IN_VAIN = "Couldn't parse vector3"
+"""What loadSDF complains of, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
+_PLAIN = "?"
+"""The line that getMeshData prints for each ball, box or other plain shape beside the meshes of a link."""
+_NO_LIMIT = 1e15
+"""SDFormat's word for no limit is 1e16."""
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import pybullet  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Load the file and say what is in it; to be run in a worker, because PyBullet crashes on what it cannot read.
+
+    Raises:
+        EngineRefused: PyBullet reports that it cannot load the file.
+    """
+    import pybullet as engine
+
+    observers = {"urdf": _observe_urdf, "sdf": _observe_sdf, "mjcf": _observe_smoke}
+    try:
+        with printed() as lines:
+            observation = observers[request.format](engine, request)
+    except EngineRefused as error:
+        raise EngineRefused("; ".join([str(error), *_complaints(lines, request)])) from error
+    messages = _complaints(lines, request)
+    if request.format == "sdf" and messages.count(_IN_VAIN) == 2 * round_shapes(Path(request.file)):
+        messages = [message for message in messages if message != _IN_VAIN]
+    return replace(observation, warnings=tuple(dict.fromkeys(messages)))
+
+
+@contextmanager
+def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, shapes: bool = True) -> Iterator[Body]:
+    """The only body of a file, alone in a world of its own, where nothing of a former file is used again."""
+    client = engine.connect(engine.DIRECT)
+    engine.setPhysicsEngineParameter(enableFileCaching=1)  # each mesh is read once for all the shapes that show it
+    engine.setGravity(*GRAVITY)
+    try:
+        if written_in == "urdf":
+            flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_IMPLICIT_CYLINDER
+            if not shapes:
+                flags |= engine.URDF_IGNORE_VISUAL_SHAPES | engine.URDF_IGNORE_COLLISION_SHAPES
+            bodies = [engine.loadURDF(str(path), useFixedBase=fixed, flags=flags)]
+        else:
+            bodies = engine.loadSDF(str(path))
+        if len(bodies) != 1:
+            raise EngineRefused(f"{len(bodies)} models in the file, one expected")
+        yield body_of(engine, bodies[0])
+    except engine.error as error:
+        raise EngineRefused(str(error)) from error
+    finally:
+        engine.setPhysicsEngineParameter(enableFileCaching=0)  # that also forgets what was read
+        engine.disconnect(client)
+
+
+def _observe_smoke(engine: Any, request: Request) -> Observation:
+    client = engine.connect(engine.DIRECT)
+    try:
+        engine.loadMJCF(request.file)
+    except engine.error as error:
+        raise EngineRefused(str(error)) from error
+    finally:
+        engine.disconnect(client)
+    reasons = dict.fromkeys(Quantity, _MJCF_REASON)
+    del reasons[Quantity.LOAD]
+    return Observation(ENGINE.name, _version(), request.format, not_run=reasons)
+
+
+def _observe_sdf(engine: Any, request: Request) -> Observation:
+    file = Path(request.file)
+    with tree_copy(file) as (path, notes), _loaded(engine, path, "sdf") as body:
+        observation = replace(_tree(body, request), notes=tuple(notes), not_run=_NOT_RUN["sdf"])
+    with tree_copy(file, held=True, shapes=False) as (path, _), _loaded(engine, path, "sdf") as body:
+        base = "floating" if engine.getDynamicsInfo(body.id, -1)[0] else "fixed"
+        return replace(observation, base=base, dynamics=_weights(body, request) if base == "fixed" else ())
+
+
+def _observe_urdf(engine: Any, request: Request) -> Observation:
+    from .motion import close_in_simulation, simulate
+
+    path = Path(request.file)
+    with _loaded(engine, path, "urdf", fixed=True) as body:
+        observation = replace(_tree(body, request), not_run=_NOT_RUN["urdf"])
+        if len(body.coordinates) == sum(info[2] != engine.JOINT_FIXED for info in body.joints):
+            observation = replace(observation, dynamics=tuple(_dynamics(body, *at) for at in request.moments))
+        finite = simulate(body, request) if request.simulate and not request.floating else None
+        if request.closures and request.ways:
+            closures, notes = close_in_simulation(body, request)
+            observation = replace(observation, closures=closures, notes=notes)
+    # A fixed base reports no mass: what it weighs is read from a second, floating one.
+    with _loaded(engine, path, "urdf", shapes=False) as body:
+        base = _link(body, -1, request)
+        first, *others = observation.links
+        links = (replace(first, mass=base.mass, com=base.com, inertia=base.inertia), *others)
+        finite = simulate(body, request) if request.simulate and request.floating else finite
+    return replace(observation, links=links, simulation_finite=finite)
+
+
+def _tree(body: Body, request: Request) -> Observation:
+    """What every format tells: links, joints, poses."""
+    closed = [q for way in request.ways for q in way]
+    return Observation(
+        engine=ENGINE.name,
+        version=_version(),
+        format=request.format,
+        name=body.model,
+        links=tuple(_link(body, index, request) for index in range(-1, len(body.joints))),
+        joints=tuple(_joint(body, index, request.format) for index in range(len(body.joints))),
+        coordinates=tuple(body.coordinates),
+        poses=tuple(_poses(body, q) for q in [*request.configurations, *closed]),
+    )
+
+
+def _version() -> str:
+    return importlib.metadata.version("pybullet")
+
+
+def _link(body: Body, index: int, request: Request) -> ObservedLink:
+    mass, _, principal = body.engine.getDynamicsInfo(body.id, index)[:3]
+    X_LI = body.X_LI[index + 1]
+    inertia = turn_inertia(X_LI.R, np.diag(principal)) if request.format == "urdf" else None
+    visuals = [data for data in body.engine.getVisualShapeData(body.id) if data[1] == index]
+    collisions = body.engine.getCollisionShapeData(body.id, index)
+    return ObservedLink(
+        body.links[index + 1],
+        float(mass),
+        X_LI.position,
+        None if inertia is None else matrix3(inertia),
+        visual_bounds=_visual_bounds(body, visuals),
+        collision_bounds=_collision_bounds(body, index, collisions),
+        # PyBullet shows the collision shapes of a link that has nothing else to show.
+        has_visuals=None if collisions else bool(visuals),
+        has_collisions=bool(collisions),
+        visuals=tuple(ObservedShape(rgba=tuple(shape[7])) for shape in visuals),
+        collisions=tuple(ObservedShape() for _ in collisions),
+    )
+
+
+def _visual_bounds(body: Body, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
+    """Box of what is seen, in the link's frame; None where a mesh is part of it, whose vertices PyBullet keeps."""
+    if any(shape[2] == body.engine.GEOM_MESH for shape in shapes):
+        return None
+    boxes = [primitive_bounds(_primitive(body.engine, shape[2], shape[3]), pose(*shape[5:7])) for shape in shapes]
+    return join_bounds(boxes) if boxes else None
+
+
+def _collision_bounds(body: Body, index: int, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
+    """Box of what is touched, in the link's frame; the shapes are given in the inertial frame."""
+    engine, X_LI = body.engine, body.X_LI[index + 1]
+    if any(shape[4] == _TESSELLATED for shape in shapes):
+        return None
+    boxes = [
+        primitive_bounds(_primitive(engine, shape[2], shape[3]), X_LI @ pose(*shape[5:7]))
+        for shape in shapes
+        if shape[2] != engine.GEOM_MESH
+    ]
+    if len(boxes) < len(shapes):
+        count, vertices = engine.getMeshData(body.id, index)
+        if not count:
+            return None
+        boxes.append(mesh_bounds(vertices, X_LI))
+    return join_bounds(boxes) if boxes else None
+
+
+def _primitive(engine: Any, kind: int, size: Sequence[float]) -> Box | Cylinder | Sphere | Capsule:
+    """A shape from PyBullet's kind and dimensions.
+
+    Raises:
+        EngineCannotRead: PyBullet reports a kind of shape that is not one of the format's.
+    """
+    if kind == engine.GEOM_BOX:
+        return Box(vector3(size))
+    if kind == engine.GEOM_SPHERE:
+        return Sphere(size[0])
+    if kind == engine.GEOM_CYLINDER:
+        return Cylinder(radius=size[1], length=size[0])
+    if kind == engine.GEOM_CAPSULE:
+        return Capsule(radius=size[1], length=size[0])
+    raise EngineCannotRead(f"PyBullet reports a shape of kind {kind}")
+
+
+def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
+    info = body.joints[index]
+    kind = _KINDS.get(info[2], f"PyBullet's joint type {info[2]}")
+    parent = body.links[info[16] + 1]
+    if kind not in ("revolute", "prismatic"):
+        return ObservedJoint(body.name(index), kind, parent, body.links[index + 1])
+    lower, upper = info[8:10]
+    if lower > upper or (lower <= -_NO_LIMIT and upper >= _NO_LIMIT):
+        lower, upper = -inf, inf
+        kind = "continuous" if kind == "revolute" else kind
+    # loadSDF reads no limits of continuous joints, so that nothing is told of their effort and velocity.
+    silent = written_in == "sdf" and not (info[10] or info[11])
+    limit = Limit(
+        lower=-inf if lower <= -_NO_LIMIT else lower,
+        upper=inf if upper >= _NO_LIMIT else upper,
+        velocity=info[11] or inf,
+        effort=info[10] or inf,
+    )
+    return ObservedJoint(
+        body.name(index),
+        kind,
+        parent,
+        body.links[index + 1],
+        axis=vector3(body.X_LI[index + 1].turn(info[13])),
+        limit=limit,
+        limit_fields=("lower", "upper") if silent else ("lower", "upper", "velocity", "effort"),
+        dynamics=JointDynamics(damping=info[6], friction=info[7]),
+    )
+
+
+def _weights(body: Body, request: Request) -> tuple[Dynamics, ...]:
+    """Gravity forces alone, where PyBullet knows masses but no inertias."""
+    return tuple(Dynamics(gravity=_dynamics(body, *at).gravity) for at in request.moments)
+
+
+def _poses(body: Body, q: Mapping[str, float]) -> dict[str, Pose]:
+    body.set(q)
+    X_RW = body.X_WL(-1).inverse()
+    return {link: X_RW @ body.X_WL(index) for index, link in enumerate(body.links, start=-1)}
+
+
+def _dynamics(body: Body, q: Mapping[str, float], rates: Rates) -> Dynamics:
+    if not body.coordinates:
+        return Dynamics(np.zeros((0, 0)), np.zeros(0), np.zeros(0))
+    positions, *moving = ([float(given.get(name, 0.0)) for name in body.coordinates] for given in (q, *rates))
+    rest = [0.0] * len(positions)
+    M = body.engine.calculateMassMatrix(body.id, positions)
+    gravity = body.engine.calculateInverseDynamics(body.id, positions, rest, rest)
+    inverse = body.engine.calculateInverseDynamics(body.id, positions, *moving)
+    return Dynamics(np.array(M), np.array(gravity), np.array(inverse))
+
+
+def _complaints(lines: Sequence[str], request: Request) -> list[str]:
+    """The messages among printed lines, without folders and places in PyBullet's source."""
+    text = "\n".join(line for line in lines if line.strip() != _PLAIN).replace(
+        str(Path(request.file).parent) + os.sep, ""
+    )
+    parts = re.split(r"b3(?:Warning|Error|Printf)\[[^\[\]]*\]:", text)
+    return [" ".join(part.split()) for part in parts if part.strip()]

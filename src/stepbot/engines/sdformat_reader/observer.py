@@ -1,0 +1,271 @@
+"""SDFormat read back by stepbot's own parser, because no engine of the core install reads all of it.
+
+It is written from the specification (http://sdformat.org/spec) and knows nothing of the writer. It tells of inertias,
+limits, closing joints, frames and mimics, which PyBullet ignores; poses and dynamics are those of stepbot's kinematics
+over what was read, so they prove the text and not an engine.
+"""
+
+from dataclasses import replace
+from math import inf, nan, pi
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import stepbot
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
+from stepbot.robot.dynamics import GRAVITY, equations_of_motion
+from stepbot.robot.kinematics import MOVING, Tree, link_poses
+from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, Mimic, Robot
+
+from ..observation import (
+    Dynamics,
+    EngineCannotRead,
+    EngineRefused,
+    Observation,
+    ObservedClosure,
+    ObservedJoint,
+    ObservedLink,
+    Quantity,
+    Request,
+)
+from . import ENGINE
+from .frames import Frames, number_at, read_pose
+from .gz_plugins import plugin_actuators, plugin_sensors
+from .sensors import model_sensors
+from .shapes import box_around, shapes_of
+from .tree import closing_joints, ends, joints_to_world, read_model
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
+
+
+NO_LIMIT = 1e15
+"""Limits beyond this are the format's word for none, 1e16."""
+_MOVED = MOVING | {JointKind.FIXED, JointKind.BALL, JointKind.UNIVERSAL}
+"""Kinds of joints of the format that the model has too."""
+_NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
+
+
+def prepare() -> None:
+    """Do the slow import, while there is still time."""
+    import lxml.etree  # noqa: F401
+
+
+def observe(request: Request) -> Observation:
+    """Parse the file and say what is in it.
+
+    Raises:
+        EngineRefused: The file contradicts the specification.
+        EngineCannotRead: It uses what this reader does not know: models within models, several trees.
+    """
+    model = read_model(Path(request.file))
+    frames = Frames(model)
+    to_world = joints_to_world(model)
+    joints = [joint for joint in model.findall("joint") if joint not in to_world]
+    closing = closing_joints(joints)
+    tree = [joint for joint in joints if joint not in closing]
+    links, missing = [], []
+    for link in model.findall("link"):
+        observed, lost = _link(link, Path(request.file))
+        links.append(observed)
+        missing += lost
+    observation = Observation(
+        engine=ENGINE.name,
+        version=stepbot.__version__,
+        format=request.format,
+        base="fixed" if to_world else "floating",
+        links=tuple(links),
+        joints=tuple(_joint(joint, frames) for joint in tree),
+        closures=tuple(_closure(joint, frames) for joint in closing),
+        frames={frame.get("name", ""): _frame(frame, frames) for frame in model.findall("frame")},
+        actuators=tuple(plugin_actuators(model)),
+        sensors=(*model_sensors(model, frames), *plugin_sensors(model)),
+        missing_meshes=tuple(missing),
+        not_run={
+            Quantity.SIMULATION: "a parser cannot simulate",
+        },
+        notes=(_NOTE,),
+    )
+    return _with_motion(observation, tree, frames, request)
+
+
+def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
+    inertial = link.find("inertial")
+    X_LI = read_pose(inertial)
+    mass = number_at(inertial, "mass", 1.0)  # the specification's default
+    inertia = np.array([[_inertia(inertial, i, j) for j in "xyz"] for i in "xyz"])
+    visuals, collisions = link.findall("visual"), link.findall("collision")
+    seen, lost = shapes_of(visuals, file)
+    touched, lost_too = shapes_of(collisions, file)
+    observed = ObservedLink(
+        link.get("name", ""),
+        mass,
+        X_LI.position,
+        matrix3(turn_inertia(X_LI.R, inertia)),
+        box_around(seen),
+        box_around(touched),
+        has_visuals=bool(visuals),
+        has_collisions=bool(collisions),
+        visuals=seen,
+        collisions=touched,
+    )
+    return observed, lost + lost_too
+
+
+def _inertia(inertial: Element | None, i: str, j: str) -> float:
+    tag = f"inertia/i{min(i, j)}{max(i, j)}"
+    return number_at(inertial, tag, 1.0 if i == j else 0.0)
+
+
+def _kind(joint: Element) -> str:
+    return joint.get("type", "")
+
+
+def _joint(joint: Element, frames: Frames) -> ObservedJoint:
+    parent, child = (frames.link_of(name) for name in ends(joint))
+    name, axis, second = joint.get("name", ""), joint.find("axis"), joint.find("axis2")
+    if axis is None:
+        return ObservedJoint(name, _kind(joint), parent, child, mimic_read=True)
+    a_C = frames.X_M(child).inverse().turn(unit(frames.axis(joint, axis)))
+    b_C = None if second is None else vector3(frames.X_M(child).inverse().turn(unit(frames.axis(joint, second))))
+    limit, dynamics = _limit(axis), _dynamics(axis)
+    if second is not None and (_limit(second), _dynamics(second)) != (limit, dynamics):
+        limit = Limit(nan, nan, nan, nan)  # no joint of the model has two
+    return ObservedJoint(
+        name,
+        _kind(joint),
+        parent,
+        child,
+        axis=vector3(a_C),
+        axis2=b_C,
+        pitch=number_at(joint, "screw_thread_pitch", 0.0) / (2.0 * pi) if _kind(joint) == "screw" else None,
+        limit=limit,
+        dynamics=dynamics,
+        dynamics_fields=("damping", "friction", "stiffness", "spring_reference"),
+        mimic=_mimic(axis),
+        mimic_read=True,
+    )
+
+
+def _dynamics(axis: Element) -> JointDynamics:
+    return JointDynamics(
+        damping=number_at(axis, "dynamics/damping", 0.0),
+        friction=number_at(axis, "dynamics/friction", 0.0),
+        stiffness=number_at(axis, "dynamics/spring_stiffness", 0.0),
+        spring_reference=number_at(axis, "dynamics/spring_reference", 0.0),
+    )
+
+
+def _limit(axis: Element) -> Limit:
+    lower, upper = number_at(axis, "limit/lower", -inf), number_at(axis, "limit/upper", inf)
+    velocity, effort = number_at(axis, "limit/velocity", inf), number_at(axis, "limit/effort", inf)
+    return Limit(
+        lower=-inf if lower <= -NO_LIMIT else lower,
+        upper=inf if upper >= NO_LIMIT else upper,
+        velocity=inf if velocity < 0.0 else velocity,
+        effort=inf if effort < 0.0 else effort,
+    )
+
+
+def _mimic(axis: Element) -> Mimic | None:
+    """The format relates follower = multiplier * (leader - reference) + offset."""
+    mimic = axis.find("mimic")
+    if mimic is None:
+        return None
+    multiplier = number_at(mimic, "multiplier", 1.0)
+    offset = number_at(mimic, "offset", 0.0) - multiplier * number_at(mimic, "reference", 0.0)
+    return Mimic(mimic.get("joint", ""), multiplier, offset)
+
+
+def _closure(joint: Element, frames: Frames) -> ObservedClosure:
+    """A closing joint; its frame is given in the child, and lies in the parent where it is at q = 0."""
+    parent, child = (frames.link_of(name) for name in ends(joint))
+    X_MF, axis = frames.X_M(joint.get("name", "")), joint.find("axis")
+    return ObservedClosure.of_frames(
+        joint.get("name", ""),
+        _kind(joint),
+        (parent, child),
+        (frames.X_M(parent).inverse() @ X_MF, frames.X_M(child).inverse() @ X_MF),
+        None if axis is None else vector3(X_MF.inverse().turn(unit(frames.axis(joint, axis)))),
+    )
+
+
+def _frame(frame: Element, frames: Frames) -> tuple[str, Pose]:
+    link = frames.link_of(frame.get("name", ""))
+    return link, frames.X_M(link).inverse() @ frames.X_M(frame.get("name", ""))
+
+
+def _with_motion(observation: Observation, tree: list[Element], frames: Frames, request: Request) -> Observation:
+    """The observation with poses and equations of motion, by stepbot's kinematics over what was read."""
+    strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in _MOVED})
+    if strange:
+        reason = f"stepbot has no kinematics for {', '.join(strange)} joints"
+        moving = (Quantity.POSES, Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)
+        not_run = dict.fromkeys(moving, reason)
+        return replace(observation, not_run={**observation.not_run, **not_run})
+    X_LJ = {
+        observed.child: frames.X_M(observed.child).inverse() @ frames.X_M(joint.get("name", ""))
+        for observed, joint in zip(observation.joints, tree, strict=True)
+    }
+    robot = _robot(observation, X_LJ, frames)
+    layout = Tree(robot)
+    # The root link stands in the world as the file has it in the model.
+    gravity = vector3(frames.X_M(robot.root.name).inverse().turn(GRAVITY))
+    poses, dynamics = [], []
+    for q in [*request.configurations, *(q for way in request.ways for q in way)]:
+        X_WJ = link_poses(robot, {name: q.get(name, 0.0) for name in layout.joints})
+        poses.append({name: X @ X_LJ.get(name, Pose()).inverse() for name, X in X_WJ.items()})
+    for q, rates in request.moments:
+        known = {name: q.get(name, 0.0) for name in layout.joints}
+        seen = equations_of_motion(robot, known, rates, gravity=gravity, tree=layout)
+        dynamics.append(Dynamics(seen.mass_matrix, seen.gravity, seen.inverse))
+    return replace(observation, coordinates=layout.joints, poses=tuple(poses), dynamics=tuple(dynamics))
+
+
+def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> Robot:
+    """What was read as a robot whose link frames are those of the joints above; without mimics, as engines move joints.
+
+    Raises:
+        EngineRefused: A joint names a link that is not there.
+        EngineCannotRead: The links make no single tree.
+    """
+    links = {link.name: link for link in observation.links}
+    joint_of = {joint.child: joint for joint in observation.joints}
+    for joint in observation.joints:
+        for name in (joint.parent, joint.child):
+            if name not in links:
+                raise EngineRefused(f"joint '{joint.name}': no link '{name}'")
+    roots = [name for name in links if name not in joint_of]
+    if len(roots) != 1:
+        raise EngineCannotRead(f"{len(roots)} root links, one expected: {', '.join(roots)}")
+    order = list(roots)
+    for name in order:  # grows while it is walked
+        order += [joint.child for joint in observation.joints if joint.parent == name]
+
+    def X_MJ(name: str) -> Pose:
+        return frames.X_M(name) @ X_LJ.get(name, Pose())
+
+    def joint_above(name: str) -> Joint:
+        seen = joint_of[name]
+        return Joint(
+            seen.name,
+            JointKind(seen.kind),
+            seen.parent,
+            name,
+            X_MJ(seen.parent).inverse() @ X_MJ(name),
+            vector3(X_LJ[name].inverse().turn(seen.axis or (0.0, 0.0, 1.0))),
+            vector3(X_LJ[name].inverse().turn(seen.axis2 or (1.0, 0.0, 0.0))),
+            limit=seen.limit or Limit(),
+            pitch=seen.pitch or 0.0,
+        )
+
+    bodies = []
+    for name in order:
+        link = links[name]
+        body = MassProperties(link.mass or 0.0, link.com or (0.0, 0.0, 0.0), link.inertia or matrix3(np.zeros((3, 3))))
+        bodies.append(Link(name, body.moved(X_LJ.get(name, Pose()).inverse())))
+    return Robot("model", tuple(bodies), tuple(joint_above(name) for name in order[1:]))

@@ -1,0 +1,372 @@
+"""MJCF, MuJoCo's own format: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
+
+Joints sit at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
+A body may have several joints, which act one after the other: that is how multi-dof joints are written.
+Closures hold sites together: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
+``connect``, at F and at a second point of its axis: six rows, of which five are independent, two in a planar loop.
+Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
+close; the keyframe ``home`` is the drawn pose, where it does.
+"""
+
+from math import isfinite, isinf
+from pathlib import PurePosixPath
+
+import numpy as np
+
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.kinematics import initial_configuration, neighbours
+from stepbot.robot.model import (
+    ActuatorKind,
+    Base,
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointKind,
+    Link,
+    LoopClosure,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+from stepbot.robot.multi_dof import steps_by_child
+
+from ..companion import Companion
+from ..lowering import Feature, exact, free_name, geometries, lowered, refused, reported
+from ..lowering.shapes import is_flat, upright
+from ..xml import Element, Value, document, element, root
+from . import devices
+from .devices import mjcf_pose
+
+EXPRESSES = {
+    Feature.FIXED_BASE: exact("child body of the world without a joint"),
+    Feature.FLOATING_BASE: exact("`<freejoint>`"),
+    Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
+    Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
+    Feature.CAPSULE: exact("`capsule`"),
+    Feature.FLAT_COLLISION: reported("SB712", "MuJoCo cannot build the convex hull of a flat collision mesh; omitted"),
+    Feature.CONCAVE_COLLISION: reported("SB717", "MuJoCo collides with the convex hull of these meshes"),
+    Feature.COLOR: exact("`rgba`"),
+    Feature.NEIGHBOURS: exact("`<exclude>` for links connected by a joint or closure"),
+    Feature.FIXED: exact("body without a joint"),
+    Feature.REVOLUTE: exact("`hinge` with `range`"),
+    Feature.CONTINUOUS: exact("`hinge`"),
+    Feature.PRISMATIC: exact("`slide`"),
+    Feature.BALL: exact("`ball`"),
+    Feature.UNIVERSAL: exact("two `hinge` in one body"),
+    Feature.CYLINDRICAL: exact("`slide` and `hinge` in one body"),
+    Feature.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
+    Feature.PLANAR: exact("two `slide` and a `hinge` in one body"),
+    Feature.FLOATING: exact("three `slide` and a `ball` in one body"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
+    Feature.OPEN_POSITION: exact("infinite `range`, or no `range`"),
+    Feature.OPEN_EFFORT: exact("no attribute"),
+    Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
+    Feature.VELOCITY: lowered(
+        "SB705", "velocity limits are written as `<numeric>` data, which MuJoCo does not enforce"
+    ),
+    Feature.FRICTION: exact("`damping`, `frictionloss`"),
+    Feature.SPRING: exact("`stiffness`, `springref`"),
+    Feature.ARMATURE: exact("`armature`"),
+    Feature.MIMIC: exact("`<equality>` of two joints"),
+    Feature.MIMIC_CHAIN: exact("`<equality>` of two joints"),
+    Feature.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
+    Feature.SLIDING_CLOSURE: lowered(
+        "SB722", "no equality constraint allows sliding; the loops are cut at another joint"
+    ),
+    Feature.STUCK_CLOSURE: refused(
+        "SB713", "no equality constraint allows sliding, and the loop has no unlimited passive pin"
+    ),
+    Feature.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
+    Feature.INITIAL_POSE: exact("keyframe `home`"),
+    Feature.FRAME: exact("`<site>`"),
+    Feature.ACTUATOR: exact("`<position>`, `<velocity>`, `<motor>`"),
+    Feature.GEAR: exact("`gear`"),
+    Feature.ACTUATOR_INPUT: exact("`ctrlrange`"),
+    Feature.UNLIMITED_ACTUATOR: exact("no attribute"),
+    Feature.JOINT_SENSOR: exact("`<jointpos>`, `<jointvel>`; `<ballquat>`, `<ballangvel>`"),
+    Feature.IMU: exact("`<accelerometer>`, `<gyro>`, `<framequat>` at a site"),
+    Feature.FORCE_TORQUE: exact("`<force>`, `<torque>` at a site"),
+    Feature.OFF_JOINT: exact("`<force>`, `<torque>` at a site"),
+    Feature.CAMERA: exact("`<camera>`"),
+    Feature.LIDAR: exact("`<rangefinder>` at each of `<replicate>` sites"),
+    Feature.CONTACT: exact("`<contact>` of a body"),
+    Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
+    Feature.SENSOR_RATE: exact("`interval`"),
+    Feature.ENCODER_RATE: exact("`interval`"),
+    Feature.CAMERA_EXTRAS: reported(
+        "SB727", "MuJoCo renders on demand, with one near and one far plane for all cameras"
+    ),
+    Feature.LIDAR_NEAREST: reported("SB727", "`<rangefinder>` has no minimum range"),
+    Feature.OPEN_VIEW: exact("no `cutoff`"),
+    Feature.JOINT_NAME: exact("each element type has its own namespace"),
+    Feature.FRAME_NAME: exact("each element type has its own namespace"),
+    Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),
+}
+
+_WORLD = "world"
+_Z = (0.0, 0.0, 1.0)
+HOME = "home"
+"""Name of the keyframe with the drawn pose."""
+
+_ROUNDING = 1e-12
+"""Relative margin by which MuJoCo's own rounding may break A + B >= C of principal moments that satisfy it exactly."""
+_TINY = 1e-10
+"""Volume [m^3] of the box around a mesh below which that of the mesh may be too small for MuJoCo."""
+
+
+def reserves(name: str) -> bool:
+    """Whether the name is that of MuJoCo's own body."""
+    return name == "world"
+
+
+def render(robot: Robot) -> bytes:
+    """The MJCF of a lowered robot."""
+    top = root("mujoco", robot.source, model=robot.name)
+    if robot.joints or robot.sensors:
+        element(top, "compiler", angle="radian")
+    _defaults(top, robot)
+    _assets(top, robot)
+    _bodies(top, robot)
+    _contact(top, robot)
+    _equality(top, robot)
+    devices.actuators(top, robot)
+    devices.sensors(top, robot)
+    _velocity_limits(top, robot)
+    _keyframe(top, robot)
+    return document(top)
+
+
+def companions(_robot: Robot) -> tuple[Companion, ...]:
+    """No files beside the main one and its meshes."""
+    return ()
+
+
+def _defaults(top: Element, robot: Robot) -> None:
+    """Classes of geoms, in the groups that collections of models have them in: viewers hide the third at first."""
+    classes: dict[str, dict[str, Value]] = {}
+    if any(link.visuals for link in robot.links):
+        classes["visual"] = {"group": 2, "contype": 0, "conaffinity": 0}
+    if any(link.collisions for link in robot.links):
+        classes["collision"] = {"group": 3}
+    default = element(top, "default") if classes else top
+    for name, settings in classes.items():
+        element(element(default, "default", class_=name), "geom", **settings)
+
+
+def _assets(top: Element, robot: Robot) -> None:
+    """Meshes; of one without volume MuJoCo computes the inertia, which nobody needs, only as that of a ``shell``."""
+    shapes = [shape for link in robot.links for shape in geometries(link)]
+    used = {shape.name for shape in shapes if isinstance(shape, MeshRef)}
+    asset = element(top, "asset") if used else top
+    for mesh in (mesh for mesh in robot.meshes if mesh.name in used):
+        optional: dict[str, Value] = {"name": mesh.name} if PurePosixPath(mesh.path).stem != mesh.name else {}
+        if is_flat(mesh.mesh) or float(np.prod(np.ptp(mesh.mesh.bounds, axis=0))) < _TINY:
+            optional["inertia"] = "shell"
+        element(asset, "mesh", **optional, file=mesh.path)
+
+
+def _bodies(top: Element, robot: Robot) -> None:
+    parents = {robot.root.name: element(top, "worldbody")}
+    joint_of = {joint.child: joint for joint in robot.joints}
+    names, steps = _GeomNames(), steps_by_child(robot)
+    for link in robot.links:
+        joint = joint_of.get(link.name)
+        above = parents[joint.parent] if joint else parents[robot.root.name]
+        body = element(above, "body", name=link.name, **mjcf_pose(joint.X_PC if joint else Pose()))
+        parents[link.name] = body
+        _inertial(body, link.mass_properties)
+        if joint is not None:
+            for step in steps[link.name]:
+                _joint(body, step)
+        elif robot.base is Base.FLOATING:
+            taken = set(robot.joint_by_name)
+            element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
+        for visual in link.visuals:
+            _geom(body, "visual", visual, names.of(visual.name), rgba=visual.rgba)
+        for collision in link.collisions:
+            _geom(body, "collision", collision, names.of(collision.name))
+        _sites(body, link, robot)
+        devices.mounts(body, link, robot)
+
+
+class _GeomNames:
+    """Visuals and collisions are both geoms, and no two geoms may share a name."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+
+    def of(self, name: str) -> str:
+        return free_name(name, "_geom", self._taken)
+
+
+def _inertial(body: Element, mass: MassProperties) -> None:
+    if mass.mass == 0.0:
+        element(body, "inertial", pos=mass.com, mass=0, diaginertia=(0.0, 0.0, 0.0))
+        return
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    A, B, C = np.linalg.eigvalsh(np.array(mass.inertia)).tolist()
+    if abs(A + B - C) < _ROUNDING * C:
+        # A flat body has A + B = C; MuJoCo finds the moments anew and refuses the body if rounding makes C the larger.
+        ixx, iyy, izz = (moment + _ROUNDING * C for moment in (ixx, iyy, izz))
+    element(body, "inertial", pos=mass.com, mass=mass.mass, fullinertia=(ixx, iyy, izz, ixy, ixz, iyz))
+
+
+def _joint(body: Element, joint: Joint) -> None:
+    if joint.kind is JointKind.FIXED:
+        return
+    optional: dict[str, Value] = {}
+    limit, dynamics = joint.limit, joint.dynamics
+    if joint.kind is not JointKind.CONTINUOUS and not (isinf(limit.lower) and isinf(limit.upper)):
+        optional["range"] = (limit.lower, limit.upper)
+    if isfinite(limit.effort):
+        optional["actuatorfrcrange"] = (-limit.effort, limit.effort)
+    given = {
+        "damping": dynamics.damping,
+        "frictionloss": dynamics.friction,
+        "stiffness": dynamics.stiffness,
+        "springref": dynamics.spring_reference,
+        "armature": dynamics.armature,
+    }
+    optional.update({name: value for name, value in given.items() if value})
+    if joint.kind is not JointKind.BALL and joint.axis != _Z:
+        optional = {"axis": joint.axis, **optional}
+    kind = {JointKind.PRISMATIC: "slide", JointKind.BALL: "ball"}.get(joint.kind)
+    element(body, "joint", name=joint.name, **({"type": kind} if kind else {}), **optional)
+
+
+def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **more: Value) -> None:
+    kind, size = _geometry(shape.geometry)
+    type_: dict[str, Value] = {"type": kind} if kind != "sphere" else {}
+    element(body, "geom", name=name, class_=class_, **type_, **size, **mjcf_pose(upright(shape)), **more)
+
+
+def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
+    """Type and size of a geom; MuJoCo wants half lengths."""
+    match geometry:
+        case Box(size):
+            return "box", {"size": [edge / 2 for edge in size]}
+        case Cylinder(radius, length):
+            return "cylinder", {"size": (radius, length / 2)}
+        case Capsule(radius, length):
+            return "capsule", {"size": (radius, length / 2)}
+        case Sphere(radius):
+            return "sphere", {"size": (radius,)}
+        case MeshRef(name):
+            return "mesh", {"mesh": name}
+
+
+def _sites(body: Element, link: Link, robot: Robot) -> None:
+    for frame in robot.frames:
+        if frame.link == link.name:
+            element(body, "site", name=frame.name, **mjcf_pose(frame.X_LF))
+    for closure in robot.closures:
+        for side, holder, X_LF in (("a", closure.link_a, closure.X_AF), ("b", closure.link_b, closure.X_BF)):
+            if holder == link.name:
+                name = f"{closure.name}/{side}"
+                element(body, "site", name=name, **mjcf_pose(X_LF))
+                if closure.kind is JointKind.REVOLUTE:
+                    element(body, "site", name=f"{name}/axis", pos=X_LF.apply(_second_point(closure)).tolist())
+
+
+def _second_point(closure: LoopClosure) -> list[float]:
+    """A point of the axis, in F [m], as far away as F is from the links' frames: turns and shifts weigh alike."""
+    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
+    return [reach * direction for direction in closure.axis]
+
+
+def _contact(top: Element, robot: Robot) -> None:
+    """Excludes for neighbours: MuJoCo's own filter does not cover bodies fixed to the world, nor closures."""
+    close, weld = neighbours(robot), _welds(robot)
+    left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in robot.joints}
+    touching = [link.name for link in robot.links if link.collisions]
+    pairs = [
+        (a, b)
+        for i, a in enumerate(touching)
+        for b in touching[i + 1 :]
+        if frozenset((a, b)) in close
+        and weld[a] != weld[b]
+        and (_WORLD in (weld[a], weld[b]) or frozenset((weld[a], weld[b])) not in left_out)
+    ]
+    if pairs:
+        contact = element(top, "contact")
+        for a, b in pairs:
+            element(contact, "exclude", body1=a, body2=b)
+
+
+def _welds(robot: Robot) -> dict[str, str]:
+    """For each link the one that it is fixed to in the end, or the world."""
+    weld = {robot.root.name: _WORLD if robot.base is Base.FIXED else robot.root.name}
+    for joint in robot.joints:
+        weld[joint.child] = weld[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    return weld
+
+
+def _equality(top: Element, robot: Robot) -> None:
+    steps = [step for chain in steps_by_child(robot).values() for step in chain]
+    mimics = [(step.name, step.mimic) for step in steps if step.mimic is not None]
+    if not (mimics or robot.closures):
+        return
+    equality = element(top, "equality")
+    for name, mimic in mimics:
+        given: dict[str, Value] = {}
+        if (mimic.offset, mimic.multiplier) != (0.0, 1.0):
+            given["polycoef"] = (mimic.offset, mimic.multiplier)
+        element(equality, "joint", joint1=name, joint2=mimic.joint, **given)
+    for closure in robot.closures:
+        kind = "weld" if closure.kind is JointKind.FIXED else "connect"
+        sides = {"site1": f"{closure.name}/a", "site2": f"{closure.name}/b"}
+        element(equality, kind, name=closure.name, **sides)
+        if closure.kind is JointKind.REVOLUTE:
+            on_axis = {side: f"{site}/axis" for side, site in sides.items()}
+            element(equality, kind, name=f"{closure.name}/axis", **on_axis)
+
+
+def _velocity_limits(top: Element, robot: Robot) -> None:
+    limited = [j for j in robot.joints if j.kind is not JointKind.FIXED and isfinite(j.limit.velocity)]
+    if limited:
+        custom = element(top, "custom")
+        for joint in limited:
+            element(custom, "numeric", name=f"{joint.name}/velocity", data=joint.limit.velocity)
+
+
+def _keyframe(top: Element, robot: Robot) -> None:
+    """The drawn pose, where it is not q = 0 or a loop must close; position actuators hold it."""
+    drawn = initial_configuration(robot)
+    if not (robot.closures or any(drawn.values())):
+        return
+    base = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0] if robot.base is Base.FLOATING else []
+    steps = steps_by_child(robot)
+    qpos = base + [value for link in _depth_first(robot) for step in steps[link] for value in _drawn(step)]
+    control = [
+        drawn[actuator.joint] * actuator.gear if actuator.kind is ActuatorKind.POSITION else 0.0
+        for actuator in robot.actuators
+    ]
+    element(element(top, "keyframe"), "key", name=HOME, qpos=qpos, **({"ctrl": control} if any(control) else {}))
+
+
+def _drawn(step: Joint) -> list[float]:
+    """MuJoCo's coordinates of a joint as drawn; multi-dof joints are drawn at 0."""
+    if step.kind is JointKind.BALL:
+        return [1.0, 0.0, 0.0, 0.0]
+    return [] if step.kind is JointKind.FIXED else [step.drawn_position]
+
+
+def _depth_first(robot: Robot) -> list[str]:
+    """Names of the links below the root in the order of MuJoCo's coordinates: that of the nested bodies."""
+    below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
+    for joint in robot.joints:
+        below[joint.parent].append(joint)
+    order: list[str] = []
+    stack = list(reversed(below[robot.root.name]))
+    while stack:
+        joint = stack.pop()
+        order.append(joint.child)
+        stack += reversed(below[joint.child])
+    return order

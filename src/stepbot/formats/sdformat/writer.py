@@ -1,0 +1,290 @@
+"""SDFormat, as Gazebo and Drake read it: http://sdformat.org/spec.
+
+Poses are flat: each link's in the model at q = 0, each joint's in its child, so that readers without ``relative_to``
+understand them. A closed loop is a joint more than a tree has: its frame is given in the child, and lies in the parent
+where the pose of the file puts it, so a loop must close at q = 0 (:data:`Feature.LOOP_ZERO`).
+"""
+
+from math import isfinite, isinf, pi
+
+from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
+from stepbot.robot.model import (
+    Base,
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointDynamics,
+    JointKind,
+    Limit,
+    Link,
+    LoopClosure,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+
+from ..companion import Companion
+from ..lowering import Feature, exact, free_name, lowered, refused, reported
+from ..lowering.rerooted_loops import reroot_loops
+from ..lowering.shapes import upright
+from ..xml import Element, document, element, root
+from . import FORMAT
+from . import drake as _drake
+from .gz_plugins import plugins
+from .sensors import sdf_pose, sensors_on_joint, sensors_on_link
+
+VERSION = "1.9"
+MIMIC_VERSION = "1.11"
+"""The first version that has ``<mimic>``."""
+SCREW_VERSION = "1.10"
+"""The first version that has ``<screw_thread_pitch>``, whose sign and unit all readers agree on."""
+
+EXPRESSES = {
+    Feature.FIXED_BASE: exact("fixed joint to `world`"),
+    Feature.FLOATING_BASE: exact("no joint to `world`"),
+    Feature.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
+    Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
+    Feature.CAPSULE: exact("`<capsule>`"),
+    Feature.FLAT_COLLISION: exact("as any mesh"),
+    Feature.CONCAVE_COLLISION: exact("as any mesh"),
+    Feature.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
+    Feature.NEIGHBOURS: exact("links of a model do not collide unless `<self_collide>` is set"),
+    Feature.FIXED: exact("`fixed`"),
+    Feature.REVOLUTE: exact("`revolute`"),
+    Feature.CONTINUOUS: exact("`continuous`"),
+    Feature.PRISMATIC: exact("`prismatic`"),
+    Feature.BALL: exact("`ball`"),
+    Feature.UNIVERSAL: exact("`universal`"),
+    Feature.CYLINDRICAL: lowered("SB720", "a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.SCREW: exact("`screw` with `<screw_thread_pitch>`, of version 1.10"),
+    Feature.PLANAR: lowered("SB720", "a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.OPEN_POSITION: exact("±1e16, which the format defines as unlimited"),
+    Feature.OPEN_EFFORT: exact("no element"),
+    Feature.EFFORT: exact("`<effort>`"),
+    Feature.VELOCITY: exact("`<velocity>`"),
+    Feature.FRICTION: exact("`<dynamics>`"),
+    Feature.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
+    Feature.ARMATURE: reported("SB703", "armatures are omitted"),
+    Feature.MIMIC: lowered("SB715", "`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
+    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
+    Feature.CLOSURE: exact("a second joint to the child; `drake:ball_constraint` in `<robot>.drake.sdf`"),
+    Feature.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
+    Feature.STUCK_CLOSURE: exact("a second joint to the child; no file for Drake is written"),
+    Feature.LOOP_ZERO: lowered("SB711", "loops must close at q = 0, so zeros are moved to the drawn pose"),
+    Feature.INITIAL_POSE: reported("SB706", "the drawn pose of these joints is omitted"),
+    Feature.FRAME: exact("`<frame>` attached to its link"),
+    Feature.ACTUATOR: lowered("SB725", "actuators are Gazebo plugins, without a name"),
+    Feature.GEAR: lowered("SB726", "gears are folded into gains and inputs, which apply at the joint"),
+    Feature.ACTUATOR_INPUT: reported("SB729", "input bounds are the limits of the joints"),
+    Feature.UNLIMITED_ACTUATOR: lowered("SB704", "a missing effort limit of an actuator is written as 1e9"),
+    Feature.JOINT_SENSOR: lowered("SB725", "joint sensors are Gazebo plugins, without a name"),
+    Feature.IMU: exact("`imu`"),
+    Feature.FORCE_TORQUE: exact("`force_torque` in its joint"),
+    Feature.OFF_JOINT: reported("SB728", "torques are about the joint's origin"),
+    Feature.CAMERA: exact("`camera`"),
+    Feature.LIDAR: exact("`gpu_lidar`"),
+    Feature.CONTACT: exact("`contact` with the collisions of its link"),
+    Feature.SENSOR_PLACE: exact("`<pose>`"),
+    Feature.SENSOR_RATE: exact("`<update_rate>`"),
+    Feature.ENCODER_RATE: reported("SB727", "joint states are published in every step"),
+    Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
+    Feature.LIDAR_NEAREST: exact("`<range>`"),
+    Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.JOINT_NAME: lowered("SB710", "links, joints and frames share one namespace"),
+    Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
+    Feature.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` are reserved"),
+}
+
+_NO_LIMIT = 1e16
+"""What SDFormat 1.9 defines as the position limit of a joint that has none."""
+
+
+def reserves(name: str) -> bool:
+    """Whether the name is the world's, one of the format's own (``__model__``), or reads as a path of names."""
+    return name == "world" or "::" in name or (name.startswith("__") and name.endswith("__"))
+
+
+def render(robot: Robot) -> bytes:
+    """The SDFormat of a lowered robot."""
+    top = root("sdf", robot.source, version=_version(robot))
+    model = _tree(top, robot)
+    for closure in robot.closures:
+        _closure(model, closure, robot)
+    plugins(model, robot)
+    return document(top)
+
+
+def companions(robot: Robot) -> tuple[Companion, ...]:
+    """A file for Drake, where there are loops that its constraints can close: it refuses joints that close one."""
+    cut = _drake.for_drake(reroot_loops(robot))
+    if not cut.closures or any(closure.kind is JointKind.PRISMATIC for closure in cut.closures):
+        return ()
+    top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=_version(cut))
+    _drake.constrain(_tree(top, cut), cut)
+    return (Companion(f"{robot.name}.drake{FORMAT.suffix}", _drake.FORMAT, cut, document(top)),)
+
+
+def _tree(top: Element, robot: Robot) -> Element:
+    """The model with its links, the joints of its tree, and its frames."""
+    model = element(top, "model", name=robot.name)
+    X_ML = _link_poses(robot)
+    for link in robot.links:
+        shapes = [collision.name for collision in link.collisions]
+        sensors_on_link(_link(model, link, X_ML[link.name], robot), link, robot.sensors, shapes)
+    if robot.base is Base.FIXED:
+        _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
+    for joint in robot.joints:
+        sensors_on_joint(_joint(model, joint), joint.name, robot.sensors)
+    for frame in robot.frames:
+        sdf_pose(element(model, "frame", name=frame.name, attached_to=frame.link), frame.X_LF)
+    return model
+
+
+def _version(robot: Robot) -> str:
+    """The first version that has everything that the robot needs: older readers read older files."""
+    if any(joint.mimic is not None for joint in robot.joints):
+        return MIMIC_VERSION
+    return SCREW_VERSION if any(joint.kind is JointKind.SCREW for joint in robot.joints) else VERSION
+
+
+def _link_poses(robot: Robot) -> dict[str, Pose]:
+    """X_ML of every link with all joints at q = 0, mimics too."""
+    poses = {robot.root.name: IDENTITY}
+    for joint in robot.joints:
+        poses[joint.child] = poses[joint.parent] @ joint.X_PC
+    return poses
+
+
+def _world_joint_name(robot: Robot) -> str:
+    taken = {*robot.link_by_name, *robot.joint_by_name}
+    taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
+    return free_name(f"world_to_{robot.root.name}", "_joint", taken)
+
+
+def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
+    xml = element(model, "link", name=link.name)
+    sdf_pose(xml, X_ML)
+    mass = link.mass_properties
+    inertial = element(xml, "inertial")
+    element(inertial, "pose", (*mass.com, 0.0, 0.0, 0.0))
+    element(inertial, "mass", mass.mass)
+    inertia = element(inertial, "inertia")
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    for tag, value in (("ixx", ixx), ("ixy", ixy), ("ixz", ixz), ("iyy", iyy), ("iyz", iyz), ("izz", izz)):
+        if value or tag in ("ixx", "iyy", "izz"):
+            element(inertia, tag, value)
+    for visual in link.visuals:
+        shape = _shape(xml, "visual", visual, robot)
+        material = element(shape, "material")
+        element(material, "ambient", visual.rgba)
+        element(material, "diffuse", visual.rgba)
+    for collision in link.collisions:
+        _shape(xml, "collision", collision, robot)
+    return xml
+
+
+def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+    xml = element(parent, tag, name=shape.name)
+    sdf_pose(xml, upright(shape))
+    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    return xml
+
+
+def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
+    match geometry:
+        case Box(size):
+            element(element(parent, "box"), "size", size)
+        case Cylinder(radius, length):
+            _round(parent, "cylinder", radius, length)
+        case Capsule(radius, length):
+            _round(parent, "capsule", radius, length)
+        case Sphere(radius):
+            element(element(parent, "sphere"), "radius", radius)
+        case MeshRef(name):
+            element(element(parent, "mesh"), "uri", robot.mesh_by_name[name].path)
+
+
+def _round(parent: Element, tag: str, radius: float, length: float) -> None:
+    xml = element(parent, tag)
+    element(xml, "radius", radius)
+    element(xml, "length", length)
+
+
+def _joint_head(model: Element, name: str, kind: str, parent: str, child: str) -> Element:
+    xml = element(model, "joint", name=name, type=kind)
+    element(xml, "parent", parent)
+    element(xml, "child", child)
+    return xml
+
+
+def _joint(model: Element, joint: Joint) -> Element:
+    xml = _joint_head(model, joint.name, joint.kind.value, joint.parent, joint.child)
+    if joint.kind is JointKind.SCREW:
+        element(xml, "screw_thread_pitch", joint.pitch * 2.0 * pi)
+    if joint.kind in (JointKind.FIXED, JointKind.BALL):
+        return xml
+    axis = _axis(xml, "axis", joint.axis)
+    _limit(axis, joint.kind, joint.limit)
+    _dynamics(axis, joint.dynamics)
+    if joint.kind is JointKind.UNIVERSAL:
+        second = _axis(xml, "axis2", joint.axis2)
+        _limit(second, joint.kind, joint.limit)
+        _dynamics(second, joint.dynamics)
+    if joint.mimic is not None:
+        mimic = element(axis, "mimic", joint=joint.mimic.joint)
+        element(mimic, "multiplier", joint.mimic.multiplier)
+        if joint.mimic.offset:
+            element(mimic, "offset", joint.mimic.offset)
+    return xml
+
+
+def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
+    """The joint that closes a loop; the root is never its child, so that every reader still finds one root."""
+    parent, child, X_CF = closure.link_a, closure.link_b, closure.X_BF
+    if child == robot.root.name:
+        parent, child, X_CF = closure.link_b, closure.link_a, closure.X_AF
+    xml = _joint_head(model, closure.name, closure.kind.value, parent, child)
+    sdf_pose(xml, X_CF)
+    if closure.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC):
+        _limit(_axis(xml, "axis", closure.axis), closure.kind, Limit())
+
+
+def _axis(joint: Element, tag: str, axis: Vector3) -> Element:
+    xml = element(joint, tag)
+    element(xml, "xyz", axis)
+    return xml
+
+
+def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
+    bounded = kind not in (JointKind.CONTINUOUS, JointKind.UNIVERSAL)
+    if not (bounded or isfinite(limit.effort) or isfinite(limit.velocity)):
+        return
+    xml = element(axis, "limit")
+    if bounded:
+        element(xml, "lower", -_NO_LIMIT if isinf(limit.lower) else limit.lower)
+        element(xml, "upper", _NO_LIMIT if isinf(limit.upper) else limit.upper)
+    if isfinite(limit.effort):
+        element(xml, "effort", limit.effort)
+    if isfinite(limit.velocity):
+        element(xml, "velocity", limit.velocity)
+
+
+def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
+    given = {"damping": dynamics.damping, "friction": dynamics.friction}
+    if dynamics.stiffness:  # without which its rest position means nothing
+        given |= {"spring_reference": dynamics.spring_reference, "spring_stiffness": dynamics.stiffness}
+    said = {tag: value for tag, value in given.items() if value}
+    if said and not ("damping" in said or "friction" in said):
+        said = {"damping": 0.0, **said}  # PyBullet refuses springs alone
+    if said:
+        xml = element(axis, "dynamics")
+        for tag, value in said.items():
+            element(xml, tag, value)

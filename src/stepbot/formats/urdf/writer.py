@@ -1,0 +1,180 @@
+"""URDF, as ROS and most simulators read it: http://wiki.ros.org/urdf/XML.
+
+The root link is the robot's; there is no link called ``world``, because loaders disagree on it. Inertias are about the
+centre of mass along the axes of the link (rpy = 0), since some readers ignore that rotation. Every link has an
+``<inertial>``, zero where it weighs nothing: some engines take a link without one for 1 kg.
+"""
+
+from math import isfinite
+
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import (
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Geometry,
+    Joint,
+    JointKind,
+    Link,
+    MeshRef,
+    Robot,
+    Sphere,
+    Visual,
+)
+
+from ..companion import Companion
+from ..lowering import Feature, exact, lowered, refused, reported
+from ..lowering.shapes import upright
+from ..xml import Element, document, element, root
+from .extensions import extensions
+
+EXPRESSES = {
+    Feature.FIXED_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
+    Feature.FLOATING_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
+    Feature.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
+    Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
+    Feature.CAPSULE: lowered("SB709", "a capsule is written as a cylinder and two spheres"),
+    Feature.FLAT_COLLISION: exact("as any mesh"),
+    Feature.CONCAVE_COLLISION: exact("as any mesh"),
+    Feature.COLOR: exact("a `<material>` in each visual"),
+    Feature.NEIGHBOURS: exact("readers disable it between parent and child"),
+    Feature.FIXED: exact("`fixed`"),
+    Feature.REVOLUTE: exact("`revolute`"),
+    Feature.CONTINUOUS: exact("`continuous`"),
+    Feature.PRISMATIC: exact("`prismatic`"),
+    Feature.BALL: lowered(
+        "SB720", "a ball joint is written as yaw, pitch and roll joints, with gimbal lock at pitch = ±90°"
+    ),
+    Feature.UNIVERSAL: lowered("SB720", "a universal joint is written as two continuous joints"),
+    Feature.CYLINDRICAL: lowered("SB720", "a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.SCREW: lowered("SB720", "a screw joint is written as a revolute joint and a prismatic one that mimics it"),
+    Feature.PLANAR: lowered("SB720", "a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: exact("limits of the yaw, pitch and roll joints"),
+    Feature.BALL_FORCE: exact("forces on the yaw, pitch and roll joints"),
+    Feature.OPEN_POSITION: lowered(
+        "SB704", "a missing position limit is written as 1e9; a revolute joint without both is written as continuous"
+    ),
+    Feature.OPEN_EFFORT: lowered("SB704", "a missing effort or velocity limit is written as 1e9"),
+    Feature.EFFORT: exact("`effort`"),
+    Feature.VELOCITY: exact("`velocity`"),
+    Feature.FRICTION: exact("`<dynamics>`"),
+    Feature.SPRING: lowered("SB725", "springs are in `<gazebo>`"),
+    Feature.ARMATURE: reported("SB703", "armatures are omitted"),
+    Feature.MIMIC: exact("`<mimic>`"),
+    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
+    Feature.CLOSURE: reported("SB701", "URDF is a tree; closures are omitted"),
+    Feature.SLIDING_CLOSURE: reported("SB701", "URDF is a tree; closures are omitted"),
+    Feature.STUCK_CLOSURE: reported("SB701", "URDF is a tree; closures are omitted"),
+    Feature.LOOP_ZERO: exact("only the tree is written"),
+    Feature.INITIAL_POSE: reported("SB706", "the drawn pose of these joints is omitted"),
+    Feature.FRAME: lowered("SB708", "frames are massless links on fixed joints"),
+    Feature.ACTUATOR: lowered("SB725", "actuators are in `<ros2_control>` and `<transmission>`"),
+    Feature.GEAR: exact("`<mechanicalReduction>`"),
+    Feature.ACTUATOR_INPUT: exact("`min`, `max` of the command interface"),
+    Feature.UNLIMITED_ACTUATOR: exact("no limit"),
+    Feature.JOINT_SENSOR: lowered("SB725", "joint sensors are in `<ros2_control>`"),
+    Feature.IMU: lowered("SB725", "IMUs are in `<gazebo>` and `<ros2_control>`"),
+    Feature.FORCE_TORQUE: lowered("SB725", "force-torque sensors are in `<gazebo>` and `<ros2_control>`"),
+    Feature.OFF_JOINT: reported("SB728", "torques are about the joint's origin"),
+    Feature.CAMERA: lowered("SB725", "cameras are in `<gazebo>`"),
+    Feature.LIDAR: lowered("SB725", "lidars are in `<gazebo>`"),
+    Feature.CONTACT: lowered("SB725", "contact sensors are in `<gazebo>`"),
+    Feature.SENSOR_PLACE: lowered("SB708", "these sensors are on massless links with fixed joints"),
+    Feature.SENSOR_RATE: exact("`<update_rate>`"),
+    Feature.ENCODER_RATE: reported("SB727", "ros2_control reads all joints at its own rate"),
+    Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
+    Feature.LIDAR_NEAREST: exact("`<range>`"),
+    Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.JOINT_NAME: exact("links and joints have separate namespaces"),
+    Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
+    Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),
+}
+
+
+def reserves(name: str) -> bool:
+    """Whether readers take the name for the world itself."""
+    return name == "world"
+
+
+def render(robot: Robot) -> bytes:
+    """The URDF of a lowered robot."""
+    top = root("robot", robot.source, name=robot.name)
+    for link in robot.links:
+        _link(top, link, robot)
+    for joint in robot.joints:
+        _joint(top, joint)
+    extensions(top, robot)
+    return document(top)
+
+
+def companions(_robot: Robot) -> tuple[Companion, ...]:
+    """No files beside the main one and its meshes."""
+    return ()
+
+
+def _link(top: Element, link: Link, robot: Robot) -> None:
+    xml = element(top, "link", name=link.name)
+    mass = link.mass_properties
+    inertial = element(xml, "inertial")
+    _origin(inertial, Pose.of(position=mass.com))
+    element(inertial, "mass", value=mass.mass)
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
+    element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
+    for visual in link.visuals:
+        shape = _shape(xml, "visual", visual, robot)
+        material = element(shape, "material", name=visual.name)
+        element(material, "color", rgba=visual.rgba)
+    for collision in link.collisions:
+        _shape(xml, "collision", collision, robot)
+
+
+def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+    xml = element(parent, tag, name=shape.name)
+    _origin(xml, upright(shape))
+    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    return xml
+
+
+def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
+    match geometry:
+        case Box(size):
+            element(parent, "box", size=size)
+        case Cylinder(radius, length):
+            element(parent, "cylinder", radius=radius, length=length)
+        case Sphere(radius):
+            element(parent, "sphere", radius=radius)
+        case MeshRef(name):
+            element(parent, "mesh", filename=robot.mesh_by_name[name].path)
+        case Capsule():
+            raise ValueError("capsules are lowered before they are written")
+
+
+def _joint(top: Element, joint: Joint) -> None:
+    xml = element(top, "joint", name=joint.name, type=joint.kind.value)
+    _origin(xml, joint.X_PC)
+    element(xml, "parent", link=joint.parent)
+    element(xml, "child", link=joint.child)
+    if joint.kind is JointKind.FIXED:
+        return
+    element(xml, "axis", xyz=joint.axis)
+    limit = joint.limit
+    if joint.kind is not JointKind.CONTINUOUS:
+        element(xml, "limit", lower=limit.lower, upper=limit.upper, effort=limit.effort, velocity=limit.velocity)
+    elif isfinite(limit.effort):
+        element(xml, "limit", effort=limit.effort, velocity=limit.velocity)
+    dynamics = {"damping": joint.dynamics.damping, "friction": joint.dynamics.friction}
+    if any(dynamics.values()):
+        element(xml, "dynamics", **{name: value for name, value in dynamics.items() if value})
+    if joint.mimic is not None:
+        multiplier, offset = joint.mimic.multiplier, joint.mimic.offset
+        relation = {"multiplier": multiplier} if multiplier != 1.0 else {}
+        element(xml, "mimic", joint=joint.mimic.joint, **relation, **({"offset": offset} if offset else {}))
+
+
+def _origin(parent: Element, X: Pose) -> None:
+    place = {name: value for name, value in (("xyz", X.position), ("rpy", X.rpy)) if any(value)}
+    if place:
+        element(parent, "origin", **place)

@@ -1,0 +1,150 @@
+"""A format and an engine are one folder each: nothing else in stepbot is edited for them."""
+
+import json
+import os
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from subprocess import run as run_process
+
+import pytest
+
+from tests.command_line import Run, environment
+
+ROOT = Path(__file__).resolve().parents[2]
+
+FORMAT = '''\
+"""Links and masses as XML."""
+
+from ..format import Format
+
+FORMAT = Format(__name__, "dummy", "DummyML", suffix=".dummy", root="dummy", order=90, aliases=("dml",))
+'''
+WRITER = '''\
+"""The writer."""
+
+from ..features import Feature, exact
+
+EXPRESSES = {feature: exact("`<dummy>`") for feature in Feature}
+
+
+def reserves(name):
+    return False
+
+
+def companions(robot):
+    return ()
+
+
+def render(robot):
+    links = "".join(f'<link name="{link.name}" mass="{link.mass_properties.mass!r}"/>' for link in robot.links)
+    return f'<dummy name="{robot.name}">{links}</dummy>'.encode()
+'''
+ENGINE = '''\
+"""Reads links and masses."""
+
+from ..engine import Engine, always
+
+ENGINE = Engine(__name__, "dummy_engine", formats=("dummy",), available=always, order=90)
+'''
+OBSERVER = '''\
+"""The observer."""
+
+from pathlib import Path
+from xml.etree.ElementTree import fromstring
+
+from ..observation import Observation, Quantity
+from . import ENGINE
+
+
+def prepare():
+    pass
+
+
+def observe(request):
+    name = fromstring(Path(request.file).read_text()).get("name")
+    told = (Quantity.LOAD, Quantity.WARNINGS)
+    not_run = {quantity: "not read" for quantity in Quantity if quantity not in told}
+    return Observation(ENGINE.name, "1.0", request.format, name=name, not_run=not_run)
+'''
+
+
+@dataclass(frozen=True)
+class Extended:
+    """A copy of stepbot with two folders more, and a folder to work in."""
+
+    root: Path
+    desk: Path
+
+    def python(self, *arguments: str) -> Run:
+        """Run the interpreter with the copy on its path, in the folder to work in."""
+        paths = os.pathsep.join(str(self.root / name) for name in ("src", "cli"))
+        done = run_process(
+            [sys.executable, *arguments],
+            cwd=self.desk,
+            env=environment({"PYTHONPATH": paths, "STEPBOT_CACHE": str(self.desk / "cache")}),
+            capture_output=True,
+            timeout=300,
+            check=False,
+        )
+        return Run(done.returncode, done.stdout.decode("utf-8"), done.stderr.decode("utf-8"))
+
+    def stepbot(self, *arguments: str) -> Run:
+        """Run a command of the copy."""
+        return self.python("-m", "stepbot_cli", *arguments)
+
+
+@pytest.fixture(scope="module")
+def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Extended:
+    """Adds a folder ``dummy`` to the formats and one to the engines."""
+    root, desk = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("desk")
+    for folder in ("src", "cli", "schemas"):
+        shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for place, declaration, module, code in (
+        ("formats", FORMAT, "writer.py", WRITER),
+        ("engines", ENGINE, "observer.py", OBSERVER),
+    ):
+        added = root / "src" / "stepbot" / place / "dummy"
+        added.mkdir()
+        (added / "__init__.py").write_text(declaration, encoding="utf-8")
+        (added / module).write_text(code, encoding="utf-8")
+    for file in ("arm2.robot.yaml", "arm2.step"):
+        shutil.copy(robot_library / "stepbot_arm2" / file, desk)
+    return Extended(root, desk)
+
+
+def test_commands_list_an_added_format(extended: Extended) -> None:
+    """`stepbot formats`, the help of `-f` and the message for an unknown format name it; so does the mapping page."""
+    listed = json.loads(extended.stepbot("formats", "--json").out)["formats"]
+    assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "dummy"]
+    assert (listed[-1]["suffix"], listed[-1]["aliases"]) == (".dummy", ["dml"])
+    help_text = " ".join(extended.stepbot("convert", "--help").out.split())
+    assert "urdf, sdf, mjcf, dummy; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
+    assert "URDF, SDFormat, MJCF and DummyML" in extended.stepbot("--help").out
+    assert "did you mean 'dummy'?" in extended.stepbot("convert", "arm2.robot.yaml", "-f", "dumy").err
+    page = extended.python("-c", "from stepbot.formats.mapping import mapping_page; print(mapping_page())").out
+    assert "| | URDF | SDFormat | MJCF | DummyML |" in page.splitlines()
+
+
+def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extended) -> None:
+    """`convert -f` with its alias writes it and asks the added engine; `verify` knows it by its first element."""
+    converted = extended.stepbot("convert", "arm2.robot.yaml", "-f", "dml", "-o", "out", "--require", "dummy_engine")
+    assert converted.code == 0, converted.err
+    assert (extended.desk / "out" / "arm2.dummy").read_text(encoding="utf-8").startswith('<dummy name="arm2"><link ')
+    report = json.loads((extended.desk / "out" / "report.json").read_text(encoding="utf-8"))
+    loaded = [check for check in report["checks"] if check["engine"] == "dummy_engine" and check["quantity"] == "load"]
+    assert [check["status"] for check in loaded] == ["passed"]
+
+    shutil.copy(extended.desk / "out" / "arm2.dummy", extended.desk / "other.file")
+    verified = extended.stepbot("verify", "other.file", "--json")
+    assert verified.code == 0, verified.err
+    checks = json.loads(verified.out)["report"]["checks"]
+    assert {check["engine"] for check in checks} == {"dummy_engine"}
+    assert {check["format"] for check in checks} == {"dummy"}
+
+
+def test_what_is_written_by_default_is_computed(extended: Extended) -> None:
+    """The library and the command line take all formats whose declaration says `default`."""
+    program = "from stepbot.pipeline.conversion import Options; print(Options('.').formats)"
+    assert extended.python("-c", program).out.strip() == "('urdf', 'sdf', 'mjcf', 'dummy')"
