@@ -120,8 +120,8 @@ class Stage:
             for module in (files, prestart):
                 patch.setattr(module, "started_engine_server", lambda: None)
             for engine in engines():
-                if engine.NAME not in (*CORE, *_more_engines(folder)):
-                    patch.setattr(engine, "available", lambda name=engine.NAME: f"{name} is not installed")
+                if engine.name not in (*CORE, *_more_engines(folder)):
+                    patch.setattr(engine, "available", lambda name=engine.name: f"{name} is not installed")
             made = _made(folder)
             if "make" in made:
                 made["make"](patch)

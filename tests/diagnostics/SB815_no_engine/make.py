@@ -8,4 +8,4 @@ from stepbot.engines import engines
 def make(patch: pytest.MonkeyPatch) -> None:
     """Set it up."""
     for engine in engines():
-        patch.setattr(engine, "available", lambda name=engine.NAME: f"{name} is not installed")
+        patch.setattr(engine, "available", lambda name=engine.name: f"{name} is not installed")
