@@ -29,6 +29,14 @@ def test_what_is_beside_a_file_is_beside_its_other_path(tmp_path: Path, name: st
     assert name != "arm.urdf" or (path.parent / ".." / "shared.obj").read_bytes() == b"s"
 
 
+def test_relative_path_is_in_the_current_folder_of_the_call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One relative path in two folders is two files, in one process too."""
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        assert openable(Path("arm.urdf")) == (tmp_path / name / "arm.urdf").resolve()
+
+
 def test_path_in_utf8_stays(tmp_path: Path) -> None:
     """No link is made."""
     (tmp_path / "arm.urdf").write_bytes(b"")
