@@ -3,6 +3,8 @@
 The functions of :mod:`stepbot.api` are names of this package; they are imported on first use.
 """
 
+from .version import __version__ as __version__
+
 TYPE_CHECKING = False
 """Replaces the one of ``typing``, which a file of the current folder could shadow at this point."""
 
@@ -20,8 +22,6 @@ if TYPE_CHECKING:
         inspect,
         verify,
     )
-
-__version__ = "0.1.0"
 
 __all__ = [
     "CheckResult",

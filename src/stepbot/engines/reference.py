@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-import stepbot
 from stepbot.geometry.spatial import Pose, join_bounds
 from stepbot.robot.actuators import control_range, force_range
 from stepbot.robot.closures import closure_gap
@@ -22,6 +21,7 @@ from stepbot.robot.model import (
     Visual,
 )
 from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind
+from stepbot.version import __version__
 
 from .bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from .observation import (
@@ -53,7 +53,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
     equations = [equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments]
     return Observation(
         engine=NAME,
-        version=stepbot.__version__,
+        version=__version__,
         format=request.format,
         name=robot.name,
         base=robot.base.value,

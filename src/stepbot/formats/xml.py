@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import isnan
 from typing import TYPE_CHECKING, TypeAlias
 
-from stepbot import __version__
+from stepbot.version import __version__
 
 if TYPE_CHECKING:
     from lxml.etree import _Element

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from pathlib import PurePath
 from typing import Any
 
-import stepbot
 from stepbot.diagnostics import Diagnostic, Diagnostics
+from stepbot.version import __version__
 
 from .joint_table import joint_table_document
 from .record import Check, MeasuredBody, Report, Status
@@ -35,7 +35,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
     statuses = [check.status for check in report.checks]
     return {
         "version": VERSION,
-        "generator": f"stepbot {stepbot.__version__}",
+        "generator": f"stepbot {__version__}",
         "robot": None if report.robot is None else robot_document(report, report.robot),
         "summary": {
             **{status.name.lower(): statuses.count(status) for status in Status},

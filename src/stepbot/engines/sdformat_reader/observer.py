@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-import stepbot
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.dynamics import GRAVITY, equations_of_motion
 from stepbot.robot.kinematics import MOVING, Tree, link_poses
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, Mimic, Robot
+from stepbot.version import __version__
 
 from ..observation import (
     Dynamics,
@@ -75,7 +75,7 @@ def observe(request: Request) -> Observation:
         missing += lost
     observation = Observation(
         engine=ENGINE.name,
-        version=stepbot.__version__,
+        version=__version__,
         format=request.format,
         base="fixed" if to_world else "floating",
         links=tuple(links),

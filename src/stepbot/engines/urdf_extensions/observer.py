@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import stepbot
 from stepbot.robot.model import JointDynamics
+from stepbot.version import __version__
 
 from ..observation import EngineRefused, Observation, ObservedJoint, ObservedSensor, Quantity, Request
 from ..sdformat_reader.frames import number_at, read_pose
@@ -49,7 +49,7 @@ def observe(request: Request) -> Observation:
     blocks = bool(top.findall("gazebo") or top.findall("transmission") or top.findall("ros2_control"))
     return Observation(
         engine=ENGINE.name,
-        version=stepbot.__version__,
+        version=__version__,
         format=request.format,
         joints=tuple(_joint(joint, top) for joint in top.findall("joint")),
         actuators=tuple(observed_actuators(top)),

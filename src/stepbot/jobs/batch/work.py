@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import stepbot
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.runtime.cache import Cache, default_folder, file_digest
 from stepbot.runtime.temporary import run_folder
+from stepbot.version import __version__
 
 from ..incremental import conversion_key, produce
 
@@ -40,7 +40,7 @@ class Parcel:
     """Without a cache: the other machine has its own."""
     input: str
     """Key of all that the files depend on."""
-    version: str = stepbot.__version__
+    version: str = __version__
 
 
 def carry_out(sidecar: Path, options: Options) -> Work:
@@ -58,9 +58,9 @@ def carry_out(sidecar: Path, options: Options) -> Work:
 
 def carry_out_parcel(parcel: Parcel) -> Work:
     """Convert a robot that came as bytes; messages name the files as their owner knows them."""
-    if parcel.version != stepbot.__version__:
+    if parcel.version != __version__:
         found = Diagnostics()
-        message = f"version mismatch: worker has stepbot {stepbot.__version__}, client has {parcel.version}"
+        message = f"version mismatch: worker has stepbot {__version__}, client has {parcel.version}"
         found.add("SB009", message, Span(parcel.sidecar), help=["install the same version of stepbot on all machines"])
         return Work({}, tuple(found))
     from stepbot.pipeline import stages as pipeline
