@@ -68,7 +68,7 @@ def test_heavy_imports_live_in_one_place() -> None:
         "rich": r"cli/stepbot_cli/",
         "click": r"cli/stepbot_cli/",
         "lxml": r"src/stepbot/(formats|engines|verification)/",
-        "yourdfpy": r"src/stepbot/engines/yourdfpy\.py",
+        "yourdfpy": r"src/stepbot/engines/yourdfpy/observer\.py",
         "trimesh": r"src/stepbot/geometry/mass_properties\.py",
     }
     found = [

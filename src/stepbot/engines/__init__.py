@@ -17,13 +17,13 @@ __all__ = ["Engine", "engine_of", "engines", "engines_for", "optional_engines", 
 
 @cache
 def engines() -> tuple[Engine, ...]:
-    """All engines, by the name of their package, whether they are installed or not."""
+    """All engines, sorted by the name of their package, whether installed or not."""
     folders = sorted(observer.parent.name for path in __path__ for observer in Path(path).glob("*/observer.py"))
     return tuple(cast(Engine, import_module(f"{__name__}.{name}").ENGINE) for name in folders)
 
 
 def engine_of(name: str) -> Engine:
-    """The engine of a name.
+    """The engine with a name.
 
     Raises:
         KeyError: There is no such engine.
@@ -35,12 +35,12 @@ def engine_of(name: str) -> Engine:
 
 
 def optional_engines() -> frozenset[str]:
-    """Names of the engines whose absence is nothing remarkable."""
+    """Names of the engines whose absence is not reported."""
     return frozenset(engine.name for engine in engines() if engine.optional)
 
 
 def own_parsers() -> tuple[str, ...]:
-    """Names of stepbot's own parsers, which confirm the text of a file and no engine."""
+    """Names of stepbot's own parsers, which confirm the text of a file but simulate nothing."""
     return tuple(engine.name for engine in engines() if engine.own_parser)
 
 

@@ -1,4 +1,4 @@
-"""What is known of an engine before it is imported."""
+"""The declaration of an engine, readable without importing the engine."""
 
 import importlib.util
 from collections.abc import Callable
@@ -17,7 +17,7 @@ class Observer(Protocol):
         """Do the slow import."""
 
     def observe(self, request: "Request") -> "Observation":
-        """Say what is in a file; to be called in a worker process."""
+        """Report what a file contains; runs in a worker process."""
 
 
 @dataclass(eq=False)
@@ -27,21 +27,21 @@ class Engine:
     package: str
     """Package of the engine, which has a module ``observer``: ``__name__``."""
     name: str
-    """What users call it: ``mujoco``."""
+    """Name in commands and reports: ``mujoco``."""
     formats: tuple[str, ...]
-    """Names of the formats that it reads, those of companion files included."""
+    """Names of the formats that it reads, including those of companion files."""
     available: Callable[[], str | None]
-    """Why the engine cannot run here; None where it can."""
+    """Returns why the engine cannot run here; None if it can."""
     order: int
-    """Least for the engine that reports most of a file: others are compared with it where nothing else is expected."""
-    scout: int | None = None
-    """Least for the engine that is asked first which joints a file has; None for ``order``."""
+    """Lowest for the engine that reports most: without an expectation, the other engines are compared with it."""
+    probe_order: int | None = None
+    """Lowest for the engine that is asked first which joints a file has; None for ``order``."""
     optional: bool = False
-    """Whether most people do without it, so that its absence is nothing remarkable."""
+    """Whether most installations lack it, so that its absence is not reported."""
     own_parser: bool = False
-    """Whether it is a parser of stepbot's own, which confirms the text and no engine."""
+    """Whether it is one of stepbot's own parsers, which confirms the text of a file but simulates nothing."""
     install: str = ""
-    """How to get it; empty for ``pip install NAME``."""
+    """Command that installs it; empty for ``pip install NAME``."""
 
     @property
     def observe_function(self) -> str:
@@ -50,13 +50,13 @@ class Engine:
 
     @property
     def shared_import(self) -> str:
-        """What the fork server imports once for all processes; of an engine for several formats the slow import too."""
+        """What the fork server imports once for all processes; with the slow import if it reads several formats."""
         return f"{self.package}.observer:prepare" if len(self.formats) > 1 else f"{self.package}.observer"
 
     @property
-    def scouting_order(self) -> int:
-        """Least for the engine that is asked first which joints a file has."""
-        return self.order if self.scout is None else self.scout
+    def probing_order(self) -> int:
+        """Lowest for the engine that is asked first which joints a file has."""
+        return self.order if self.probe_order is None else self.probe_order
 
     @property
     def observer(self) -> Observer:
@@ -65,14 +65,14 @@ class Engine:
 
 
 def installed(module: str, name: str = "") -> Callable[[], str | None]:
-    """What tells whether a module can be imported: the reason why not, or None.
+    """A function that returns why a module cannot be imported, or None if it can.
 
     Args:
         module: Name of a top-level module.
-        name: What to call it; empty for the module's name.
+        name: Name in the reason; empty for the module's name.
     """
     return lambda: None if importlib.util.find_spec(module) is not None else f"{name or module} is not installed"
 
 
 def always() -> None:
-    """For an engine that comes with stepbot: there is no reason why it could not run."""
+    """For an engine that is part of stepbot: it can always run."""

@@ -1,10 +1,10 @@
-"""Robot to files: one package per format, found by looking.
+"""Robot to files: one package per format, discovered in this folder.
 
 A package in this one with a module ``writer`` is a format. Its ``__init__`` has ``FORMAT``, the declaration
-(:class:`.format.Format`), and imports nothing slow. The writer has ``EXPRESSES`` (what the format can say, see
-:mod:`.lowering`), ``reserves``, ``render``, which turns a robot that :func:`.lowering.lower` has prepared into the
-bytes of its main file, and ``companions``, for readers that need another one beside it. Nothing else lists the formats,
-and nothing here touches the disk.
+(:class:`.format.Format`), and imports nothing slow. The writer has ``EXPRESSES`` (how the format expresses each
+feature, see :mod:`.features`), ``reserves``, ``render``, which turns a robot that :func:`.lowering.lower` has prepared
+into the bytes of its main file, and ``companions``, files for readers that need more than the main file. Nothing else
+lists the formats, and nothing here accesses the disk.
 """
 
 from collections.abc import Mapping
@@ -28,12 +28,12 @@ FORMATS: Mapping[str, Format] = _discover()
 
 
 def default_formats() -> tuple[str, ...]:
-    """Names of the formats that are written where none is asked for."""
+    """Names of the formats that are written when none is selected."""
     return tuple(name for name, one in FORMATS.items() if one.default)
 
 
 def format_named(name: str) -> Format:
-    """The format of a name or an alias.
+    """The format with a name or an alias.
 
     Raises:
         KeyError: There is no such format.

@@ -1,4 +1,4 @@
-"""What is known of a format before its writer is imported."""
+"""The declaration of a format, readable without importing its writer."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,38 +16,38 @@ class Writer(Protocol):
     """The module ``writer`` of a format."""
 
     EXPRESSES: "Mapping[Feature, Support]"
-    """What the format can say."""
+    """How the format expresses each feature."""
 
     def reserves(self, name: str) -> bool:
-        """Whether the name means something else to the format."""
+        """Whether the format reserves the name for something else."""
 
     def render(self, robot: "Robot") -> bytes:
         """The main file of a lowered robot."""
 
     def companions(self, robot: "Robot") -> "tuple[Companion, ...]":
-        """Files for readers that cannot do with the main one."""
+        """Further files, for readers that cannot use the main file alone."""
 
 
 @dataclass(frozen=True, eq=False)
 class Format:
-    """The declaration of a format. Its writer is imported when it is asked for."""
+    """The declaration of a format. Its writer is imported on first use."""
 
     package: str
     """Package of the format, which has a module ``writer``: ``__name__``."""
     name: str
-    """What users call it: ``urdf``."""
+    """Name in commands and reports: ``urdf``."""
     title: str
-    """What people call it: ``URDF``."""
+    """Name in prose: ``URDF``."""
     suffix: str
-    """What the name of its main file ends with."""
+    """Suffix of its main file."""
     root: str
-    """The first element of its files, which ``stepbot verify`` knows them by."""
+    """Root element of its files, by which ``stepbot verify`` recognizes them."""
     order: int
-    """Least for the format that is named and written first."""
+    """Lowest for the format that is listed and written first."""
     aliases: tuple[str, ...] = ()
-    """What else users may call it, in lower case."""
+    """Further names in commands, in lower case."""
     default: bool = True
-    """Whether it is written where no format is asked for."""
+    """Whether it is written when no format is selected."""
 
     @property
     def writer(self) -> Writer:
@@ -56,5 +56,5 @@ class Format:
 
     @property
     def expresses(self) -> "Mapping[Feature, Support]":
-        """What the format can say."""
+        """How the format expresses each feature."""
         return self.writer.EXPRESSES

@@ -15,10 +15,6 @@ from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_
 from .correspondence import Correspondence, match
 from .naming import Naming, naming
 
-_PROBES = ("mujoco", "reader", "yourdfpy", "pybullet", "pinocchio", "drake")
-"""Engines in the order in which they are asked for the joints: those that read mimics first."""
-
-
 Observe = Callable[[Engine, Request], Observation | None]
 """Asks an engine; None where it fails: it is asked again later, and its failure reported then."""
 
@@ -63,7 +59,7 @@ class Probe:
     def look(self, path: Path, written_in: str) -> Probed | None:
         """What there is in a file; None where no engine can tell."""
         asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
-        for engine in sorted(engines_for(written_in), key=lambda engine: engine.scouting_order):
+        for engine in sorted(engines_for(written_in), key=lambda engine: engine.probing_order):
             if engine.available() is None:
                 seen = self.observe(engine, asked)
                 if seen is not None:

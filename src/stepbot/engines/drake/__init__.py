@@ -8,7 +8,7 @@ ENGINE = Engine(
     formats=("urdf", "sdf", "mjcf", "drake.sdf"),
     available=installed("pydrake", "drake"),
     order=30,
-    scout=60,  # it reads no mimics
+    probe_order=60,  # it reads no mimics
     optional=True,
     install="pip install 'stepbot[verify]'",
 )

@@ -8,5 +8,5 @@ ENGINE = Engine(
     formats=("urdf",),
     available=installed("yourdfpy"),
     order=60,
-    scout=30,  # it reads mimics
+    probe_order=30,  # it reads mimics
 )
