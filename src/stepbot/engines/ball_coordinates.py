@@ -1,7 +1,7 @@
-"""How a ball joint turns with its coordinates yaw, pitch and roll, for engines that know its angular velocity only.
+"""Rotation of a ball joint by its coordinates yaw, pitch and roll, for engines that use its angular velocity.
 
-Everything is expressed in the child's frame C. P is the frame after yaw and Q that after pitch, so that
-``R_CQ = Rx(roll)^T`` and ``R_CP = Rx(roll)^T Ry(pitch)^T``.
+Everything is expressed in the child's frame C. P is the frame after yaw and Q that after pitch, so that ``R_CQ =
+Rx(roll)^T`` and ``R_CP = Rx(roll)^T Ry(pitch)^T``.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ def ball_rates(angles: Sequence[float]) -> Array:
 
 
 def ball_bias(angles: Sequence[float], speeds: Sequence[float]) -> Array:
-    """Angular acceleration (3,) [rad/s^2] while the speeds [rad/s] of yaw, pitch and roll stay as they are."""
+    """Angular acceleration (3,) [rad/s^2] at constant speeds [rad/s] of yaw, pitch and roll."""
     yawing, pitching, _ = ball_rates(angles).T
     yaw, pitch, roll = speeds
     turned = pitch * pitching + roll * _X

@@ -1,4 +1,4 @@
-"""The box around what an engine loaded, so that a lost, moved or scaled mesh shows."""
+"""Bounding boxes of the geometry an engine loaded, which reveal missing, moved or scaled meshes."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +10,7 @@ Bounds = tuple[Vector3, Vector3]
 
 
 def primitive_bounds(shape: Box | Cylinder | Sphere | Capsule, X_LG: Pose) -> Bounds:
-    """Lowest and highest corner [m] of a primitive in the link's frame, exact at every angle."""
+    """Lowest and highest corner [m] of a primitive in the link's frame, exact for every rotation."""
     along = np.abs(X_LG.R[:, 2])
     if isinstance(shape, Box):
         half = np.abs(X_LG.R) @ (0.5 * np.array(shape.size))

@@ -1,4 +1,4 @@
-"""What native code prints to standard output while an engine works: PyBullet warns in no other way."""
+"""Captures what native code prints to standard output: the only way to get PyBullet's warnings."""
 
 import ctypes
 import os
@@ -13,8 +13,8 @@ from contextlib import contextmanager
 def printed() -> Iterator[list[str]]:
     """Collect the lines that native code prints to file descriptor 1; the list is filled at the end.
 
-    In a worker, descriptor 1 is the file that the caller reads when the worker dies: it is read where it is, so that a
-    crash loses nothing. Elsewhere descriptor 1 goes to a file of our own for the while.
+    In a worker, descriptor 1 is the file that the caller reads if the worker dies: it is read in place, so that a crash
+    loses nothing. Elsewhere descriptor 1 is redirected to a temporary file.
     """
     lines: list[str] = []
     sys.stdout.flush()
@@ -34,7 +34,7 @@ def printed() -> Iterator[list[str]]:
 
 @contextmanager
 def _readable_output() -> Iterator[int]:
-    """A descriptor that reads what is printed to descriptor 1."""
+    """A descriptor that reads what was printed to descriptor 1."""
     if _is_readable_file(1):
         yield 1
         return
@@ -54,13 +54,13 @@ def _is_readable_file(descriptor: int) -> bool:
     end = os.lseek(descriptor, 0, os.SEEK_END)
     try:
         os.read(descriptor, 1)
-    except OSError:  # open for writing only
+    except OSError:  # opened for writing only
         return False
     os.lseek(descriptor, end, os.SEEK_SET)
     return True
 
 
 def _flush_native() -> None:
-    """Flush the C library's own buffers; where there is no one C library (Windows), engines flush what they print."""
+    """Flush the C library's own buffers; without a common C library (Windows), engines flush their own output."""
     if os.name == "posix":
         ctypes.CDLL(None).fflush(None)

@@ -1,8 +1,8 @@
-"""What a robot description makes engines open, looked at before any of them reads it; runs in a process of its own.
+"""Checks the files that a robot description refers to before any engine reads it; runs in its own process.
 
-Engines open whatever a file names. MuJoCo and PyBullet take the content of every ``<include>`` of an MJCF, wherever it
-is, and a named pipe or a device in place of a mesh holds them until their time is up. Meshes and textures may be
-anywhere, since descriptions share them.
+Engines open every file that a description names. MuJoCo and PyBullet read the content of every ``<include>`` of an
+MJCF, wherever it is, and block on a named pipe or a device in place of a mesh until they time out. Meshes and textures
+may be anywhere, since descriptions share them.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from typing import Any
 from .resources import candidates
 
 Element = Any
-"""``lxml.etree._Element``, whose stubs know neither ``sourceline`` nor entities."""
+"""``lxml.etree._Element``; the stubs lack ``sourceline`` and entities."""
 
 ENTITIES = "SB820"
 OUTSIDE = "SB821"
@@ -39,18 +39,18 @@ class Refusal:
 
 
 def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
-    """Why engines must not read a file; empty where they may, and where the file is not XML, which they report.
+    """Why engines must not read a file; empty if they may, and if the file is not XML, which they report.
 
     Args:
         file: Path of the description.
         written_in: Its format.
     """
-    given, main = Path(file), Path(file).resolve()  # engines start from where a link leads
+    given, main = Path(file), Path(file).resolve()  # engines resolve symbolic links
     return tuple(replace(one, file=_shown(one.file, main, given)) for one in _refusals(main, written_in == "mjcf"))
 
 
 def _shown(file: str, main: Path, given: Path) -> str:
-    """What the user would call a file."""
+    """The name of a file for messages."""
     path = Path(file)
     if path == main:
         return str(given)
@@ -58,7 +58,7 @@ def _shown(file: str, main: Path, given: Path) -> str:
 
 
 def first_element(path: Path) -> Element:
-    """The first element of an XML file, read no further than that; its document type comes with it.
+    """The root element of an XML file, without its content, and with its document type.
 
     Raises:
         XMLSyntaxError: The file is not XML.
@@ -72,7 +72,7 @@ def first_element(path: Path) -> Element:
             fault = None
             try:
                 parser.feed(chunk)
-            except etree.XMLSyntaxError as error:  # it may be behind the first element
+            except etree.XMLSyntaxError as error:  # it may follow the root element
                 fault = error
             for _, element in parser.read_events():
                 return element
@@ -82,7 +82,7 @@ def first_element(path: Path) -> Element:
 
 
 def declares_entities(root: Element) -> bool:
-    """Whether the document of its first element declares entities: engines differ in what they take these for."""
+    """Whether the document declares entities: engines expand them differently."""
     declared = root.getroottree().docinfo.internalDTD
     return declared is not None and next(iter(declared.iterentities()), None) is not None
 
@@ -112,7 +112,7 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
             elif included.is_file() and included.resolve() not in seen and len(seen) < _MOST_INCLUDES:
                 seen.add(included.resolve())
                 pending.append(included)
-    # The settings of one file hold in all that are included together.
+    # The settings of one file apply to all files included together.
     folders = [main.parent / folder for folder in ("", *(name for _, root in roots for name in _folders(root)))]
     for path, root in roots:
         for element in root.iter("*"):
@@ -121,7 +121,7 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
 
 
 def _parsed(path: Path) -> Element | None:
-    """The first element; without its content where the document declares entities, which may stand for gigabytes."""
+    """The root element; without its content if the document declares entities, which may expand to gigabytes."""
     from lxml import etree
 
     try:
@@ -148,8 +148,8 @@ def _irregular(element: Element, main: Path, folders: list[Path], path: Path) ->
 
 
 def _is_irregular(path: Path) -> bool:
-    """Whether something is there that is neither a file nor a folder: a pipe, a device, a socket."""
+    """Whether the path is neither a file nor a folder: a pipe, a device, a socket."""
     try:
         return path.exists() and not path.is_file() and not path.is_dir()
-    except (OSError, ValueError):  # a name that no file can have
+    except (OSError, ValueError):  # not a valid file name
         return False

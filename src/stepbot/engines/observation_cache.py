@@ -1,4 +1,4 @@
-"""What engines saw in files before: the same bytes and the same questions give the same answers."""
+"""Cached observations: the same bytes and the same request give the same result."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,25 +10,25 @@ from .observation import Observation, Request
 
 
 class Memory:
-    """Observations that a cache holds."""
+    """The observations in a cache."""
 
     def __init__(self, cache: Cache | None, contents: Mapping[str, str]) -> None:
-        """Remember what was seen in some files.
+        """Cache the observations of some files.
 
         Args:
-            cache: Where; None for nowhere.
-            contents: For each file, by the caller's name for it, a hash of its bytes and of all that it refers to.
+            cache: The cache; None to disable it.
+            contents: For each file, by the caller's name for it, a hash of its bytes and of everything it refers to.
         """
         self.cache = cache
         self._results, self._contents = TypedCache(cache, Observation), dict(contents)
 
     def recall(self, key: str, engine: Engine, request: Request) -> Observation | None:
-        """What this engine saw, in this version of it; None where it did not look yet."""
+        """The cached observation of this engine and version; None if there is none."""
         entry = self._key(key, engine, request)
         return self._results.get(entry) if entry is not None else None
 
     def keep(self, key: str, engine: Engine, request: Request, observation: Observation) -> None:
-        """Remember what an engine saw."""
+        """Store an observation."""
         entry = self._key(key, engine, request)
         if entry is not None:
             self._results.put(entry, observation)

@@ -1,7 +1,7 @@
 """Paths that every engine can open: those that are UTF-8.
 
-On POSIX a name is bytes, and engines and XML libraries take text. Where a path is not UTF-8 they get another one, by
-symbolic links in the temporary folder of the run.
+On POSIX a name is bytes, but engines and XML libraries expect text. A path that is not UTF-8 is replaced by another
+one, through symbolic links in the temporary folder of the run.
 """
 
 import tempfile

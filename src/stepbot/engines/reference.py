@@ -1,4 +1,4 @@
-"""What stepbot's own model says of a robot, in the form in which engines say what they see: the reference."""
+"""The reference: stepbot's own model as an Observation, in the same form as an engine's."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -42,10 +42,10 @@ _WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
 def observe_robot(robot: Robot, request: Request) -> Observation:
-    """Everything that a file of this robot should make an engine say.
+    """Everything that an engine should report for a file of this robot.
 
     Raises:
-        KeyError: A configuration names a joint that is not there.
+        KeyError: A configuration names a joint that does not exist.
     """
     tree = Tree(robot)
     closed = [q for way in request.ways for q in way]
@@ -127,7 +127,7 @@ def _joint(joint: Joint) -> ObservedJoint:
 
 
 def _closure(closure: LoopClosure, poses: Sequence[Mapping[str, Pose]]) -> ObservedClosure:
-    """The closure, and how far it opens in the poses that should close it: what the CAD's own inaccuracy makes."""
+    """The closure, and its gap in the closed poses, caused by the CAD's own inaccuracy."""
     gaps = [closure_gap(closure, X_W[closure.link_a], X_W[closure.link_b])[0] for X_W in poses]
     held = ObservedClosure.of_frames(
         closure.name,

@@ -1,4 +1,4 @@
-"""Where the mesh files are that a description names: relative paths, ``file://``, ``package://`` and ``model://``."""
+"""Resolves the mesh files of a description: relative paths, ``file://``, ``package://`` and ``model://``."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,16 +8,16 @@ _SCHEMES = ("package", "model", "file")
 
 
 def resolve(uri: str, description: Path) -> Path | None:
-    """The file that ``uri`` means in a description; None where there is none.
+    """The file that ``uri`` refers to in a description; None if it does not exist.
 
-    A package is looked for upwards from the description: ``package://arm/meshes/a.obj`` is ``meshes/a.obj`` in the
-    first folder above that holds it, or in its subfolder ``arm``.
+    A package is searched upwards from the description: ``package://arm/meshes/a.obj`` is ``meshes/a.obj`` in the first
+    folder above that contains it, or in its subfolder ``arm``.
     """
     return next((candidate for candidate in candidates(uri, description) if candidate.is_file()), None)
 
 
 def candidates(uri: str, description: Path) -> Iterator[Path]:
-    """Where the file may be that ``uri`` means in a description, the likeliest place first."""
+    """Candidate paths of the file that ``uri`` refers to, the likeliest first."""
     scheme, _, rest = uri.partition("://")
     if not rest or scheme not in _SCHEMES:
         yield description.parent / uri

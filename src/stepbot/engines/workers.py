@@ -1,6 +1,6 @@
 """Runs the engines: one process for each engine and file, started before there is anything to observe.
 
-An engine that is missing, refuses a file or dies over it is an outcome like any other: the others go on.
+An engine that is missing, rejects a file or crashes is a result like any other: the others continue.
 """
 
 from collections.abc import Iterable, Mapping
@@ -17,27 +17,27 @@ from .observation_cache import Memory
 
 
 class Fate(StrEnum):
-    """What became of an engine and a file."""
+    """The outcome of an engine and a file."""
 
     OBSERVED = "observed"
     ABSENT = "absent"
     """The engine is not installed, or does not start."""
     UNREADABLE = "unreadable"
-    """The engine is known not to read such a file; nothing is said against the file."""
+    """The engine is known not to support such a file; not a fault of the file."""
     REFUSED = "refused"
-    """The engine says that the file is wrong."""
+    """The engine rejected the file."""
     DIED = "died"
-    """The engine crashed, was killed, or took too long."""
+    """The engine crashed, was killed, or timed out."""
     BROKEN = "broken"
-    """Our own code failed around the engine."""
+    """stepbot's own code around the engine failed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What one engine said of one file."""
+    """The result of one engine for one file."""
 
     key: str
-    """What the caller calls the file."""
+    """The caller's name for the file."""
     format: str
     engine: str
     fate: Fate
@@ -45,17 +45,17 @@ class Outcome:
     reason: str = ""
     """Why there is no observation."""
     last_lines: tuple[str, ...] = ()
-    """The end of what a dead engine printed, or of the traceback."""
+    """The last output of a crashed engine, or the end of the traceback."""
 
 
 class Engines:
     """Started workers, waiting for their requests."""
 
     def __init__(self, files: Mapping[str, str], memory_limit: int | None = None, start: Start | None = None) -> None:
-        """Start a worker for every file and every engine that is there and reads its format.
+        """Start a worker for every file and every available engine that reads its format.
 
         Args:
-            files: What the caller calls each file, and its format.
+            files: The caller's name for each file, and its format.
             memory_limit: Address space [bytes] of each worker; None for no limit.
             start: What starts their processes; None to start new interpreters.
         """
@@ -69,7 +69,7 @@ class Engines:
         self.start(files)
 
     def start(self, files: Mapping[str, str]) -> None:
-        """Start what further files need; files that are known already stay as they are."""
+        """Start workers for further files; known files keep theirs."""
         for key, written_in in files.items():
             if key in self._files:
                 continue
@@ -84,11 +84,11 @@ class Engines:
                     self._absent[engine.name] = reason
 
     def submit(self, requests: Mapping[str, Request], memory: Memory | None = None) -> None:
-        """Hand every worker the request for its file; returns at once.
+        """Send every worker the request for its file; returns at once.
 
         Args:
-            requests: For each file that is to be observed, by the caller's name for it.
-            memory: What was seen before; engines that are remembered are not asked again.
+            requests: The request for each file to observe, by the caller's name for it.
+            memory: Cached observations; engines with a cached result are not run again.
         """
         self._asked = {key: requests[key] for key in self._files if key in requests}
         self._memory = memory or self._memory

@@ -1,4 +1,4 @@
-"""What moves a Drake plant, in the coordinates of the reference: balls by three angles, universals by two."""
+"""Coordinates of a Drake plant, converted to those of the reference: three angles per ball, two per universal joint."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,11 +15,11 @@ from ..observation import Request
 class Coordinates:
     """Positions and velocities of a plant's joints as functions of named coordinates.
 
-    Drake moves a ball by roll, pitch and yaw, and gives its speed as the angular velocity in the parent's frame.
+    Drake parametrizes a ball by roll, pitch and yaw, and its velocity as the angular velocity in the parent's frame.
     """
 
     def __init__(self, plant: Any, joints: Sequence[Any], request: Request) -> None:
-        """Sort the joints; a ball or universal joint that the request has no coordinates for does not move."""
+        """Classify the joints; a ball or universal joint without coordinates in the request does not move."""
         self._nv = plant.num_velocities()
         self._single: dict[str, tuple[int, int]] = {}
         self._balls: dict[tuple[str, str, str], tuple[int, int]] = {}
@@ -40,7 +40,7 @@ class Coordinates:
         self.names = tuple(names)
 
     def place(self, positions: Array, q: Mapping[str, float]) -> None:
-        """Put the joints where ``q`` has them; coordinates that it does not name at 0."""
+        """Set the joints to ``q``; missing coordinates are 0."""
         for name, (start, _) in self._single.items():
             positions[start] = q.get(name, 0.0)
         for names, (start, _) in self._balls.items():
@@ -48,7 +48,7 @@ class Coordinates:
             positions[start : start + 3] = roll, pitch, yaw
 
     def read(self, positions: Array) -> dict[str, float]:
-        """The coordinates at which a plant is."""
+        """The coordinates of the plant's current configuration."""
         q = {name: float(positions[start]) for name, (start, _) in self._single.items()}
         for names, (start, _) in self._balls.items():
             roll, pitch, yaw = positions[start : start + 3].tolist()
@@ -67,19 +67,19 @@ class Coordinates:
         return E
 
     def moving(self, q: Mapping[str, float], rates: Rates) -> tuple[Array, Array]:
-        """Drake's velocities (nv,) and accelerations (nv,) for those of the coordinates."""
+        """Drake's velocities (nv,) and accelerations (nv,) from those of the coordinates."""
         E = self.rates(q)
         v, a = (np.array([rate.get(name, 0.0) for name in self.names]) for rate in rates)
         accelerations = E @ a
         for names, (_, start) in self._balls.items():
             angles, R_PC = _turned(names, q)
-            # A vector changes alike in both frames where it is the angular velocity between them.
+            # The derivative of a vector is the same in both frames if it is their relative angular velocity.
             bias = ball_bias(angles, [rates[0].get(name, 0.0) for name in names])
             accelerations[start : start + 3] += R_PC @ bias
         return E @ v, accelerations
 
 
 def _turned(names: Sequence[str], q: Mapping[str, float]) -> tuple[list[float], Array]:
-    """Yaw, pitch and roll, and the rotation that they are."""
+    """Yaw, pitch and roll, and their rotation."""
     yaw, pitch, roll = (q.get(name, 0.0) for name in names)
     return [yaw, pitch, roll], rotation_from_rpy((roll, pitch, yaw))

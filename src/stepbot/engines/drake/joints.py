@@ -1,4 +1,4 @@
-"""The joints of a Drake plant, as they are after Drake has read them."""
+"""The joints of a Drake plant, as Drake has read them."""
 
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
@@ -23,11 +23,11 @@ _KINDS = {
     "planar": "planar",
 }
 _NO_LIMIT = 1e15
-"""Limits beyond this are SDFormat's word for none, 1e16."""
+"""Limits beyond this are SDFormat's value for unlimited, 1e16."""
 
 
 def observed_joints(built: "Built") -> tuple[ObservedJoint, ...]:
-    """The joint above each link; the one that holds the root in the world says that the base is fixed."""
+    """The joint above each link; a joint of the root to the world means that the base is fixed."""
     drives, springs = _drives(built), _springs(built)
     inside = [joint for joint in built.joints if joint.parent_body().name() != "world"]
     return tuple(_joint(built, joint, drives, springs) for joint in inside)
@@ -60,7 +60,7 @@ def _joint(
     parent, child = joint.parent_body().name(), joint.child_body().name()
     sdf = built.request.format.endswith("sdf")
     if kind == "fixed" and built.request.format == "mjcf":
-        name = ""  # MJCF has none for what holds two bodies together: this is Drake's own
+        name = ""  # MJCF has no fixed joints: this one is Drake's own
     if kind in ("fixed", "ball", "planar"):
         return ObservedJoint(name, kind, parent, child)
     axis, axis2 = _axes(built, joint, kind)
@@ -81,7 +81,7 @@ def _joint(
         child,
         axis=vector3(axis),
         axis2=None if axis2 is None else vector3(axis2),
-        # Drake's pitch is the advance of a whole turn.
+        # Drake's pitch is the advance per turn.
         pitch=float(joint.screw_pitch()) / (2.0 * np.pi) if kind == "screw" else None,
         limit=limit,
         limit_fields=_limits_told(built, kind, name in drives),
@@ -95,10 +95,10 @@ def _joint(
 
 
 def _limits_told(built: "Built", kind: str, driven: bool) -> tuple[str, ...]:
-    """Drake keeps efforts with actuators: one for each joint of SDFormat, and one for each transmission of URDF."""
+    """Effort limits from actuators, where Drake keeps them: one per joint of SDFormat and per transmission of URDF."""
     if kind == "universal":
         return ("lower", "upper")
-    if kind == "screw":  # Drake bounds none
+    if kind == "screw":  # Drake sets no limit
         return ("effort",)
     sdf = built.request.format.endswith("sdf")
     return ("lower", "upper", "velocity", *(("effort",) if sdf or (driven and built.request.format == "urdf") else ()))
@@ -109,7 +109,7 @@ def _axes(built: "Built", joint: Any, kind: str) -> tuple[Array, Array | None]:
     R_CM: Array = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
     if kind == "universal":
         return R_CM[:, 0], R_CM[:, 1]
-    if kind == "screw":  # its axis is not reported: it is what a turn leaves where it is
+    if kind == "screw":  # its axis is not reported: it is the direction that a rotation leaves unchanged
         built.place({joint.name(): 1.0})
         X_FM = built.plant.CalcRelativeTransform(built.context, joint.frame_on_parent(), joint.frame_on_child())
         R_FM: Array = X_FM.rotation().matrix()

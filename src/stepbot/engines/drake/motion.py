@@ -1,4 +1,4 @@
-"""Drake in motion: a second of falling, and loops that its constraint solver closes."""
+"""Simulation in Drake: passive motion, and loops closed by its constraint solver."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,14 +11,14 @@ from ..observation import ObservedClosure, Request
 from .plant import Built, build
 
 NUDGE = 0.02
-"""How far [rad], [m] following joints are put off the reference's solution before Drake's solver leads them back."""
+"""Offset [rad], [m] of the following joints from the reference's solution, from which Drake's solver starts."""
 SETTLED = 1e-12
-"""Motion [rad], [m] in a step below which nothing moves any more."""
+"""Motion [rad], [m] per step below which the plant is at rest."""
 MOST_STEPS = 400
 
 
 def simulate(built: Built, request: Request) -> bool:
-    """Let the plant move from its initial pose, without actuation; whether everything stayed finite."""
+    """Simulate from the initial pose, without actuation; returns whether all values stayed finite."""
     from pydrake.systems.analysis import Simulator
 
     simulator = Simulator(built.diagram)
@@ -27,7 +27,7 @@ def simulate(built: Built, request: Request) -> bool:
     built.place(request.initial)
     try:
         simulator.AdvanceTo(request.simulate)
-    except RuntimeError:  # the solver gives up on numbers that are none
+    except RuntimeError:  # the solver throws on NaN
         return False
     return bool(np.isfinite(built.plant.GetPositionsAndVelocities(context)).all())
 
@@ -35,8 +35,8 @@ def simulate(built: Built, request: Request) -> bool:
 def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
     """How well Drake's constraints close each loop of the reference.
 
-    Drake starts beside each closed configuration, with the driven joints locked in place and without weight, and its
-    solver draws the loops together step by step. The residual is how far the reference's frames are apart then.
+    Drake starts near each closed configuration, with the driven joints locked and without gravity, and its solver
+    closes the loops step by step. The residual is the remaining gap between the reference's frames.
     """
     plain = build(request, (0.0, 0.0, 0.0), shapes=False)
     residual = {closure.name: 0.0 for closure in request.closures}
@@ -62,9 +62,9 @@ def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
 
 
 def _closed(built: Built, request: Request, q: Mapping[str, float]) -> dict[str, float]:
-    """The coordinates where Drake's solver comes to rest."""
+    """The coordinates at which Drake's solver comes to rest."""
     plant, context = built.plant, built.context
-    # Drake reads no mimics of SDFormat: what follows a driven joint is held with it.
+    # Drake reads no mimics of SDFormat: the followers of a driven joint are locked with it.
     held = {*request.driven, *(name for name, mimic in request.mimics.items() if mimic.joint in request.driven)}
     built.place({name: q.get(name, 0.0) + (0.0 if name in held else NUDGE) for name in built.coordinates.names})
     for joint in built.joints:
@@ -74,7 +74,7 @@ def _closed(built: Built, request: Request, q: Mapping[str, float]) -> dict[str,
             joint.Unlock(context)
     before = np.array(plant.GetPositions(context))
     for _ in range(MOST_STEPS):
-        # Every step starts at rest: what is left of the gap moves the links, and nothing else does.
+        # Every step starts at rest: only the remaining gap moves the links.
         plant.SetVelocities(context, np.zeros(plant.num_velocities()))
         built.diagram.ExecuteForcedEvents(built.whole)
         after = np.array(plant.GetPositions(context))

@@ -1,4 +1,4 @@
-"""A Drake plant of one file, with a state of it."""
+"""A Drake plant of one file, with its state."""
 
 import re
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
 
 @dataclass(frozen=True, eq=False)
 class Built:
-    """A plant, what shows its shapes, and a state of it."""
+    """A plant, the geometry of its links, and a state."""
 
     plant: Any
     scene: Any
@@ -33,14 +33,14 @@ class Built:
     whole: Any
     """Context of the diagram."""
     context: Any
-    """That of the plant in it."""
+    """The plant's context in it."""
     root: Any
     """Body of the root link."""
     request: Request
     frames: tuple[str, ...]
-    """Names of the frames that the file has, as far as Drake keeps them."""
+    """Names of the frames in the file, as far as Drake keeps them."""
     name: str
-    """What the robot is called."""
+    """Name of the robot."""
 
     @cached_property
     def bodies(self) -> list[Any]:
@@ -51,17 +51,17 @@ class Built:
 
     @cached_property
     def joints(self) -> list[Any]:
-        """All joints, but those that Drake adds for floating bodies."""
+        """All joints, except those that Drake adds for floating bodies."""
         joints = [self.plant.get_joint(index) for index in self.plant.GetJointIndices()]
         return [joint for joint in joints if not joint.is_ephemeral()]
 
     @cached_property
     def coordinates(self) -> Coordinates:
-        """What the joints are moved by."""
+        """The coordinates of the joints."""
         return Coordinates(self.plant, self.joints, self.request)
 
     def place(self, q: Mapping[str, float]) -> None:
-        """Put the joints where ``q`` has them, at rest."""
+        """Set the joints to ``q``, at rest."""
         positions = np.array(self.plant.GetPositions(self.context))
         self.coordinates.place(positions, q)
         self.plant.SetPositions(self.context, positions)
@@ -73,7 +73,7 @@ class Built:
 
 
 def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, shapes: bool = True) -> Built:
-    """The plant of a file, with the root held where neither the file nor the request lets it go.
+    """The plant of a file; the root is fixed unless the file or the request lets it float.
 
     Raises:
         EngineRefused: Drake does not read it.
@@ -88,7 +88,7 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
         plant, scene = AddMultibodyPlantSceneGraph(builder, STEP)
     else:
         plant = builder.AddSystem(MultibodyPlant(STEP))
-    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)  # ball constraints want it
+    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)  # required by ball constraints
     plant.mutable_gravity_field().set_gravity_vector(list(gravity))
     try:
         parser = Parser(plant)
@@ -109,13 +109,13 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
         raise EngineRefused(text) from error
     whole = diagram.CreateDefaultContext()
     context = plant.GetMyMutableContextFromRoot(whole)
-    for index in plant.GetJointActuatorIndices():  # armature is compared by itself, where an engine tells of it
+    for index in plant.GetJointActuatorIndices():  # armature is compared separately, if the engine reports it
         plant.get_joint_actuator(index).SetRotorInertia(context, 0.0)
     return Built(plant, scene, diagram, whole, context, root, request, _frame_names(plant), name)
 
 
 def _packages(path: Path) -> dict[str, Path]:
-    """Folders of the packages that a description names, as :func:`resolve` finds them."""
+    """Folders of the packages that a description refers to, as :func:`resolve` finds them."""
     found: dict[str, Path] = {}
     for name, rest in _URI.findall(path.read_text(encoding="utf-8", errors="replace")):
         file = None if name in found else resolve(f"package://{name}/{rest}", path)
@@ -129,7 +129,7 @@ def _joints_of(plant: Any) -> list[Any]:
 
 
 def _root(plant: Any, model: Any) -> Any:
-    """The link that hangs from no other.
+    """The link without a parent.
 
     Raises:
         EngineRefused: There is none, or there are several.
@@ -142,12 +142,12 @@ def _root(plant: Any, model: Any) -> Any:
 
 
 def _is_held(plant: Any, root: Any) -> bool:
-    """Whether a joint of the file holds the root in the world."""
+    """Whether a joint of the file fixes the root to the world."""
     return any(joint.child_body().index() == root.index() for joint in _joints_of(plant))
 
 
 def _frame_names(plant: Any) -> tuple[str, ...]:
-    """Frames that are neither those of bodies nor those that Drake makes of joints and of the model."""
+    """Frames other than those of bodies and those that Drake adds for joints and the model."""
     from pydrake.multibody.tree import FrameIndex
 
     joints = [joint.name() for joint in _joints_of(plant)]

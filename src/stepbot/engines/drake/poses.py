@@ -1,4 +1,4 @@
-"""Poses as Drake has them."""
+"""Conversion of Drake's poses."""
 
 from typing import Any
 

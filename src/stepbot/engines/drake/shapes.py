@@ -1,4 +1,4 @@
-"""What Drake made of a link's shapes: the boxes around them, their names, their colours."""
+"""The shapes of a link as Drake has read them: bounding boxes, names, colours."""
 
 from typing import Any
 
@@ -14,10 +14,10 @@ from .poses import pose
 
 
 def bounds_of(built: Built, geometry: Any) -> Bounds:
-    """Box [m] of a shape in its link's frame."""
+    """Bounding box [m] of a shape in its link's frame."""
     inspector = built.scene.model_inspector()
     X_LG, shape = pose(inspector.GetPoseInFrame(geometry)), inspector.GetShape(geometry)
-    hull = inspector.GetConvexHull(geometry)  # of meshes alone
+    hull = inspector.GetConvexHull(geometry)  # of meshes only
     if hull is not None:
         vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
         return mesh_bounds(vertices, X_LG)
@@ -25,7 +25,7 @@ def bounds_of(built: Built, geometry: Any) -> Bounds:
 
 
 def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
-    """Name of a shape, and what colours it has, if it is one to see."""
+    """Name and colours of a shape if it is a visual."""
     inspector = built.scene.model_inspector()
     name = inspector.GetName(geometry).removeprefix(f"{built.name}::")
     if not seen:
@@ -36,7 +36,7 @@ def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
 
 
 def _color(properties: Any, name: str) -> tuple[float, ...]:
-    """Red, green, blue and opacity; empty where the shape has no such colour."""
+    """Red, green, blue and opacity; empty if the shape has no such colour."""
     if properties is None or not properties.HasProperty("phong", name):
         return ()
     color = properties.GetProperty("phong", name)
@@ -44,10 +44,10 @@ def _color(properties: Any, name: str) -> tuple[float, ...]:
 
 
 def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:
-    """Box of a primitive.
+    """Bounding box of a primitive.
 
     Raises:
-        EngineCannotRead: A kind of shape that is none of the formats'.
+        EngineCannotRead: The shape is of a type that the formats do not have.
     """
     kind = type(shape).__name__
     if kind == "Box":

@@ -1,4 +1,4 @@
-"""A compiled MuJoCo model with the coordinates that move it."""
+"""A compiled MuJoCo model with its coordinates."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ class Compiled(NamedModel):
     """A compiled model that can be posed."""
 
     balls: Balls
-    """For each ball joint the names of its coordinates."""
+    """Names of the coordinates of each ball joint."""
 
     @cached_property
     def coordinates(self) -> Coordinates:
-        """What the joints are moved by."""
+        """The coordinates of the joints."""
         return Coordinates(self, self.balls)
 
     def data(self, q: Mapping[str, float]) -> Any:
@@ -36,6 +36,6 @@ class Compiled(NamedModel):
         return Pose.of(data.xmat[body].reshape(3, 3), data.xpos[body])
 
     def poses(self, data: Any) -> dict[str, Pose]:
-        """Pose of every link with respect to the first."""
+        """Pose of every link relative to the first."""
         X_RW = self.X_WB(data, 1).inverse()
         return {self.name("BODY", body): X_RW @ self.X_WB(data, body) for body in self.bodies}

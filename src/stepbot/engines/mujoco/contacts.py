@@ -1,4 +1,4 @@
-"""Which links never touch each other in a MuJoCo model.
+"""Pairs of links whose contacts a MuJoCo model excludes.
 
 https://mujoco.readthedocs.io/en/stable/computation/index.html#collision-detection, "Selection"
 """
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def excluded_pairs(compiled: "Compiled") -> tuple[tuple[str, str], ...]:
-    """Pairs of links that both have something to touch with, and that MuJoCo leaves out; sorted."""
+    """Pairs of links with collision geometry whose contacts MuJoCo excludes; sorted."""
     engine, model = compiled.engine, compiled.model
     excluded = {divmod(int(signature), 1 << 16) for signature in model.exclude_signature}
     follows_tree = not int(model.opt.disableflags) & int(engine.mjtDisableBit.mjDSBL_FILTERPARENT)
@@ -23,7 +23,7 @@ def excluded_pairs(compiled: "Compiled") -> tuple[tuple[str, str], ...]:
         if weld_a == weld_b:
             return True
         above_a, above_b = (int(model.body_weldid[model.body_parentid[weld]]) for weld in (weld_a, weld_b))
-        # Bodies that are fixed to the world count as part of it, and whatever moves may touch the world.
+        # Bodies fixed to the world count as part of it, and any moving body may touch the world.
         return follows_tree and 0 not in (weld_a, weld_b) and (above_a == weld_b or above_b == weld_a)
 
     bodies = [body for body in compiled.bodies if any(_masks(compiled, body))]
@@ -36,7 +36,7 @@ def excluded_pairs(compiled: "Compiled") -> tuple[tuple[str, str], ...]:
 
 
 def _masks(compiled: "Compiled", body: int) -> tuple[int, int]:
-    """What the geoms of a body touch as, and with."""
+    """The contact type and affinity bits of a body's geoms."""
     model = compiled.model
     types = affinities = 0
     for g in range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body]):

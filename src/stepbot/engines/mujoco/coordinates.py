@@ -1,4 +1,4 @@
-"""What moves a MuJoCo model, in the coordinates of the reference: balls by yaw, pitch and roll, screws by one angle."""
+"""Coordinates of a MuJoCo model, converted to those of the reference: three angles per ball, one per screw."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -22,15 +22,15 @@ Balls = Mapping[str, tuple[str, str, str]]
 class Coordinates:
     """Positions and velocities of a model's joints as functions of named coordinates.
 
-    MuJoCo holds the pose of a ball as a quaternion, and its speed as the angular velocity in the child's frame.
+    MuJoCo stores the rotation of a ball as a quaternion, and its velocity as the angular velocity in the child's frame.
     """
 
     def __init__(self, compiled: "NamedModel", balls: Balls) -> None:
-        """Sort the joints.
+        """Classify the joints.
 
         Args:
             compiled: The model.
-            balls: The coordinates yaw, pitch and roll of each ball joint; a ball that is not among them does not move.
+            balls: The coordinates yaw, pitch and roll of each ball joint; a ball without coordinates does not move.
         """
         engine, model = compiled.engine, compiled.model
         self._model = model
@@ -52,7 +52,7 @@ class Coordinates:
         self.names = tuple(names)
 
     def place(self, qpos: Any, q: Mapping[str, float]) -> None:
-        """Put the joints where ``q`` has them; coordinates that it does not name at 0."""
+        """Set the joints to ``q``; missing coordinates are 0."""
         address = self._model.jnt_qposadr
         for name, joint in self._single.items():
             qpos[address[joint]] = q.get(name, 0.0)
@@ -64,7 +64,7 @@ class Coordinates:
             qpos[start : start + 4] = quaternion(rotation_from_rpy((roll, pitch, yaw)))
 
     def read(self, qpos: Any) -> dict[str, float]:
-        """The coordinates at which a model is; what a screw's slide says beside its hinge is not among them."""
+        """The coordinates of the current configuration; a screw's slide joint is not among them, only its hinge."""
         address = self._model.jnt_qposadr
         q = {name: float(qpos[address[joint]]) for name, joint in self._single.items()}
         for names, joint in self._balls.items():
@@ -86,7 +86,7 @@ class Coordinates:
         return E
 
     def moving(self, q: Mapping[str, float], rates: Rates) -> tuple[Array, Array]:
-        """MuJoCo's velocities (nv,) and accelerations (nv,) for those of the coordinates."""
+        """MuJoCo's velocities (nv,) and accelerations (nv,) from those of the coordinates."""
         E = self.rates(q)
         v, a = (np.array([rate.get(name, 0.0) for name in self.names]) for rate in rates)
         accelerations = E @ a

@@ -1,7 +1,7 @@
 """Actuators, sensors and frames of a MuJoCo model.
 
-MuJoCo's sensors tell one reading each: those whose names begin alike, up to a slash, are one sensor. What a group of
-readings is, follows from what they are; groups that are none of the known kinds are told in MuJoCo's words.
+Each of MuJoCo's sensors has one reading: sensors whose names share a prefix up to a slash are one sensor. The type of a
+group follows from its readings; an unknown group keeps MuJoCo's names.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,16 +30,16 @@ _GROUPS = {
     frozenset({"contact"}): SensorKind.CONTACT,
 }
 _FOUND_FORCE_TORQUE, _NET_FORCE = 0b111, 3
-"""What a contact sensor of stepbot's asks for: `data` and `reduce`, as MuJoCo keeps them."""
+"""The settings of stepbot's contact sensors: `data` and `reduce`, as MuJoCo stores them."""
 # Axes of a camera, and of a ray, in those of the sensor: a camera looks along -z with y up, a ray goes along z.
 _R_SC = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _R_SRay = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 _EVEN = 1e-9
-"""How far [m or rad] a ray may be from where even spacing has it."""
+"""Deviation [m or rad] of a ray from even spacing, at most."""
 
 
 def observed_frames(compiled: "Compiled", sensors: Sequence[ObservedSensor]) -> dict[str, tuple[str, Pose]]:
-    """Sites by name, without those that only mark where a sensor is."""
+    """Sites by name, without those that only mark the pose of a sensor."""
     marks = {sensor.name for sensor in sensors}
     model = compiled.model
     names = [(s, compiled.name("SITE", s)) for s in range(model.nsite)]
@@ -53,12 +53,12 @@ def _site(compiled: "Compiled", s: int) -> tuple[str, Pose]:
 
 
 def observed_actuators(compiled: "Compiled") -> tuple[ObservedActuator, ...]:
-    """What drives the joints."""
+    """The actuators."""
     return tuple(_actuator(compiled, a) for a in range(compiled.model.nu))
 
 
 def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
-    """An actuator; told apart by its bias, as MuJoCo's shortcuts set it."""
+    """An actuator; its kind follows from its bias, as MuJoCo's shortcuts set it."""
     model = compiled.model
     gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
     joint = compiled.name("JOINT", int(model.actuator_trnid[a][0]))
@@ -80,7 +80,7 @@ def _range(bounds: Any, limited: Any) -> tuple[float, float]:
 
 
 def observed_sensors(compiled: "Compiled") -> tuple[ObservedSensor, ...]:
-    """What measures: groups of readings, and cameras."""
+    """The sensors: groups of readings, and cameras."""
     groups: dict[str, list[_Reading]] = {}
     for s in range(compiled.model.nsensor):
         reading = _reading(compiled, s)
@@ -96,9 +96,9 @@ class _Reading:
     index: int
     name: str
     word: str
-    """MuJoCo's word for what it tells."""
+    """MuJoCo's name of its reading."""
     on: tuple[str, int]
-    """Kind and index of what it is on."""
+    """Type and index of the element it is attached to."""
 
 
 def _reading(compiled: "Compiled", s: int) -> _Reading:
@@ -109,7 +109,7 @@ def _reading(compiled: "Compiled", s: int) -> _Reading:
 
 
 def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> ObservedSensor:
-    """The sensor that a group of readings is."""
+    """The sensor that a group of readings forms."""
     model = compiled.model
     words = sorted({reading.word for reading in readings})
     kind = _GROUPS.get(frozenset(words))
@@ -123,7 +123,7 @@ def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> Ob
 
 
 def _at_a_site(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
-    """Where an inertial unit is: all of its readings at one site."""
+    """Pose of an IMU: all of its readings are at one site."""
     places = {reading.on for reading in readings}
     if len(places) == 1 and len(readings) == len({reading.word for reading in readings}):
         on, s = places.pop()
@@ -133,7 +133,7 @@ def _at_a_site(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[t
 
 
 def _in_a_joint(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
-    """Where a force-torque sensor is: at a site of the body that hangs from the joint."""
+    """Pose of a force-torque sensor: at a site of the child of its joint."""
     yield from _at_a_site(compiled, readings)
     model = compiled.model
     body = int(model.site_bodyid[readings[0].on[1]])
@@ -142,7 +142,7 @@ def _in_a_joint(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[
 
 
 def _of_joints(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
-    """The joint, or what the names of several joints begin with; each tells its position and its velocity."""
+    """The joint, or the common prefix of several joints; each has a position and a velocity reading."""
     words: dict[str, set[str]] = {}
     for reading in readings:
         words.setdefault(compiled.name("JOINT", reading.on[1]), set()).add(reading.word)
@@ -153,7 +153,7 @@ def _of_joints(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[t
 
 
 def _of_a_body(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
-    """The link that a contact sensor watches, where it asks for the net force of all that touches it."""
+    """The link of a contact sensor, if it measures the net force of all contacts."""
     on, body = readings[0].on
     asked = compiled.model.sensor_intprm[readings[0].index].tolist()
     if len(readings) == 1 and on == "BODY" and asked[:2] == [_FOUND_FORCE_TORQUE, _NET_FORCE]:
@@ -161,7 +161,7 @@ def _of_a_body(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[t
 
 
 def _of_rays(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
-    """The field of view of evenly spread rays, and where its middle is."""
+    """The field of view of evenly spaced rays, and its centre."""
     if {reading.on[0] for reading in readings} != {"SITE"}:
         return
     places = [_site(compiled, reading.on[1]) for reading in readings]
@@ -194,11 +194,11 @@ _TELLERS = {
     SensorKind.LIDAR: _of_rays,
     SensorKind.CONTACT: _of_a_body,
 }
-"""For each kind what else there is to tell of it; nothing where the readings do not belong together."""
+"""Further properties of each kind; empty if the readings do not belong together."""
 
 
 def _cameras(compiled: "Compiled") -> Iterator[ObservedSensor]:
-    """Cameras that are fixed to a body; they draw when they are asked to, all from one near to one far plane."""
+    """Cameras attached to a body; they render on request, all with the same near and far plane."""
     model = compiled.model
     for c in range(model.ncam):
         X_LC = Pose.from_quaternion(model.cam_quat[c].tolist(), model.cam_pos[c])

@@ -1,4 +1,4 @@
-"""Hinges in a row that stand for a ball joint, and the lock that such a row has and the ball joint has not."""
+"""Three hinges in series that represent a ball joint, and their gimbal lock, which a ball joint does not have."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
     from .model import NamedModel
 
 NEAR_LOCK = 0.5
-"""Volume that the three unit axes span, below which a motion towards the lock is reversed: 30 degrees from it."""
+"""Volume spanned by the three unit axes, below which a motion towards the lock is reversed: 30 degrees from it."""
 _LIGHT = 1e-6
-"""Mass of a body between hinges at most, as a share of all that it carries."""
+"""Maximum mass of a body between hinges, as a share of the mass that it carries."""
 _SAME_PLACE = 1e-6
-"""Distance [m] within which axes meet in one point."""
+"""Distance [m] up to which axes intersect in one point."""
 
 
 class Gimbals:
-    """The rows of three hinges of a model, watched while it moves."""
+    """The series of three hinges of a model, monitored during simulation."""
 
     def __init__(self, compiled: "NamedModel", data: Any) -> None:
         rows = _rows(compiled, data)
@@ -30,7 +30,7 @@ class Gimbals:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was done to the motion, for people."""
+        """The changes made to the motion, for messages."""
         return tuple(
             f"motion reversed where hinges {names} approach gimbal lock; the ball joint they replace has no gimbal lock"
             for names in self._names
@@ -38,7 +38,7 @@ class Gimbals:
         )
 
     def turn_back(self, data: Any) -> None:
-        """Reverse all velocities where a row moves closer to its lock than it should."""
+        """Reverse all velocities if a series approaches its lock too closely."""
         if not len(self._rows):
             return
         before, self._volumes = self._volumes, self._spanned(data)
@@ -48,13 +48,14 @@ class Gimbals:
             self._reversed.update(names for names, near in zip(self._names, closing, strict=True) if near)
 
     def _spanned(self, data: Any) -> Array:
-        """Volume that the axes of each row span: 1 where they are normal to each other, 0 in the lock."""
-        self._compiled.engine.mj_kinematics(self._compiled.model, data)  # a step leaves the axes where it began
+        """Volume spanned by the axes of each series: 1 if they are orthogonal, 0 in the lock."""
+        # a step leaves the axes as they were at its start
+        self._compiled.engine.mj_kinematics(self._compiled.model, data)
         return np.asarray(np.abs(np.linalg.det(np.array(data.xaxis)[self._rows])))
 
 
 def _rows(compiled: "NamedModel", data: Any) -> list[tuple[int, int, int]]:
-    """Every three hinges in a row whose axes meet in a point, with no mass to speak of between, that are not locked."""
+    """Every series of three hinges with intersecting axes and nearly massless bodies in between that is not locked."""
     found = []
     for last in range(compiled.model.njnt):
         middle = _before(compiled, last)
@@ -70,7 +71,7 @@ def _rows(compiled: "NamedModel", data: Any) -> list[tuple[int, int, int]]:
 
 
 def _before(compiled: "NamedModel", joint: int) -> int | None:
-    """The hinge before a hinge, in its body or in one without mass that carries it; None where there is no such one."""
+    """The hinge before a hinge, in its body or in a massless parent; None if there is none."""
     model, hinge = compiled.model, compiled.engine.mjtJoint.mjJNT_HINGE
     if compiled.joint_type(joint) != hinge:
         return None

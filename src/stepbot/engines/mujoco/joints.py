@@ -1,4 +1,4 @@
-"""The joints of a MuJoCo model: single ones, and several in one body that are one multi-dof joint."""
+"""The joints of a MuJoCo model: single joints, and several in one body that form one multi-dof joint."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from .model import NamedModel
 
 VELOCITY = "/velocity"
-"""End of the name of the custom number that holds a joint's velocity limit, which MJCF has no attribute for."""
+"""Suffix of the custom number with a joint's velocity limit, for which MJCF has no attribute."""
 
 _TURNING = ("revolute", "continuous")
 _SQUARE = 1e-9
-"""Largest cosine of the angle between axes that count as normal to each other."""
+"""Largest cosine of the angle between axes that count as perpendicular."""
 
 
 def observed_joints(compiled: "NamedModel", body: int, mjcf: bool) -> Iterator[ObservedJoint]:
-    """The joint above a body; a body without one is fixed to its parent, under no name.
+    """The joint above a body; a body without one is fixed to its parent, by a nameless joint.
 
-    Several joints in one body are one multi-dof joint, where they make one of the kinds that there are;
-    otherwise each is told by itself.
+    Several joints in one body are one multi-dof joint if they form one of the known types; otherwise each is reported
+    separately.
     """
     engine, model = compiled.engine, compiled.model
     parent, child = (compiled.name("BODY", index) for index in (model.body_parentid[body], body))
@@ -43,9 +43,9 @@ def observed_joints(compiled: "NamedModel", body: int, mjcf: bool) -> Iterator[O
 
 
 def _with_steps(compiled: "NamedModel", whole: ObservedJoint, seen: Sequence[ObservedJoint]) -> ObservedJoint:
-    """A joint, with those that it is said by; the two of a screw have one coordinate between them.
+    """A multi-dof joint with its component joints; the two of a screw share one coordinate.
 
-    The velocity limit that is kept under its name is that of each joint that turns.
+    The velocity limit stored under its name applies to each rotating component.
     """
     if whole.kind == "screw":
         return whole
@@ -61,7 +61,7 @@ def _with_steps(compiled: "NamedModel", whole: ObservedJoint, seen: Sequence[Obs
 
 
 def _as_one(compiled: "NamedModel", above: range, seen: Sequence[ObservedJoint]) -> ObservedJoint | None:
-    """The joint that several joints of a body are; None where they are none of the known kinds."""
+    """The joint that several joints of a body form; None if it is not one of the known types."""
     kinds = tuple("turn" if joint.kind in _TURNING else joint.kind for joint in seen)
     axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in seen]
     last, first = seen[-1], seen[0]
@@ -85,7 +85,7 @@ def _as_one(compiled: "NamedModel", above: range, seen: Sequence[ObservedJoint])
 
 
 def screw_pitch(compiled: "NamedModel", joint: int) -> float | None:
-    """How far a sliding joint advances with the hinge after it in its body; None where nothing makes it follow that."""
+    """Advance of a slide joint with the following hinge in its body; None if no equality couples them."""
     model, follows = compiled.model, _mimic(compiled, joint)
     after = joint + 1
     if follows is None or follows.offset or after >= model.njnt or model.jnt_bodyid[after] != model.jnt_bodyid[joint]:
@@ -107,7 +107,7 @@ def _single_joint(compiled: "NamedModel", joint: int, parent: str, child: str, m
             parent,
             child,
             anchor=vector3(compiled.model.jnt_pos[joint]),
-            limit=Limit(upper=widest, velocity=velocities.get(name, inf)),  # a cone, in MuJoCo alone
+            limit=Limit(upper=widest, velocity=velocities.get(name, inf)),  # a cone, in MuJoCo only
             limit_fields=("upper", "velocity") if mjcf else (),
             dynamics=_passive(compiled, joint, 0.0),
             dynamics_fields=("damping", "friction", "stiffness", "armature"),
@@ -154,12 +154,12 @@ def _moving_joint(compiled: "NamedModel", joint: int, parent: str, child: str, m
 
 
 def _effort(lower: float, upper: float) -> float:
-    """The effort limit that a range of forces means; not a number where it is not the same in both directions."""
+    """The effort limit of a force range; NaN if the range is asymmetric."""
     return float(upper) if lower == -upper else nan
 
 
 def _velocity_limits(compiled: "NamedModel") -> dict[str, float]:
-    """Velocity limits [rad/s] or [m/s] that are kept as custom numbers, by joint."""
+    """Velocity limits [rad/s] or [m/s] stored as custom numbers, by joint."""
     model = compiled.model
     names = {compiled.name("NUMERIC", i): int(model.numeric_adr[i]) for i in range(model.nnumeric)}
     return {
@@ -170,7 +170,7 @@ def _velocity_limits(compiled: "NamedModel") -> dict[str, float]:
 
 
 def _mimic(compiled: "NamedModel", joint: int) -> Mimic | None:
-    """The relation of an equality of two joints, carried over from MuJoCo's reference positions to q = 0."""
+    """The relation of an equality of two joints, converted from MuJoCo's reference positions to q = 0."""
     engine, model = compiled.engine, compiled.model
     for e in range(model.neq):
         if (

@@ -1,4 +1,4 @@
-"""A compiled MuJoCo model, and the names that its numbers belong to."""
+"""A compiled MuJoCo model, with access to names."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,13 +6,13 @@ from typing import Any
 
 @dataclass(frozen=True)
 class NamedModel:
-    """A compiled model, with the names that its numbers belong to."""
+    """A compiled model with the names of its elements."""
 
     engine: Any
     model: Any
 
     def name(self, kind: str, index: int) -> str:
-        """Name of an element; empty where it has none. ``kind`` as in ``mjOBJ_<kind>``."""
+        """Name of an element; empty if it has none. ``kind`` as in ``mjOBJ_<kind>``."""
         return self.engine.mj_id2name(self.model, getattr(self.engine.mjtObj, f"mjOBJ_{kind}"), index) or ""
 
     @property
@@ -21,5 +21,5 @@ class NamedModel:
         return range(1, self.model.nbody)
 
     def joint_type(self, joint: int) -> Any:
-        """MuJoCo's word for the kind of a joint."""
+        """MuJoCo's name of a joint's type."""
         return self.engine.mjtJoint(self.model.jnt_type[joint])

@@ -1,4 +1,4 @@
-"""MuJoCo in motion: a second of falling, and loops closed by Newton's method on the equality rows."""
+"""Simulation in MuJoCo: passive motion, and loops closed by Newton's method on the equality rows."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from .compiled import Compiled
 
 NUDGE = 0.02
-"""How far [rad], [m] following joints are put off the reference's solution before MuJoCo's rows lead them back."""
+"""Offset [rad], [m] of the following joints from the reference's solution, from which MuJoCo's rows correct them."""
 
 
 def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, ...]]:
-    """Let the model move from its initial pose, without actuators.
+    """Simulate from the initial pose, without actuators.
 
-    Three hinges that stand for a ball joint lose a freedom where the first and the last axis are parallel: there the
-    mass matrix is singular, whatever the robot is. The motion is reversed short of that, and goes on.
+    Three hinges that represent a ball joint lose a degree of freedom when the first and the last axis are parallel:
+    there the mass matrix is singular for any robot. The motion is reversed before that point, and continues.
 
     Returns:
-        Whether everything stayed finite, and notes on what was done for that.
+        Whether all values stayed finite, and notes on reversals.
     """
     engine, model = compiled.engine, compiled.model
     flags = int(model.opt.disableflags)
@@ -44,10 +44,10 @@ def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, .
 
 
 def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClosure, ...]:
-    """The closures in the file, each with how well it agrees with the reference's closure of the same name.
+    """The closures in the file, and how well each agrees with the reference's closure of the same name.
 
-    MuJoCo starts beside each closed configuration of the reference, with the driven joints in place, and Newton's
-    method on its own equality rows leads it back. The residual is how far the reference's frames are apart then.
+    MuJoCo starts near each closed configuration of the reference, with the driven joints in place, and Newton's method
+    on its own equality rows solves for the others. The residual is the remaining gap between the reference's frames.
     """
     in_file = {closure.name: closure for closure in _closures_in_file(compiled)}
     wanted = [closure for closure in request.closures if closure.name in in_file]
@@ -68,13 +68,13 @@ def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClo
 
 
 AXIS = "/axis"
-"""End of the name of a second constraint, which holds another point on the axis of the closure of that name."""
+"""Suffix of a second constraint, which constrains another point on the axis of the closure of that name."""
 
 
 def _closures_in_file(compiled: "Compiled") -> Iterator[ObservedClosure]:
-    """Active equality constraints that hold two bodies or sites together, by name.
+    """Active equality constraints between two bodies or sites, by name.
 
-    A closure that has its axis held by a second constraint is told as one.
+    A closure whose axis is constrained by a second constraint is reported as one.
     """
     found = {closure.name: closure for closure in _constraints(compiled)}
     for closure in found.values():

@@ -1,4 +1,4 @@
-"""What MuJoCo made of a link's shapes: the boxes around them, their names, their colours."""
+"""The shapes of a link as MuJoCo has read them: bounding boxes, names, colours."""
 
 from dataclasses import replace
 from math import inf
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: bool) -> tuple[ObservedShape, ...]:
-    """The shapes that are touched, or else those that are only seen; of URDF, MuJoCo keeps no names of them."""
+    """The collision shapes, or the visual ones; for URDF, MuJoCo keeps no names of them."""
     shapes = []
     for g in _geoms(compiled, body, touched):
         model = compiled.model
@@ -41,7 +41,7 @@ def _bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
     engine, model = compiled.engine, compiled.model
     kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
     if kind == engine.mjtGeom.mjGEOM_MESH:
-        # MuJoCo keeps vertices about the mesh's own centre and carries the shift in the pose of the geom.
+        # MuJoCo stores vertices about the mesh's centre and adds the offset to the pose of the geom.
         mesh = model.geom_dataid[g]
         start = model.mesh_vertadr[mesh]
         vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
@@ -50,7 +50,7 @@ def _bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
 
 
 def _primitive_bounds(engine: Any, kind: Any, size: list[float], X_LG: Pose) -> Bounds:
-    """Box of a primitive; MuJoCo has half lengths. Planes and height fields have no end."""
+    """Bounding box of a primitive; MuJoCo has half lengths. Planes and height fields are infinite."""
     types = engine.mjtGeom
     if kind == types.mjGEOM_BOX:
         return primitive_bounds(Box((2 * size[0], 2 * size[1], 2 * size[2])), X_LG)

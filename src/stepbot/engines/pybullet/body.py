@@ -1,4 +1,4 @@
-"""A body that PyBullet has loaded: names, inertial frames, poses."""
+"""A body loaded by PyBullet: names, inertial frames, poses."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class Body:
     links: tuple[str, ...]
     """The base first; PyBullet's index is one less."""
     joints: tuple[tuple[Any, ...], ...]
-    """What PyBullet's getJointInfo says of the joint above each link but the base."""
+    """PyBullet's getJointInfo of the joint above each link but the base."""
     X_LI: tuple[Pose, ...]
     """Inertial frame of each link."""
 
@@ -45,7 +45,7 @@ class Body:
         return str(self.joints[index][1].decode("utf-8", "replace"))
 
     def set(self, q: Mapping[str, float]) -> None:
-        """Put every joint where ``q`` says, at rest; joints that it does not name at 0."""
+        """Set every joint to ``q``, at rest; missing joints are at 0."""
         for name, index in self.coordinates.items():
             self.engine.resetJointState(self.id, index, q.get(name, 0.0), 0.0)
 
@@ -57,7 +57,7 @@ def pose(position: Any, xyzw: Any) -> Pose:
 
 
 def body_of(engine: Any, body: int) -> Body:
-    """What PyBullet says of a loaded body."""
+    """PyBullet's description of a loaded body."""
     joints = tuple(engine.getJointInfo(body, index) for index in range(engine.getNumJoints(body)))
     base, model = engine.getBodyInfo(body)
     links = [base, *(info[12] for info in joints)]

@@ -1,4 +1,4 @@
-"""PyBullet in motion: a second of falling, and loops closed by constraints, because no file tells it of them."""
+"""Simulation in PyBullet: passive motion, and loops closed by added constraints, since no file format has them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -20,23 +20,23 @@ if TYPE_CHECKING:
 STEP = 1e-3
 """Step [s] of all simulations here."""
 SWEEPS = 200
-"""Iterations of the solver in each step where loops share joints: it takes the constraints one by one, and its default,
-50, leaves loops that depend on each other open four to eight times as wide."""
+"""Solver iterations per step for loops that share joints: the solver takes constraints one by one, and its default, 50,
+leaves coupled loops open four to eight times as wide."""
 SPEED = 1.0
 """Speed of a driven joint [rad/s]."""
 SLIDING_SPEED = 0.1
 """Speed of a driven prismatic joint [m/s]."""
 SECOND_POINT = 0.05
-"""Distance [m] along the axis of a revolute closure at which a second point is held, so that the axes stay aligned."""
+"""Distance [m] along the axis of a revolute closure at which a second point is constrained, to keep axes aligned."""
 _HELD_BY_FRAMES = frozenset({JointKind.FIXED, JointKind.PRISMATIC})
-"""Kinds of closures that PyBullet has constraints of their own for; the others are held by points."""
+"""Types of closures with a PyBullet constraint of their own; the others are constrained by points."""
 STRENGTH = 1e3
-"""Force [N], [N m] that motors and constraints may use, per newton of weight: enough to start at once, and little
-enough not to jam a loop whose pins are not exactly parallel."""
+"""Maximum force [N], [N m] of motors and constraints, per newton of weight: enough to start at once, but not enough to
+jam a loop whose pins are not exactly parallel."""
 
 
 def simulate(body: "Body", request: Request) -> bool:
-    """Let the body fall from the initial pose, without motors; whether everything stayed finite."""
+    """Simulate from the initial pose, without motors; returns whether all values stayed finite."""
     engine = body.engine
     engine.setTimeStep(STEP)
     body.set(request.initial)
@@ -50,13 +50,13 @@ def simulate(body: "Body", request: Request) -> bool:
 
 
 def strength(body: "Body") -> float:
-    """Force [N], [N m] that motors and constraints may use on a body."""
+    """Maximum force [N], [N m] of motors and constraints on a body."""
     masses = [float(body.engine.getDynamicsInfo(body.id, index)[0]) for index in range(-1, len(body.joints))]
     return STRENGTH * max(1e-3, exact_sum(masses)) * float(np.linalg.norm(GRAVITY))
 
 
 def release(body: "Body") -> None:
-    """Switch off the velocity motors that PyBullet puts on every joint."""
+    """Switch off the velocity motors that PyBullet adds to every joint."""
     for index in body.coordinates.values():
         body.engine.setJointMotorControl2(body.id, index, body.engine.VELOCITY_CONTROL, force=0.0)
 
@@ -64,7 +64,7 @@ def release(body: "Body") -> None:
 def gears(body: "Body", request: Request) -> None:
     """Make mimicking joints follow, by a gear from the leader's link to theirs.
 
-    PyBullet's ratio counts the other way round: leader + ratio * follower = const.
+    PyBullet's ratio has the opposite sign: leader + ratio * follower = const.
     """
     engine = body.engine
     for name, mimic in request.mimics.items():
@@ -79,9 +79,9 @@ def gears(body: "Body", request: Request) -> None:
 
 
 def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedClosure, ...], tuple[str, ...]]:
-    """Drive the mechanism through its range, loops held by constraints, and say how far they open.
+    """Drive the mechanism through its range, loops closed by constraints, and report the gaps.
 
-    Joint damping is switched off: it says nothing about where the links are.
+    Joint damping is switched off: it does not affect the poses of the links.
     """
     engine = body.engine
     engine.setTimeStep(STEP)
@@ -103,7 +103,7 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
 
 
 class _Held:
-    """A closure held by constraints; points are given in the inertial frames of the links."""
+    """A closure as constraints; points are given in the inertial frames of the links."""
 
     def __init__(self, body: "Body", closure: LoopClosure, points: Sequence[Array]) -> None:
         self.observed = ObservedClosure(closure.name, closure.kind.value, closure.link_a, closure.link_b)
@@ -131,7 +131,7 @@ class _Held:
             body.engine.changeConstraint(point, maxForce=strength(body))
 
     def _hold_frames(self, closure: LoopClosure) -> None:
-        """Hold by a constraint of the closure's own kind."""
+        """Add a constraint of the closure's own type."""
         engine = self._body.engine
         (a, X_IF), (b, X_JF) = self._ends
         # PyBullet slides along the axis of the first link's inertial frame.
@@ -153,7 +153,7 @@ class _Held:
                 frame = engine.getLinkState(self._body.id, index, computeForwardKinematics=1)[:2]
             ends.append(engine.multiplyTransforms(*frame, X_IF.position, (0.0, 0.0, 0.0, 1.0))[0])
         gap = dist(*ends)
-        if self._closure.kind is JointKind.PRISMATIC:  # along its axis it is free
+        if self._closure.kind is JointKind.PRISMATIC:  # it is free along its axis
             (a, X_IF), _ = self._ends
             axis_W = (self._body.X_WI(a) @ X_IF).turn(self._closure.axis)
             gap = float(np.linalg.norm(np.cross(axis_W, np.subtract(*ends))))
@@ -161,14 +161,14 @@ class _Held:
 
 
 def _points(closure: LoopClosure, request: Request) -> list[Array]:
-    """Points of F that hold what the closure holds."""
+    """Points of F that the closure constrains."""
     if closure.kind is JointKind.BALL or closure.name in request.held_by_a_point:
         return [np.zeros(3)]
     return [np.zeros(3), SECOND_POINT * np.array(closure.axis)]
 
 
 def _drive(body: "Body", driven: Sequence[str], goal: Mapping[str, float], held: Sequence[_Held]) -> None:
-    """Move the driven joints to where ``goal`` has them, no faster than asked, and measure the gaps on the way."""
+    """Move the driven joints to ``goal`` at limited speed, and measure the gaps on the way."""
     engine, force = body.engine, strength(body)
     start = {name: _position(body, name) for name in driven}
     steps = max(1, *(ceil(abs(goal[name] - start[name]) / (_speed(body, name) * STEP)) for name in driven))
@@ -197,7 +197,7 @@ def _speed(body: "Body", name: str) -> float:
 
 
 def _deviation(body: "Body", request: Request, q: Mapping[str, float]) -> float:
-    """Largest distance [rad] or [m] of a following joint from where the reference has it."""
+    """Largest deviation [rad] or [m] of a following joint from the reference."""
     return max(
         (abs(_position(body, name) - q[name]) for name in body.coordinates if name not in request.driven), default=0.0
     )

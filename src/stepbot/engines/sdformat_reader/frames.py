@@ -1,4 +1,4 @@
-"""Where the frames of an SDFormat model are: poses with ``relative_to``, axes with ``expressed_in``.
+"""Poses of the frames of an SDFormat model: poses with ``relative_to``, axes with ``expressed_in``.
 
 http://sdformat.org/tutorials?tut=pose_frame_semantics
 """
@@ -23,10 +23,10 @@ MODEL = "__model__"
 
 
 def numbers(text: str | None) -> list[float]:
-    """The numbers of a text.
+    """The numbers in a text.
 
     Raises:
-        EngineRefused: One of them is none.
+        EngineRefused: One of them is not a number.
     """
     try:
         return [float(word) for word in (text or "").split()]
@@ -35,7 +35,7 @@ def numbers(text: str | None) -> list[float]:
 
 
 def number_at(element: Element | None, path: str, default: float) -> float:
-    """The number below an element, or the default where there is none.
+    """The number in a child element, or the default if it is missing.
 
     Raises:
         EngineRefused: There are several.
@@ -48,10 +48,10 @@ def number_at(element: Element | None, path: str, default: float) -> float:
 
 
 def read_pose(element: Element | None) -> Pose:
-    """The ``<pose>`` below an element, in the frame that it is relative to; the identity where there is none.
+    """The ``<pose>`` of an element, in the frame that it is relative to; the identity if it is missing.
 
     Raises:
-        EngineRefused: It has not as many numbers as its format wants.
+        EngineRefused: The number of values does not match its format.
     """
     pose = None if element is None else element.find("pose")
     if pose is None or not (pose.text or "").strip():
@@ -82,12 +82,12 @@ class Frames:
         """Pose of a frame in the model, with all joints at 0.
 
         Raises:
-            EngineRefused: There is no such frame, or it is defined by itself.
+            EngineRefused: There is no such frame, or its definition is circular.
         """
         return self._resolved(name, ())
 
     def axis(self, joint: Element, axis: Element) -> Array:
-        """Direction (3,) of a joint's axis, in the model, not yet of length 1."""
+        """Direction (3,) of a joint's axis, in the model, not normalized."""
         xyz = axis.find("xyz")
         direction = numbers(xyz.text if xyz is not None else "0 0 1")
         if len(direction) != 3:

@@ -1,4 +1,4 @@
-"""Actuators and joint sensors that plugins of Gazebo Sim make of a model, read from the plugins' documentation."""
+"""Actuators and joint sensors from a model's Gazebo Sim plugins, read by the plugins' documentation."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -31,7 +31,7 @@ def plugin_actuators(model: Element) -> Iterator[ObservedActuator]:
 
 
 def plugin_sensors(model: Element) -> Iterator[ObservedSensor]:
-    """What publishes the state of joints: of those that it names, or of all."""
+    """Publishers of joint states: of the listed joints, or of all."""
     for plugin in model.findall("plugin"):
         if _system(plugin) == "JointStatePublisher":
             named = [(element.text or "").strip() for element in plugin.findall("joint_name")]
@@ -41,7 +41,7 @@ def plugin_sensors(model: Element) -> Iterator[ObservedSensor]:
 
 
 def _system(plugin: Element) -> str:
-    """The class of a plugin, where it is of the library that has it: ``gz-sim-<class-in-small-letters>-system``."""
+    """The class of a plugin, if it comes from its own library: ``gz-sim-<class-in-lower-case>-system``."""
     name = plugin.get("name", "").removeprefix(_SYSTEMS)
     library = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in name)
     return name if plugin.get("filename") == f"gz-sim{library}-system" else ""
@@ -50,7 +50,7 @@ def _system(plugin: Element) -> str:
 def _controlled(
     plugin: Element, joint: str, kind: ActuatorKind, *, default_i: float, default_d: float
 ) -> ObservedActuator:
-    """An actuator held by a PID controller; one that does more than its kind is told in other words."""
+    """An actuator with a PID controller; one with further features is reported as another kind."""
     p, i, d = (
         number_at(plugin, f"{letter}_gain", default)
         for letter, default in (("p", 1.0), ("i", default_i), ("d", default_d))

@@ -1,4 +1,4 @@
-"""Sensors of an SDFormat model, or of the `<gazebo>` blocks of a URDF, read from the specification.
+"""Sensors of an SDFormat model, or of the `<gazebo>` blocks of a URDF, read by the specification.
 
 http://sdformat.org/spec?elem=sensor
 """
@@ -26,7 +26,7 @@ _KINDS = {
     "contact": SensorKind.CONTACT,
     **dict.fromkeys(("lidar", "gpu_lidar", "ray", "gpu_ray"), SensorKind.LIDAR),
 }
-"""What the format's words for sensors mean; others are told as they are."""
+"""The format's names of sensor kinds; others are reported verbatim."""
 
 
 def model_sensors(model: Element, frames: Frames) -> Iterator[ObservedSensor]:
@@ -45,7 +45,7 @@ def model_sensors(model: Element, frames: Frames) -> Iterator[ObservedSensor]:
 
 
 def _base(sensor: Element) -> str:
-    """The frame that a sensor's pose is relative to, where it names one."""
+    """The frame that a sensor's pose is relative to, if it names one."""
     pose = sensor.find("pose")
     return "" if pose is None else pose.get("relative_to", "")
 
@@ -57,9 +57,9 @@ def read_sensor(
 
     Args:
         sensor: Its element.
-        link: The link that it is on; the child of its joint.
-        X_LS: Its pose there.
-        joint: The joint that it is in, where it is in one.
+        link: Its link; the child of its joint.
+        X_LS: Its pose on the link.
+        joint: Its joint, if it is in one.
         shapes: Names of the collision shapes of the link.
     """
     word = sensor.get("type", "")
@@ -104,7 +104,7 @@ def _camera(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor
 
 
 def _lidar(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor:
-    """The middle of a lidar's range is x of its frame."""
+    """The centre of a lidar's range is x of its frame."""
     lidar = sensor.find("lidar") if sensor.find("lidar") is not None else sensor.find("ray")
     low = number_at(lidar, "scan/horizontal/min_angle", 0.0)
     high = number_at(lidar, "scan/horizontal/max_angle", 0.0)

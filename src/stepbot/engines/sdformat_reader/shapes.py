@@ -1,4 +1,4 @@
-"""The shapes of an SDFormat link: names, colours, and the boxes around them."""
+"""The shapes of an SDFormat link: names, colours, and bounding boxes."""
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
@@ -22,9 +22,9 @@ else:
 
 
 def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
-    """All shapes in the link's frame, and the mesh files that are not there.
+    """All shapes in the link's frame, and the missing mesh files.
 
-    A shape has no box where this reader does not know its extent.
+    A shape has no box if this reader cannot determine its extent.
     """
     seen: list[ObservedShape] = []
     missing: list[str] = []
@@ -37,19 +37,19 @@ def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShap
 
 
 def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
-    """Box [m] around all shapes; None where there is no shape, or one whose box is not known."""
+    """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
     known = [shape.bounds for shape in shapes if shape.bounds is not None]
     return join_bounds(known) if known and len(known) == len(shapes) else None
 
 
 def _color(shape: Element, name: str) -> tuple[float, ...]:
-    """Red, green, blue and opacity; empty where the file gives none."""
+    """Red, green, blue and opacity; empty if the file gives none."""
     values = numbers(shape.findtext(f"material/{name}"))
     return tuple(values if len(values) != 3 else (*values, 1.0))
 
 
 def _bounds(geometry: Element | None, X_LG: Pose, file: Path) -> tuple[Bounds | None, list[str]]:
-    """The box of a shape, if it is known, and the mesh file that is not there."""
+    """The bounding box of a shape, if known, and its mesh file if missing."""
     mesh = None if geometry is None else geometry.find("mesh")
     if geometry is None:
         return None, []

@@ -1,8 +1,8 @@
 """A copy of an SDFormat file that PyBullet can read: one model in a world, a tree of links, no joint to the world.
 
-PyBullet refuses a joint whose parent is ``world``, crashes on a second joint to a link and on a second root, and takes
-no notice of ``relative_to``. What is left out is named, so that the report can say so. A fixed joint to the world
-becomes ``<static>``, by which PyBullet holds the base, and only that.
+PyBullet rejects a joint whose parent is ``world``, crashes on a second joint to a link and on a second root, and
+ignores ``relative_to``. Everything left out is listed for the report. A fixed joint to the world becomes ``<static>``,
+the only way in which PyBullet fixes the base.
 """
 
 import tempfile
@@ -25,7 +25,7 @@ def read_model(file: Path) -> Element:
 
     Raises:
         EngineRefused: The file is not XML.
-        EngineCannotRead: It holds no model, several, models within models, or an include.
+        EngineCannotRead: It has no model, several, nested models, or an include.
     """
     from lxml import etree
 
@@ -49,14 +49,14 @@ def ends(joint: Element) -> tuple[str, str]:
 
 
 def joints_to_world(model: Element) -> list[Element]:
-    """The joints that hold a model in the world; old files have a link of their own that is called ``world``."""
+    """The joints that attach a model to the world; old files have a link named ``world``."""
     if any(link.get("name") == "world" for link in model.findall("link")):
         return []
     return [joint for joint in model.findall("joint") if "world" in ends(joint)]
 
 
 def closing_joints(joints: Iterable[Element]) -> list[Element]:
-    """The joints that close a loop: their child hangs already from a joint before them, or they close a circle."""
+    """The joints that close a loop: their child already has a parent joint, or they form a cycle."""
     above: dict[str, str] = {}
     closing = []
     for joint in joints:
@@ -75,7 +75,7 @@ def _is_above(link: str, other: str, above: dict[str, str]) -> bool:
 
 
 def round_shapes(file: Path) -> int:
-    """How many cylinders and capsules a file has, visuals and collisions together."""
+    """Number of cylinders and capsules in a file, visuals and collisions together."""
     return sum(
         1 for geometry in read_model(file).iter("geometry") for _ in geometry.iterchildren("cylinder", "capsule")
     )
@@ -83,12 +83,12 @@ def round_shapes(file: Path) -> int:
 
 @contextmanager
 def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterator[tuple[Path, list[str]]]:
-    """Path of the copy, which lives as long as the context, and what was left out.
+    """Path of the copy, which exists as long as the context, and what was left out.
 
     Args:
         file: The SDFormat file.
-        held: Whether what a fixed joint holds in the world stays held; PyBullet tells no mass of such a base.
-        shapes: Whether the copy has them; to load them takes most of the time.
+        held: Whether a base fixed to the world stays fixed; PyBullet reports no mass of such a base.
+        shapes: Whether the copy has shapes; loading them takes most of the time.
 
     Raises:
         EngineRefused: The file is not XML.
@@ -124,10 +124,10 @@ def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterato
 
 
 def check_readable(model: Element) -> None:
-    """Make sure that PyBullet is not asked what it is known to crash on or to misread.
+    """Reject features on which PyBullet is known to crash or which it misreads.
 
     Raises:
-        EngineCannotRead: The model has something of the kind.
+        EngineCannotRead: The model has such a feature.
     """
     relative = model.xpath(".//pose[@relative_to and @relative_to!='']|.//xyz[@expressed_in and @expressed_in!='']")
     if relative:

@@ -1,4 +1,4 @@
-"""Actuators and sensors of a URDF, as ros2_control and ROS 1 transmissions define them.
+"""Actuators and sensors of a URDF, as defined by ros2_control and ROS 1 transmissions.
 
 https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
 """
@@ -21,7 +21,7 @@ else:
 
 _COMMANDS = {"position": ActuatorKind.POSITION, "velocity": ActuatorKind.VELOCITY, "effort": ActuatorKind.MOTOR}
 _INTERFACES = {f"hardware_interface/{word.capitalize()}JointInterface": kind for word, kind in _COMMANDS.items()}
-"""ROS 1's words for what an actuator takes."""
+"""ROS 1's names of an actuator's input."""
 _TRANSMISSION = "ros2_control/transmission"
 _SIMPLE = "transmission_interface/SimpleTransmission"
 _STATES = {"position", "velocity", "effort"}
@@ -35,9 +35,9 @@ _READINGS = {
         )
     ): SensorKind.IMU,
 }
-"""What a sensor is, by its state interfaces."""
+"""The kind of a sensor, by its state interfaces."""
 _WITH_STATES = (SensorKind.IMU.value, SensorKind.FORCE_TORQUE.value)
-"""Kinds of sensors that ros2_control has broadcasters for."""
+"""Kinds of sensors for which ros2_control has broadcasters."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class State:
     joint: str | None
 
     def beside(self, sensor: ObservedSensor) -> ObservedSensor:
-        """The sensor of the same name in a block of Gazebo's, if both say the same."""
+        """The sensor of the same name in a Gazebo block, if both agree."""
         if self.kind != sensor.kind:
             return replace(sensor, kind=f"{sensor.kind} in <gazebo>, {self.kind} in <ros2_control>")
         if sensor.joint is not None and self.joint != sensor.joint:
@@ -57,18 +57,18 @@ class State:
         return sensor
 
     def alone(self) -> ObservedSensor:
-        """The sensor, which no block of Gazebo's knows."""
+        """The sensor, which is in no Gazebo block."""
         kind = self.kind if self.kind not in _WITH_STATES else f"{self.kind} in <ros2_control> alone"
         return ObservedSensor(self.name, kind, joint=self.joint or "")
 
 
 def in_gazebo_alone(sensor: ObservedSensor) -> ObservedSensor:
-    """A sensor of Gazebo's that ros2_control does not know, which is right for those that it has no words for."""
+    """A Gazebo sensor without a ros2_control counterpart, which is correct for kinds that ros2_control lacks."""
     return replace(sensor, kind=f"{sensor.kind} in <gazebo> alone") if sensor.kind in _WITH_STATES else sensor
 
 
 def state_sensors(top: Element) -> dict[str, State]:
-    """The sensors that ros2_control has, by name."""
+    """The sensors of ros2_control, by name."""
     found = {}
     for element in top.findall("ros2_control/sensor"):
         readings = frozenset(one.get("name", "") for one in element.findall("state_interface"))
@@ -84,7 +84,7 @@ def _parameter(element: Element, name: str) -> str | None:
 
 
 def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
-    """The actuators: what their joints take, behind the gears of their transmissions.
+    """The actuators: the inputs of their joints, converted by the gears of their transmissions.
 
     Actuators without a transmission have no names; those with only a ROS 1 transmission have neither gains nor bounds.
     """
@@ -107,7 +107,7 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
 
 
 def _behind_gear(element: Element, old: Element | None, top: Element) -> ObservedActuator:
-    """An actuator with a transmission in `<ros2_control>`; the one of ROS 1 with the same name tells what it takes."""
+    """An actuator with a transmission in `<ros2_control>`; the ROS 1 transmission of the same name gives its input."""
     motor, driven = element.find("actuator"), element.find("joint")
     name = "" if motor is None else motor.get("name", "")
     joint = "" if driven is None else driven.get("name", "")
@@ -142,7 +142,7 @@ def _of_ros_1(element: Element) -> tuple[str, str, float]:
 
 
 def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear: float) -> ObservedActuator:
-    """An actuator whose input is a command interface; bounds are carried from the joint to the actuator."""
+    """An actuator whose input is a command interface; bounds are converted from the joint to the actuator."""
     values = {one.get("name", ""): _one(one) for one in command.findall("param")}
     low, high = values.get("min", -inf), values.get("max", inf)
     scale = 1.0 / gear if kind is ActuatorKind.MOTOR else gear
@@ -162,7 +162,7 @@ def _one(parameter: Element) -> float:
 
 
 def faults(top: Element) -> Iterator[str]:
-    """What ros2_control and ROS 1 would refuse: names, types and roles that are missing or unknown."""
+    """What ros2_control and ROS 1 would reject: missing or unknown names, types and roles."""
     for system in top.findall("ros2_control"):
         if not system.get("name") or system.get("type") not in ("system", "sensor", "actuator"):
             yield "<ros2_control> needs a name, and a type that is system, sensor or actuator"
@@ -193,9 +193,10 @@ def faults(top: Element) -> Iterator[str]:
 
 
 def _merged_joints(top: Element) -> Iterator[str]:
-    """Fixed joints that Gazebo merges away unless it is told not to, though sensors need them.
+    """Fixed joints that Gazebo merges unless disabled, although sensors need them.
 
-    With the joint goes a force-torque sensor in it, and shapes of the child, which a contact sensor names, are renamed.
+    A force-torque sensor in the joint is lost with it, and shapes of the child, which a contact sensor names, are
+    renamed.
     """
     kept, sensing = set(), set()
     for block in top.findall("gazebo"):
