@@ -14,7 +14,7 @@ class Observer(Protocol):
     """The module ``observer`` of an engine."""
 
     def prepare(self) -> None:
-        """Do the slow import."""
+        """Import the engine's slow modules."""
 
     def observe(self, request: "Request") -> "Observation":
         """Report what a file contains; runs in a worker process."""

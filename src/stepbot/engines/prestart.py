@@ -1,4 +1,4 @@
-"""The fork server of the engines, and what it imports for all of them."""
+"""The fork server of the engines, and the modules that it imports for all of them."""
 
 from stepbot.runtime.fork_server import ForkServer, can_serve
 
@@ -6,7 +6,7 @@ from . import engines
 
 
 def started_engine_server() -> ForkServer | None:
-    """A process that will start engines; None where it cannot, so that each starts on its own."""
+    """A process that starts engines; None without fork, so that each starts on its own."""
     if not can_serve():
         return None
     shared = [engine.shared_import for engine in engines() if not engine.optional]

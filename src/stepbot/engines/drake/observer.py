@@ -1,7 +1,7 @@
-"""Drake as an observer of SDFormat, URDF and MJCF: libsdformat's reading of poses and frames, and a plant of its own.
+"""Drake as an observer of SDFormat, URDF and MJCF: libsdformat's poses and frames, and Drake's own plant.
 
-Drake does not support a joint that closes a loop: a robot with loops gets a separate file, with ball constraints.
-Warnings about features that Drake does not support, such as joint friction, are noted; they are no fault of the file.
+Drake does not support joints that close loops: a robot with loops gets a separate file, with ball constraints. Warnings
+about features that Drake does not support, such as joint friction, are noted; they are not faults of the file.
 https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
 """
 
@@ -51,21 +51,21 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     },
 }
 _GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
-"""What Drake says of things that it knows, and does nothing about."""
+"""Drake's warnings about features that it reads but does not support."""
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Import the engine's slow modules."""
     import pydrake.multibody.parsing
     import pydrake.multibody.plant  # noqa: F401
 
 
 def observe(request: Request) -> Observation:
-    """Parse the file and say what is in it; to be run in a worker, because Drake aborts on some of what it refuses.
+    """Parse the file and report its content; to be run in a worker, because Drake aborts on some invalid files.
 
     Raises:
-        EngineRefused: Drake says that the file is wrong.
-        EngineCannotRead: It holds what Drake is known not to read.
+        EngineRefused: Drake rejects the file.
+        EngineCannotRead: The file has features that Drake is known not to read.
     """
     from .motion import closures_in, simulate
 
@@ -86,7 +86,7 @@ def observe(request: Request) -> Observation:
 
 @contextmanager
 def _messages(path: Path) -> Iterator[list[str]]:
-    """Collect what Drake logs as a warning or worse, without folders and line numbers."""
+    """Collect Drake's log messages from warning level up, without folders and line numbers."""
     collected: list[str] = []
     place = re.compile(r"^.*?(warning|error): ", re.DOTALL)
 
@@ -107,7 +107,7 @@ def _messages(path: Path) -> Iterator[list[str]]:
 
 
 def _check_mjcf(path: Path) -> None:
-    """Refuse to ask Drake what it is known to stumble over: several joints in a body, infinite ranges, no mass.
+    """Reject features that Drake is known to fail on: several joints in a body, infinite ranges, zero mass.
 
     Raises:
         EngineCannotRead: The file has one of them.
@@ -156,7 +156,7 @@ def _link(built: Built, body: Any) -> ObservedLink:
     visuals = built.plant.GetVisualGeometriesForBody(body)
     collisions = built.plant.GetCollisionGeometriesForBody(body)
     seen, touched = ([bounds_of(built, shape) for shape in shapes] for shapes in (visuals, collisions))
-    named = built.request.format != "mjcf"  # of which Drake keeps no names of shapes
+    named = built.request.format != "mjcf"  # Drake keeps no names of these shapes
     return ObservedLink(
         body.name(),
         mass,
@@ -183,7 +183,7 @@ def _frames(built: Built) -> dict[str, tuple[str, Pose]]:
 
 
 def _dynamics(built: Built, q: Mapping[str, float], rates: Rates) -> Dynamics:
-    """Mass matrix, gravity forces and inverse dynamics over the coordinates."""
+    """Mass matrix, gravity forces and inverse dynamics in the coordinates."""
     from pydrake.multibody.tree import MultibodyForces
 
     plant, context = built.plant, built.context

@@ -6,7 +6,7 @@ from ..engine import Engine
 
 
 def available() -> str | None:
-    """Why the engine cannot run here; None where it can."""
+    """Why the engine cannot run here; None if it can."""
     return None if any(sdf_programs()) else "libsdformat is not installed"
 
 

@@ -1,7 +1,7 @@
-"""Gazebo's own parser of SDFormat, libsdformat, by its command: ``gz sdf`` or, in older distributions, ``ign sdf``.
+"""Gazebo's own SDFormat parser, libsdformat, through its command: ``gz sdf`` or, in older distributions, ``ign sdf``.
 
-It says whether the file is valid and what it complains of. Its exit code is no help: a file of a later version than it
-knows is ``Valid.``, with an error in the text before that. https://gazebosim.org/libs/sdformat
+It reports whether the file is valid, and warnings. Its exit code is not sufficient: a file of a newer version of the
+format is ``Valid.``, after an error message. https://gazebosim.org/libs/sdformat
 """
 
 import re
@@ -24,12 +24,12 @@ _SECONDS = 120.0
 
 @cache
 def _command() -> str | None:
-    """The command that has ``sdf`` among its own."""
+    """The command that has ``sdf`` as a subcommand."""
     return next((program for program in sdf_programs() if _run(program, "--versions").strip()), None)
 
 
 def _run(program: str, *arguments: str) -> str:
-    """What ``sdf`` prints, errors too."""
+    """The output of ``sdf``, errors included."""
     command = [program, "sdf", *arguments]
     run = subprocess.run(
         command,
@@ -45,15 +45,15 @@ def _run(program: str, *arguments: str) -> str:
 
 
 def prepare() -> None:
-    """There is no slow import: the command is a program of its own."""
+    """Nothing to import: the command is a separate program."""
 
 
 def observe(request: Request) -> Observation:
-    """Let libsdformat check the file.
+    """Check the file with libsdformat.
 
     Raises:
-        EngineRefused: It says that the file is wrong.
-        EngineCannotRead: The file is of a later version than it knows, or its command is not there.
+        EngineRefused: It reports an error in the file.
+        EngineCannotRead: The file is of a newer version than it supports, or the command is missing.
     """
     program = _command()
     if program is None:
@@ -64,7 +64,7 @@ def observe(request: Request) -> Observation:
     if later is not None:
         raise EngineCannotRead(f"the file has version {later[1]}; the installed libsdformat reads up to {later[2]}")
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    # A library that only makes backtraces prettier; its absence says nothing of the file.
+    # A library that only formats backtraces; its absence is not about the file.
     lines = [line for line in lines if "backward.so" not in line]
     if "Valid." not in lines:
         raise EngineRefused("; ".join(dict.fromkeys(_PLACE.sub("", line) for line in lines)))

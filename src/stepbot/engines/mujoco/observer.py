@@ -1,8 +1,8 @@
-"""MuJoCo as an observer of MJCF and URDF: everything that it compiles, its mass matrix, and loops closed by Newton.
+"""MuJoCo as an observer of MJCF and URDF: the compiled model, its mass matrix, and loops closed by Newton's method.
 
-URDF is read from a copy with compiler options that keep what MuJoCo would throw away or lose: the base
-(``fusestatic``), visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality constraints are soft,
-so closures are solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
+URDF is read from a copy with compiler options that keep what MuJoCo drops by default: the base (``fusestatic``),
+visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality constraints are soft, so closures are
+solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -43,18 +43,18 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     "mjcf": {},
 }
 _FOR_COMPILING = 1e-6
-"""Mass [kg] and moments of inertia [kg m^2] of moving links that weigh nothing, while MuJoCo compiles them."""
+"""Temporary mass [kg] and moments of inertia [kg m^2] of massless moving links while MuJoCo compiles."""
 HOME = "home"
-"""Name of the keyframe that holds the initial pose."""
+"""Name of the keyframe with the initial pose."""
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Import the engine's slow modules."""
     import mujoco  # noqa: F401
 
 
 def observe(request: Request) -> Observation:
-    """Compile the file and say what is in it.
+    """Compile the file and report its content.
 
     Raises:
         EngineRefused: MuJoCo does not compile the file.
@@ -77,7 +77,7 @@ def observe(request: Request) -> Observation:
 
 @contextmanager
 def _warnings(engine: Any) -> Iterator[list[str]]:
-    """Collect what MuJoCo warns about; on its own it would write a log file into the working directory."""
+    """Collect MuJoCo's warnings, which it would otherwise write to a log file in the working directory."""
     collected: list[str] = []
     former = engine.get_mju_user_warning()
     engine.set_mju_user_warning(collected.append)
@@ -88,25 +88,25 @@ def _warnings(engine: Any) -> Iterator[list[str]]:
 
 
 def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
-    """The compiled model, and what was done to have it compiled."""
+    """The compiled model, and notes on what was changed to compile it."""
     path = Path(request.file)
     try:
         if request.format == "urdf":
             spec = engine.MjSpec.from_string(_urdf_copy(path))
-            for mesh in spec.meshes:  # URDF gives every mass itself, so a flat mesh is no fault
+            for mesh in spec.meshes:  # URDF states every mass, so a flat mesh is not a fault
                 mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
             return _with_weightless_links(engine, spec)
         return engine.MjModel.from_xml_path(str(path)), ()
     except ValueError as error:
-        # Folders of this machine have no place in a message that may end in a report.
+        # Local folders must not be in a message that may be part of a report.
         raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
 
 
 def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]]:
-    """The compiled model of a spec whose moving bodies may weigh nothing, and a note on them.
+    """The compiled model of a spec with massless moving bodies, and a note on them.
 
-    MuJoCo compiles no moving body without mass, although it computes with such bodies: they weigh something while it
-    compiles, and nothing from then on.
+    MuJoCo does not compile moving bodies without mass, although it can simulate them: they get a small mass during
+    compilation, which is removed afterwards.
     """
     weightless = [body.name for body in spec.bodies if body.name != "world" and body.joints and body.mass == 0.0]
     for name in weightless:
@@ -123,7 +123,7 @@ def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]
 
 
 def _urdf_copy(path: Path) -> str:
-    """The URDF with MuJoCo's compiler options, and with meshes where they are found."""
+    """The URDF with MuJoCo's compiler options, and with resolved mesh paths."""
     from lxml import etree
 
     try:
@@ -176,7 +176,7 @@ def _base(compiled: Compiled) -> str:
 
 
 def _name(compiled: Compiled) -> str:
-    """What the model is called: MuJoCo keeps that before all other names."""
+    """Name of the model: MuJoCo stores it before all other names."""
     return bytes(compiled.model.names).split(b"\0", 1)[0].decode("utf-8", "replace")
 
 
@@ -204,7 +204,7 @@ def _around(shapes: Sequence[ObservedShape]) -> Bounds | None:
 
 
 def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:
-    """Mass matrix without armature, gravity forces, and inverse dynamics, over the coordinates."""
+    """Mass matrix without armature, gravity forces, and inverse dynamics, in the coordinates."""
     engine, model = compiled.engine, compiled.model
     E = compiled.coordinates.rates(q)
     kept = model.dof_armature.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)

@@ -6,7 +6,7 @@ from ..engine import Engine
 
 
 def available() -> str | None:
-    """Why the engine cannot run here; None where it can."""
+    """Why the engine cannot run here; None if it can."""
     # A test framework of the same name is on the package index as well; only the real one is installed as `pin`.
     try:
         importlib.metadata.version("pin")

@@ -1,7 +1,7 @@
-"""Pinocchio as an observer of URDF and MJCF: rigid body algorithms that share nothing with those of the simulators.
+"""Pinocchio as an observer of URDF and MJCF: rigid body algorithms independent of those of the simulators.
 
-It melts what is fixed to a link into that link's inertia, and gives a joint that turns without end two coordinates,
-its cosine and sine. https://github.com/stack-of-tasks/pinocchio
+It merges fixed links into their parent's inertia, and gives a continuous joint two coordinates, cosine and sine.
+https://github.com/stack-of-tasks/pinocchio
 """
 
 import importlib.metadata
@@ -49,16 +49,16 @@ _HOME = "home"
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Import the engine's slow modules."""
     import pinocchio  # noqa: F401
 
 
 def observe(request: Request) -> Observation:
-    """Build the model and say what is in it.
+    """Build the model and report its content.
 
     Raises:
         EngineRefused: Pinocchio does not build it.
-        EngineCannotRead: Several joints in one body, whose names Pinocchio forgets.
+        EngineCannotRead: Several joints in one body, whose names Pinocchio does not keep.
     """
     import pinocchio as engine
 
@@ -76,7 +76,7 @@ def observe(request: Request) -> Observation:
 
 
 def _mimics(engine: Any, request: Request) -> dict[str, Mimic] | str:
-    """The mimic of each joint that has one, from a model that follows them; or why they are not told."""
+    """The mimic of each joint that has one, from a model with mimics; or why they are not reported."""
     if request.format != "urdf":
         return _MJCF_NOT_RUN[Quantity.MIMIC]
     try:
@@ -92,7 +92,7 @@ def _mimics(engine: Any, request: Request) -> dict[str, Mimic] | str:
 
 @dataclass(frozen=True)
 class _Built:
-    """A model, and how its frames hang together."""
+    """A model and the tree of its frames."""
 
     engine: Any
     model: Any
@@ -102,7 +102,7 @@ class _Built:
         model, request = self.model, self.request
         columns = tuple(self.columns)
         model.gravity.linear = np.array(GRAVITY)
-        model.armature[:] = 0.0  # compared by itself, where an engine tells of it
+        model.armature[:] = 0.0  # compared separately, if an engine reports it
         data = model.createData()
         closed = [q for way in request.ways for q in way]
         mjcf = request.format == "mjcf"
@@ -150,12 +150,12 @@ class _Built:
 
     @cached_property
     def floats(self) -> bool:
-        """Whether the root hangs from a free joint."""
+        """Whether the root has a free joint."""
         return any(joint.shortname() == "JointModelFreeFlyer" for joint in self.model.joints)
 
     @cached_property
     def columns(self) -> dict[str, int]:
-        """For each coordinate the joint that it belongs to.
+        """For each coordinate, its joint.
 
         Raises:
             EngineCannotRead: Several joints in one body.
@@ -172,7 +172,7 @@ class _Built:
         return columns
 
     def link(self, index: int) -> ObservedLink:
-        """A link; of one that others are fixed to Pinocchio knows the sum only."""
+        """A link; if others are fixed to it, Pinocchio keeps only the total inertia."""
         frame, types = self.model.frames[index], self.engine.FrameType
         above = self.above.get(frame.name)
         if above is None:
@@ -186,7 +186,7 @@ class _Built:
         return ObservedLink(frame.name, float(inertia.mass), vector3(inertia.lever), matrix3(np.array(inertia.inertia)))
 
     def _whole(self, joint: int) -> Any:
-        """Inertia of all that hangs on a joint without another; None where that is more than one link."""
+        """Inertia of the links that are fixed together; None if there is more than one."""
         mine = [name for name, index in self.bodies.items() if self.model.frames[index].parentJoint == joint]
         return self.model.inertias[joint] if len(mine) == 1 else None
 
@@ -201,7 +201,7 @@ class _Built:
                 yield self._moving(frame, parent, child, mimics)
 
     def _link_above(self, frame: Any) -> str:
-        """The link that a joint's frame hangs from."""
+        """The link that is the parent of a joint's frame."""
         above = self.model.frames[frame.parentFrame]
         while above.type != self.engine.FrameType.BODY:
             above = self.model.frames[above.parentFrame]
@@ -228,7 +228,7 @@ class _Built:
         )
 
     def _axis(self, joint: Any, word: str) -> Array:
-        """Axis in the child's frame: what the joint's speed makes of it, sliding before turning."""
+        """Axis in the child's frame: the child's velocity at unit joint speed, linear before angular."""
         data = joint.createData()
         joint.calc(data, self.engine.neutral(self.model))
         motion: Array = np.array(data.S).reshape(6)
@@ -251,7 +251,7 @@ class _Built:
 
     @cached_property
     def _balls(self) -> list[tuple[tuple[str, str, str], int, int]]:
-        """Coordinates of each ball, and where it starts in q and in v."""
+        """Coordinates of each ball, and their offsets in q and in v."""
         balls = self.request.balls
         joints = {name: self.model.joints[index] for index, name in enumerate(self.model.names)}
         return [
@@ -272,7 +272,7 @@ class _Built:
         return E
 
     def poses(self, data: Any, at: Mapping[str, float]) -> dict[str, Pose]:
-        """Pose of every link with respect to the first."""
+        """Pose of every link relative to the first."""
         self.engine.framesForwardKinematics(self.model, data, self.q(at))
         X_W = {name: Pose.of(data.oMf[i].rotation, data.oMf[i].translation) for name, i in self.bodies.items()}
         if not X_W:
@@ -281,7 +281,7 @@ class _Built:
         return {name: X_RW @ X for name, X in X_W.items()}
 
     def dynamics(self, data: Any, at: Mapping[str, float], rates: Rates) -> Dynamics:
-        """Mass matrix, gravity forces and inverse dynamics over the coordinates."""
+        """Mass matrix, gravity forces and inverse dynamics in the coordinates."""
         engine, model, q = self.engine, self.model, self.q(at)
         E = self.rates(at)
         v, a = (np.array([float(rate.get(name, 0.0)) for name in self.columns]) for rate in rates)

@@ -1,8 +1,8 @@
 """PyBullet as an observer: URDF in full, SDFormat as a tree without inertia, MJCF as a smoke test.
 
-Bullet keeps each link in its inertial frame, whose axes are the principal ones: poses, axes and closures are carried
-over to the link's frame here. A body with a fixed base reports no base mass, so URDF is loaded a second time floating.
-Link frames come back as floats, inertial frames as doubles: poses are taken from the latter.
+Bullet stores each link in its inertial frame, whose axes are the principal ones: poses, axes and closures are converted
+to the link's frame here. A body with a fixed base reports no base mass, so URDF is loaded a second time floating. Link
+frames are returned in single precision, inertial frames in double: poses are taken from the latter.
 https://docs.google.com/document/d/10sXEhzFRSnvFcl3XxNGhnD4N2SedqwdAvK3dsihxVUA
 """
 
@@ -58,22 +58,22 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
 _MJCF_REASON = "PyBullet's MJCF reader computes wrong poses; only loading is tested"
 _KINDS = {0: "revolute", 1: "prismatic", 2: "ball", 3: "planar", 4: "fixed"}
 _TESSELLATED = b"unknown_file"
-"""Name of the mesh that loadSDF makes of a cylinder, with 32 sides."""
+"""Name of the mesh that loadSDF creates for a cylinder, with 32 sides."""
 _IN_VAIN = "Couldn't parse vector3"
-"""What loadSDF complains of, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
+"""loadSDF's warning, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
 _PLAIN = "?"
-"""The line that getMeshData prints for each ball, box or other plain shape beside the meshes of a link."""
+"""The line that getMeshData prints for each primitive beside the meshes of a link."""
 _NO_LIMIT = 1e15
-"""SDFormat's word for no limit is 1e16."""
+"""SDFormat's value for unlimited is 1e16."""
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Import the engine's slow modules."""
     import pybullet  # noqa: F401
 
 
 def observe(request: Request) -> Observation:
-    """Load the file and say what is in it; to be run in a worker, because PyBullet crashes on what it cannot read.
+    """Load the file and report its content; to be run in a worker, because PyBullet crashes on unsupported files.
 
     Raises:
         EngineRefused: PyBullet reports that it cannot load the file.
@@ -94,9 +94,9 @@ def observe(request: Request) -> Observation:
 
 @contextmanager
 def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, shapes: bool = True) -> Iterator[Body]:
-    """The only body of a file, alone in a world of its own, where nothing of a former file is used again."""
+    """The only body of a file, in a separate world without cached content of previous files."""
     client = engine.connect(engine.DIRECT)
-    engine.setPhysicsEngineParameter(enableFileCaching=1)  # each mesh is read once for all the shapes that show it
+    engine.setPhysicsEngineParameter(enableFileCaching=1)  # each mesh is read once for all the shapes that use it
     engine.setGravity(*GRAVITY)
     try:
         if written_in == "urdf":
@@ -112,7 +112,7 @@ def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, sh
     except engine.error as error:
         raise EngineRefused(str(error)) from error
     finally:
-        engine.setPhysicsEngineParameter(enableFileCaching=0)  # that also forgets what was read
+        engine.setPhysicsEngineParameter(enableFileCaching=0)  # that also clears the cache of read files
         engine.disconnect(client)
 
 
@@ -150,7 +150,7 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
         if request.closures and request.ways:
             closures, notes = close_in_simulation(body, request)
             observation = replace(observation, closures=closures, notes=notes)
-    # A fixed base reports no mass: what it weighs is read from a second, floating one.
+    # A fixed base reports no mass: its mass is read from a second, floating copy.
     with _loaded(engine, path, "urdf", shapes=False) as body:
         base = _link(body, -1, request)
         first, *others = observation.links
@@ -160,7 +160,7 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
 
 
 def _tree(body: Body, request: Request) -> Observation:
-    """What every format tells: links, joints, poses."""
+    """What PyBullet reports for every format: links, joints, poses."""
     closed = [q for way in request.ways for q in way]
     return Observation(
         engine=ENGINE.name,
@@ -191,7 +191,7 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         None if inertia is None else matrix3(inertia),
         visual_bounds=_visual_bounds(body, visuals),
         collision_bounds=_collision_bounds(body, index, collisions),
-        # PyBullet shows the collision shapes of a link that has nothing else to show.
+        # PyBullet displays the collision shapes of a link without visuals.
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
         visuals=tuple(ObservedShape(rgba=tuple(shape[7])) for shape in visuals),
@@ -200,7 +200,7 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
 
 
 def _visual_bounds(body: Body, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
-    """Box of what is seen, in the link's frame; None where a mesh is part of it, whose vertices PyBullet keeps."""
+    """Bounding box of the visuals, in the link's frame; None with a mesh, whose vertices PyBullet does not return."""
     if any(shape[2] == body.engine.GEOM_MESH for shape in shapes):
         return None
     boxes = [primitive_bounds(_primitive(body.engine, shape[2], shape[3]), pose(*shape[5:7])) for shape in shapes]
@@ -208,7 +208,7 @@ def _visual_bounds(body: Body, shapes: Sequence[tuple[Any, ...]]) -> Bounds | No
 
 
 def _collision_bounds(body: Body, index: int, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
-    """Box of what is touched, in the link's frame; the shapes are given in the inertial frame."""
+    """Bounding box of the collisions, in the link's frame; the shapes are given in the inertial frame."""
     engine, X_LI = body.engine, body.X_LI[index + 1]
     if any(shape[4] == _TESSELLATED for shape in shapes):
         return None
@@ -226,10 +226,10 @@ def _collision_bounds(body: Body, index: int, shapes: Sequence[tuple[Any, ...]])
 
 
 def _primitive(engine: Any, kind: int, size: Sequence[float]) -> Box | Cylinder | Sphere | Capsule:
-    """A shape from PyBullet's kind and dimensions.
+    """A shape from PyBullet's type and dimensions.
 
     Raises:
-        EngineCannotRead: PyBullet reports a kind of shape that is not one of the format's.
+        EngineCannotRead: PyBullet reports a type of shape that the format does not have.
     """
     if kind == engine.GEOM_BOX:
         return Box(vector3(size))
@@ -252,7 +252,7 @@ def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
     if lower > upper or (lower <= -_NO_LIMIT and upper >= _NO_LIMIT):
         lower, upper = -inf, inf
         kind = "continuous" if kind == "revolute" else kind
-    # loadSDF reads no limits of continuous joints, so that nothing is told of their effort and velocity.
+    # loadSDF reads no limits of continuous joints, so their effort and velocity are not reported.
     silent = written_in == "sdf" and not (info[10] or info[11])
     limit = Limit(
         lower=-inf if lower <= -_NO_LIMIT else lower,
@@ -273,7 +273,7 @@ def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
 
 
 def _weights(body: Body, request: Request) -> tuple[Dynamics, ...]:
-    """Gravity forces alone, where PyBullet knows masses but no inertias."""
+    """Gravity forces only, for formats of which PyBullet reads masses but not inertias."""
     return tuple(Dynamics(gravity=_dynamics(body, *at).gravity) for at in request.moments)
 
 
@@ -295,7 +295,7 @@ def _dynamics(body: Body, q: Mapping[str, float], rates: Rates) -> Dynamics:
 
 
 def _complaints(lines: Sequence[str], request: Request) -> list[str]:
-    """The messages among printed lines, without folders and places in PyBullet's source."""
+    """The messages among printed lines, without folders and positions in PyBullet's source."""
     text = "\n".join(line for line in lines if line.strip() != _PLAIN).replace(
         str(Path(request.file).parent) + os.sep, ""
     )

@@ -1,8 +1,8 @@
 """SDFormat read back by stepbot's own parser, because no engine of the core install reads all of it.
 
-It is written from the specification (http://sdformat.org/spec) and knows nothing of the writer. It tells of inertias,
-limits, closing joints, frames and mimics, which PyBullet ignores; poses and dynamics are those of stepbot's kinematics
-over what was read, so they prove the text and not an engine.
+It is written from the specification (http://sdformat.org/spec) and independent of the writer. It reports inertias,
+limits, closing joints, frames and mimics, which PyBullet ignores; poses and dynamics are computed by stepbot's
+kinematics from the parsed values, so they confirm the text, not the behaviour of an engine.
 """
 
 from dataclasses import replace
@@ -44,23 +44,23 @@ else:
 
 
 NO_LIMIT = 1e15
-"""Limits beyond this are the format's word for none, 1e16."""
+"""Limits beyond this are the format's value for unlimited, 1e16."""
 _MOVED = MOVING | {JointKind.FIXED, JointKind.BALL, JointKind.UNIVERSAL}
-"""Kinds of joints of the format that the model has too."""
+"""Joint types that both the format and the model have."""
 _NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Nothing to import."""
     import lxml.etree  # noqa: F401
 
 
 def observe(request: Request) -> Observation:
-    """Parse the file and say what is in it.
+    """Parse the file and report its content.
 
     Raises:
         EngineRefused: The file contradicts the specification.
-        EngineCannotRead: It uses what this reader does not know: models within models, several trees.
+        EngineCannotRead: It uses features that this reader does not support: nested models, several trees.
     """
     model = read_model(Path(request.file))
     frames = Frames(model)
@@ -182,7 +182,7 @@ def _mimic(axis: Element) -> Mimic | None:
 
 
 def _closure(joint: Element, frames: Frames) -> ObservedClosure:
-    """A closing joint; its frame is given in the child, and lies in the parent where it is at q = 0."""
+    """A closing joint; its frame is given in the child, and its frame in the parent is the same at q = 0."""
     parent, child = (frames.link_of(name) for name in ends(joint))
     X_MF, axis = frames.X_M(joint.get("name", "")), joint.find("axis")
     return ObservedClosure.of_frames(
@@ -200,7 +200,7 @@ def _frame(frame: Element, frames: Frames) -> tuple[str, Pose]:
 
 
 def _with_motion(observation: Observation, tree: list[Element], frames: Frames, request: Request) -> Observation:
-    """The observation with poses and equations of motion, by stepbot's kinematics over what was read."""
+    """The observation with poses and equations of motion, by stepbot's kinematics from the parsed values."""
     strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in _MOVED})
     if strange:
         reason = f"stepbot has no kinematics for {', '.join(strange)} joints"
@@ -213,7 +213,7 @@ def _with_motion(observation: Observation, tree: list[Element], frames: Frames, 
     }
     robot = _robot(observation, X_LJ, frames)
     layout = Tree(robot)
-    # The root link stands in the world as the file has it in the model.
+    # The root link's pose in the world is its pose in the model.
     gravity = vector3(frames.X_M(robot.root.name).inverse().turn(GRAVITY))
     poses, dynamics = [], []
     for q in [*request.configurations, *(q for way in request.ways for q in way)]:
@@ -227,11 +227,11 @@ def _with_motion(observation: Observation, tree: list[Element], frames: Frames, 
 
 
 def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> Robot:
-    """What was read as a robot whose link frames are those of the joints above; without mimics, as engines move joints.
+    """The parsed robot with each link frame at the joint above; without mimics, as engines move joints.
 
     Raises:
-        EngineRefused: A joint names a link that is not there.
-        EngineCannotRead: The links make no single tree.
+        EngineRefused: A joint refers to a link that does not exist.
+        EngineCannotRead: The links do not form a single tree.
     """
     links = {link.name: link for link in observation.links}
     joint_of = {joint.child: joint for joint in observation.joints}
@@ -243,7 +243,7 @@ def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> R
     if len(roots) != 1:
         raise EngineCannotRead(f"{len(roots)} root links, one expected: {', '.join(roots)}")
     order = list(roots)
-    for name in order:  # grows while it is walked
+    for name in order:  # grows during the loop
         order += [joint.child for joint in observation.joints if joint.parent == name]
 
     def X_MJ(name: str) -> Pose:

@@ -1,8 +1,8 @@
 """The blocks of a URDF that no engine reads, read back: `<gazebo>`, `<transmission>`, `<ros2_control>`.
 
 It is stepbot's own parser, written from the documentation of Gazebo and ros2_control, independent of the writer. It
-reports springs, actuators and sensors; the engines check everything else. It confirms the text, not the behaviour of
-an engine: reports count its checks separately.
+reports springs, actuators and sensors; the engines check everything else. It confirms the text, not the behaviour of an
+engine: reports count its checks separately.
 """
 
 from collections.abc import Iterator
@@ -30,15 +30,15 @@ _NOTE = "extension blocks, read by stepbot's own parser only"
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Nothing to import."""
     import lxml.etree  # noqa: F401
 
 
 def observe(request: Request) -> Observation:
-    """Parse the file and say what is in its blocks.
+    """Parse the file and report the content of its blocks.
 
     Raises:
-        EngineRefused: The file is not XML, or something in it is no number.
+        EngineRefused: The file is not XML, or a value is not a number.
     """
     from lxml import etree
 
@@ -66,7 +66,7 @@ def _ends(joint: Element) -> tuple[str, str]:
 
 
 def _joint(joint: Element, top: Element) -> ObservedJoint:
-    """A joint, of which nothing is told but its spring."""
+    """A joint, of which only the spring is reported."""
     name, (parent, child) = joint.get("name", ""), _ends(joint)
     blocks = [block for block in top.findall("gazebo") if block.get("reference") == name]
     block = next((block for block in blocks if block.find("springStiffness") is not None), None)
@@ -79,7 +79,7 @@ def _joint(joint: Element, top: Element) -> ObservedJoint:
 
 
 def _sensors(top: Element) -> Iterator[ObservedSensor]:
-    """The sensors in Gazebo's blocks, and those that ros2_control has beside them or alone."""
+    """The sensors in Gazebo's blocks, combined with those of ros2_control."""
     joints = {joint.get("name", ""): joint for joint in top.findall("joint")}
     states = state_sensors(top)
     for block in top.findall("gazebo"):
@@ -93,7 +93,7 @@ def _sensors(top: Element) -> Iterator[ObservedSensor]:
 
 
 def _in_block(element: Element, on: str, joints: dict[str, Element], top: Element) -> ObservedSensor:
-    """A sensor of a block, whose reference is a joint or a link."""
+    """A sensor of a block that refers to a joint or a link."""
     X_LS = read_pose(element)
     if on in joints:
         _, child = _ends(joints[on])
@@ -102,7 +102,7 @@ def _in_block(element: Element, on: str, joints: dict[str, Element], top: Elemen
 
 
 def _shapes_in_gazebo(top: Element, link: str) -> list[str]:
-    """Names of the collision shapes of a link as Gazebo makes them: that of the shape or the link, and a number."""
+    """Names of a link's collision shapes in Gazebo: that of the shape or the link, and a number."""
     shapes = [shape for one in top.findall("link") if one.get("name") == link for shape in one.findall("collision")]
     return [
         f"{shape.get('name') or link}_collision" + (f"_{number}" if number else "")

@@ -1,7 +1,6 @@
-"""yourdfpy as an observer of URDF: a parser of its own, with forward kinematics that obeys mimics.
+"""yourdfpy as an observer of URDF: an independent parser with forward kinematics that supports mimics.
 
-It has no dynamics, and its meshes are checked by the simulating engines only with them.
-https://github.com/clemense/yourdfpy
+It has no dynamics; meshes are checked by the simulating engines only. https://github.com/clemense/yourdfpy
 """
 
 import importlib.metadata
@@ -37,15 +36,15 @@ _MOVING = ("revolute", "continuous", "prismatic")
 
 
 def prepare() -> None:
-    """Do the slow import, in a process that only reads: it needs nothing that trimesh takes from scipy or networkx."""
+    """Import the engine's slow modules, without the parts of trimesh that need scipy or networkx."""
     import_lightly("yourdfpy", ("networkx", "scipy"))
 
 
 def observe(request: Request) -> Observation:
-    """Parse the file and say what is in it.
+    """Parse the file and report its content.
 
     Raises:
-        EngineRefused: yourdfpy cannot make a tree of it.
+        EngineRefused: yourdfpy cannot build a tree from it.
     """
     import yourdfpy as engine
 
@@ -79,7 +78,7 @@ def observe(request: Request) -> Observation:
 
 @contextmanager
 def _warnings() -> Iterator[list[str]]:
-    """Collect what yourdfpy logs as a warning or worse."""
+    """Collect yourdfpy's log messages from warning level up."""
     collected: list[str] = []
 
     class Collector(logging.Handler):
@@ -117,7 +116,7 @@ def _link(link: Any) -> ObservedLink:
 
 
 def _rgba(material: Any) -> tuple[float, ...]:
-    """The colour that a visual has of its own."""
+    """The colour that is a visual's own."""
     if material is None or material.color is None:
         return ()
     return tuple(float(channel) for channel in material.color.rgba)
@@ -161,7 +160,7 @@ def _number(value: float | None, default: float) -> float:
 
 
 def _mimic_chains(joints: tuple[ObservedJoint, ...]) -> list[str]:
-    """Joints that mimic a joint that mimics."""
+    """Joints that mimic a mimicking joint."""
     followers = {joint.name for joint in joints if joint.mimic}
     return [joint.name for joint in joints if joint.mimic and joint.mimic.joint in followers]
 
