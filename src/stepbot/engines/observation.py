@@ -31,6 +31,7 @@ class Quantity(StrEnum):
     MASS = "mass"
     COM = "com"
     INERTIA = "inertia"
+    GRAVITY_SETTINGS = "gravity"
     POSES = "poses"
     MASS_MATRIX = "mass matrix"
     GRAVITY = "gravity forces"
@@ -87,6 +88,8 @@ class ObservedLink:
     """Each visual of the link, in the order of the file."""
     collisions: tuple[ObservedShape, ...] | None = None
     """Each collision of the link, in the order of the file."""
+    gravity_compensation: float | None = None
+    """Share of the weight that the file takes away: 1 where gravity does not act on the link."""
 
 
 @dataclass(frozen=True)
@@ -231,6 +234,8 @@ class Observation:
     """``fixed`` or ``floating``; None if neither the file nor the engine determines it."""
     links: tuple[ObservedLink, ...] = ()
     joints: tuple[ObservedJoint, ...] = ()
+    gravity: tuple[float, ...] | None = None
+    """Acceleration of gravity [m/s^2] in the world; empty where the file leaves it to the simulator."""
     coordinates: tuple[str, ...] = ()
     """Names of the coordinates, in the order of the rows of every mass matrix: joints of one degree of freedom, or the
     coordinates of a multi-dof joint (:mod:`stepbot.robot.multi_dof`)."""

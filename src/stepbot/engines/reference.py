@@ -59,6 +59,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         base=robot.base.value,
         links=tuple(_link(robot, link, shaded=request.format.endswith("sdf")) for link in robot.links),
         joints=tuple(_joint(joint) for joint in robot.joints),
+        gravity=(),
         coordinates=tree.joints,
         poses=poses,
         dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations),
@@ -80,6 +81,7 @@ def _link(robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
         body.inertia,
         _bounds(robot, link.visuals),
         _bounds(robot, link.collisions),
+        gravity_compensation=0.0,
         has_visuals=bool(link.visuals),
         has_collisions=bool(link.collisions),
         visuals=tuple(

@@ -20,6 +20,7 @@ CODES: Mapping[Quantity, str] = {
     Quantity.MASS: "SB805",
     Quantity.COM: "SB805",
     Quantity.INERTIA: "SB805",
+    Quantity.GRAVITY_SETTINGS: "SB807",
     Quantity.POSES: "SB806",
     Quantity.FRAMES: "SB806",
     Quantity.MASS_MATRIX: "SB807",

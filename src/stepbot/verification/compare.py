@@ -15,6 +15,7 @@ from stepbot.geometry.spatial import Array, angle_between
 
 from .deviation import Deviations
 from .devices import compare_actuators, compare_sensors
+from .gravity_settings import compare_gravity_settings, has_gravity_settings
 from .links import link_pairs
 from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
 from .shapes import compare_contacts, compare_meshes, compare_shapes
@@ -251,6 +252,7 @@ _COMPARISONS: Mapping[Quantity, Comparison] = {
     Quantity.MASS: _compare_mass,
     Quantity.COM: _compare_com,
     Quantity.INERTIA: _compare_inertia,
+    Quantity.GRAVITY_SETTINGS: compare_gravity_settings,
     Quantity.POSES: compare_poses,
     Quantity.MASS_MATRIX: compare_mass_matrix,
     Quantity.GRAVITY: compare_gravity,
@@ -287,6 +289,7 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.LIMITS: _moves,
     Quantity.DYNAMICS: _moves,
     Quantity.MIMIC: lambda observation: any(joint.mimic for joint in observation.joints),
+    Quantity.GRAVITY_SETTINGS: has_gravity_settings,
     Quantity.MASS_MATRIX: _moves,
     Quantity.GRAVITY: _moves,
     Quantity.INVERSE_DYNAMICS: _moves,
@@ -301,5 +304,5 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
 }
 """Whether a robot has something of the quantity at all; every robot has the others."""
 
-_OPTIONAL = frozenset({Quantity.INITIAL, Quantity.CONTACTS, Quantity.SHAPES})
+_OPTIONAL = frozenset({Quantity.GRAVITY_SETTINGS, Quantity.INITIAL, Quantity.CONTACTS, Quantity.SHAPES})
 """What few formats or engines tell; that is a loss of the writer's to report, and no check that an engine left out."""

@@ -43,6 +43,7 @@ _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """What an engine says without a second one to compare with."""
 _STILL = frozenset(
     {
+        Quantity.GRAVITY_SETTINGS,
         Quantity.CLOSURES,
         Quantity.MESHES,
         Quantity.SHAPES,
@@ -250,6 +251,8 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostic
                 if one.quantity not in compared and (first or (one.quantity in _STILL and not one.not_run))
             ]
             compared |= {one.quantity for one in results if not one.not_run}
+            if not ours.observation.gravity:  # another file may have one
+                compared.discard(Quantity.GRAVITY_SETTINGS)
             for one in results:
                 against = f"{ours.key} ({ours.engine(one.quantity)})"
                 subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)

@@ -13,6 +13,7 @@ _WHOLE: Mapping[str, Quantity] = {
     "actuators": Quantity.ACTUATORS,
     "sensors": Quantity.SENSORS,
     "initial": Quantity.INITIAL,
+    "gravity": Quantity.GRAVITY_SETTINGS,
     "excluded_pairs": Quantity.CONTACTS,
 }
 """Fields of an observation that one engine tells of as a whole."""
@@ -98,9 +99,12 @@ def _new(theirs: Sequence[str], mine: Sequence[str]) -> tuple[str, ...]:
 
 
 def _link(link: ObservedLink, other: ObservedLink | None, filled: set[Quantity]) -> ObservedLink:
-    """A link with what another engine reads of its shapes."""
+    """A link with what another engine reads of its shapes, and whether gravity acts on it."""
     if other is None:
         return link
+    if link.gravity_compensation is None and other.gravity_compensation is not None:
+        link = replace(link, gravity_compensation=other.gravity_compensation)
+        filled.add(Quantity.GRAVITY_SETTINGS)
     whole = replace(
         link,
         visuals=_shapes(link.visuals, other.visuals),

@@ -35,6 +35,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.MASS: Tolerance(relative=1e-9),
     Quantity.COM: Tolerance(relative=1e-9),
     Quantity.INERTIA: Tolerance(relative=1e-9),
+    Quantity.GRAVITY_SETTINGS: Tolerance(absolute=1e-9),
     Quantity.POSES: Tolerance(absolute=1e-9),
     Quantity.MASS_MATRIX: Tolerance(relative=1e-9),
     Quantity.GRAVITY: Tolerance(relative=1e-9),

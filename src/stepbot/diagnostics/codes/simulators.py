@@ -63,7 +63,9 @@ CODES: tuple[Code, ...] = (
         "SB807",
         "error",
         "dynamics mismatch",
-        "The mass matrix or the gravity forces computed by an engine differ from those of the robot.",
+        "The mass matrix or the gravity forces computed by an engine differ from those of the robot. Or a file sets another "
+        "acceleration of gravity, or takes the weight of a link away: `gravcomp` in MJCF, `<gravity>` in SDFormat, "
+        "`<turnGravityOff>` in URDF.",
         "Controllers tuned on this file are tuned for a different robot.",
         "If masses and poses agree, the engine changes them when it loads the file. " + _OURS,
     ),

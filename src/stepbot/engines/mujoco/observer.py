@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_inertia
+from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_inertia, vector3
 from stepbot.robot.dynamics import GRAVITY, Rates
 
 from ..bounding_boxes import Bounds
@@ -157,6 +157,7 @@ def _static(compiled: Compiled, request: Request) -> Observation:
         base=_base(compiled) if mjcf else None,
         links=tuple(_link(compiled, body, mjcf) for body in compiled.bodies),
         joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
+        gravity=_gravity(compiled) if mjcf else None,
         coordinates=compiled.coordinates.names,
         poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
         dynamics=tuple(_dynamics(compiled, *at) for at in request.moments),
@@ -195,7 +196,15 @@ def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
         has_collisions=bool(touched),
         visuals=seen,
         collisions=touched,
+        gravity_compensation=float(model.body_gravcomp[body]) if mjcf else None,
     )
+
+
+def _gravity(compiled: Compiled) -> tuple[float, ...]:
+    """Acceleration of gravity [m/s^2] that the file sets; empty for MuJoCo's default, which is :data:`GRAVITY`."""
+    disabled = int(compiled.model.opt.disableflags) & int(compiled.engine.mjtDisableBit.mjDSBL_GRAVITY)
+    gravity = (0.0, 0.0, 0.0) if disabled else vector3(compiled.model.opt.gravity)
+    return () if gravity == GRAVITY else gravity
 
 
 def _around(shapes: Sequence[ObservedShape]) -> Bounds | None:

@@ -20,6 +20,7 @@ else:
     Element = object
 
 MODEL = "__model__"
+_BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
 def numbers(text: str | None) -> list[float]:
@@ -45,6 +46,21 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     if len(values) != 1:
         raise EngineRefused(f"<{path}> has {len(values)} numbers, 1 expected")
     return values[0]
+
+
+def bool_at(element: Element | None, path: str, default: bool) -> bool:
+    """The truth value below an element, or the default where there is none.
+
+    Raises:
+        EngineRefused: It is neither true nor false.
+    """
+    text = None if element is None else element.findtext(path)
+    if text is None:
+        return default
+    value = _BOOLEANS.get(text.strip().lower())
+    if value is None:
+        raise EngineRefused(f"<{path}> is '{text.strip()}', true or false expected")
+    return value
 
 
 def read_pose(element: Element | None) -> Pose:

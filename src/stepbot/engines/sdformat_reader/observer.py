@@ -31,7 +31,7 @@ from ..observation import (
     Request,
 )
 from . import ENGINE
-from .frames import Frames, number_at, read_pose
+from .frames import Frames, bool_at, number_at, numbers, read_pose
 from .gz_plugins import plugin_actuators, plugin_sensors
 from .sensors import model_sensors
 from .shapes import box_around, shapes_of
@@ -80,6 +80,7 @@ def observe(request: Request) -> Observation:
         base="fixed" if to_world else "floating",
         links=tuple(links),
         joints=tuple(_joint(joint, frames) for joint in tree),
+        gravity=_gravity(model),
         closures=tuple(_closure(joint, frames) for joint in closing),
         frames={frame.get("name", ""): _frame(frame, frames) for frame in model.findall("frame")},
         actuators=tuple(plugin_actuators(model)),
@@ -112,8 +113,23 @@ def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
         has_collisions=bool(collisions),
         visuals=seen,
         collisions=touched,
+        gravity_compensation=0.0 if bool_at(link, "gravity", True) else 1.0,
     )
     return observed, lost + lost_too
+
+
+def _gravity(model: Element) -> tuple[float, ...]:
+    """Acceleration of gravity [m/s^2] in the world around a model; empty where there is no world, or it gives none.
+
+    Raises:
+        EngineRefused: It does not have three components.
+    """
+    world = model.getparent()
+    text = None if world is None else world.findtext("gravity")
+    gravity = numbers(text)
+    if text is not None and len(gravity) != 3:
+        raise EngineRefused(f"<gravity> has {len(gravity)} numbers, 3 expected")
+    return tuple(gravity)
 
 
 def _inertia(inertial: Element | None, i: str, j: str) -> float:

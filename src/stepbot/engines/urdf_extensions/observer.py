@@ -1,8 +1,8 @@
 """The blocks of a URDF that no engine reads, read back: `<gazebo>`, `<transmission>`, `<ros2_control>`.
 
 It is stepbot's own parser, written from the documentation of Gazebo and ros2_control, independent of the writer. It
-reports springs, actuators and sensors; the engines check everything else. It confirms the text, not the behaviour of an
-engine: reports count its checks separately.
+reports springs, links without gravity, actuators and sensors; the engines check everything else. It confirms the text,
+not the behaviour of an engine: reports count its checks separately.
 """
 
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from stepbot.robot.model import JointDynamics
 from stepbot.version import __version__
 
-from ..observation import EngineRefused, Observation, ObservedJoint, ObservedSensor, Quantity, Request
-from ..sdformat_reader.frames import number_at, read_pose
+from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedSensor, Quantity, Request
+from ..sdformat_reader.frames import bool_at, number_at, read_pose
 from ..sdformat_reader.sensors import read_sensor
 from . import ENGINE
 from .ros2_control import faults, in_gazebo_alone, observed_actuators, state_sensors
@@ -24,7 +24,14 @@ else:
     Element = object
 
 
-_TOLD = (Quantity.LOAD, Quantity.DYNAMICS, Quantity.ACTUATORS, Quantity.SENSORS, Quantity.WARNINGS)
+_TOLD = (
+    Quantity.LOAD,
+    Quantity.DYNAMICS,
+    Quantity.GRAVITY_SETTINGS,
+    Quantity.ACTUATORS,
+    Quantity.SENSORS,
+    Quantity.WARNINGS,
+)
 _LEFT = "checked by the engines"
 _NOTE = "extension blocks, read by stepbot's own parser only"
 
@@ -51,7 +58,9 @@ def observe(request: Request) -> Observation:
         engine=ENGINE.name,
         version=__version__,
         format=request.format,
+        links=tuple(_link(link, top) for link in top.findall("link")),
         joints=tuple(_joint(joint, top) for joint in top.findall("joint")),
+        gravity=(),
         actuators=tuple(observed_actuators(top)),
         sensors=tuple(_sensors(top)),
         warnings=tuple(faults(top)),
@@ -63,6 +72,15 @@ def observe(request: Request) -> Observation:
 def _ends(joint: Element) -> tuple[str, str]:
     parent, child = joint.find("parent"), joint.find("child")
     return ("" if parent is None else parent.get("link", "")), ("" if child is None else child.get("link", ""))
+
+
+def _link(link: Element, top: Element) -> ObservedLink:
+    """A link, with nothing but its gravity compensation."""
+    name, weightless = link.get("name", ""), False
+    for block in top.findall("gazebo"):
+        if block.get("reference") == name:
+            weightless = not bool_at(block, "gravity", not bool_at(block, "turnGravityOff", weightless))
+    return ObservedLink(name, gravity_compensation=1.0 if weightless else 0.0)
 
 
 def _joint(joint: Element, top: Element) -> ObservedJoint:
