@@ -1,4 +1,4 @@
-"""Files that a format has beside its main one."""
+"""Additional files of a format beside its main one."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,12 @@ from stepbot.robot.model import Robot
 
 @dataclass(frozen=True, eq=False)
 class Companion:
-    """A file beside the main one, for a reader that cannot do with that."""
+    """A file beside the main one, for a reader that cannot use the main file."""
 
     path: str
     """Relative to the output folder."""
     format: str
-    """What the engines that read it call its format."""
+    """The name of its format, for the engines that read it."""
     robot: Robot
-    """What it says."""
+    """Its content."""
     content: bytes

@@ -1,11 +1,11 @@
-"""What a robot may have and a format may lack, and how a format declares what it does about it."""
+"""Features that a robot may have and a format may lack, and how a format declares its support."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 
 class Feature(StrEnum):
-    """Something that a robot may have, in the words of the table in ``docs/mapping.md``."""
+    """A feature that a robot may have, as worded in ``docs/mapping.md``."""
 
     FIXED_BASE = "base fixed to the world"
     FLOATING_BASE = "floating base"
@@ -67,43 +67,43 @@ class Feature(StrEnum):
 
 
 class Level(StrEnum):
-    """How much of a feature a format says."""
+    """How well a format supports a feature."""
 
     EXACT = "exact"
     LOWERED = "lowered"
-    """Said by other means, with a remark."""
+    """Expressed by other means, with a note."""
     REPORTED = "reported"
-    """Not said, and reported."""
+    """Left out, and reported."""
     REFUSED = "refused"
     """An error: nothing is written."""
 
 
 @dataclass(frozen=True)
 class Support:
-    """What a format does about a feature."""
+    """A format's support of a feature."""
 
     level: Level
     how: str
     """For the table and for messages: a clause, no full stop."""
     code: str = ""
-    """Of the diagnostic where a robot has the feature; empty for what is exact."""
+    """Code of the diagnostic if a robot has the feature; empty for exact support."""
 
 
 def exact(how: str) -> Support:
-    """The format says all of it."""
+    """The format expresses all of it."""
     return Support(Level.EXACT, how)
 
 
 def lowered(code: str, how: str) -> Support:
-    """The format says it by other means."""
+    """The format expresses it by other means."""
     return Support(Level.LOWERED, how, code)
 
 
 def reported(code: str, how: str) -> Support:
-    """The format does not say it."""
+    """The format cannot express it."""
     return Support(Level.REPORTED, how, code)
 
 
 def refused(code: str, how: str) -> Support:
-    """There is no file of a robot that has it."""
+    """A robot that has it cannot be written."""
     return Support(Level.REFUSED, how, code)

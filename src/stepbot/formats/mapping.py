@@ -1,4 +1,4 @@
-"""The table of features and formats that people read, made from what the writers declare."""
+"""The table of features and formats for the docs, generated from the writers' declarations."""
 
 from stepbot.diagnostics.codes import CODES
 

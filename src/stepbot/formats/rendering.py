@@ -12,7 +12,7 @@ from .format import Format
 from .lowering import geometries, lower
 
 _OBJ: WeakKeyDictionary[MeshAsset, bytes] = WeakKeyDictionary()
-"""Bytes of the meshes that are still in use: all formats refer to the same files, so they are made once."""
+"""Bytes of the meshes currently in use: all formats refer to the same files, so they are made once."""
 
 
 def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
@@ -21,7 +21,7 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
     Args:
         robot: The robot.
         name: Name or alias of the format.
-        found: Takes what the format says otherwise or not at all; after an error there are no files.
+        found: Receives features that the format rewrites or lacks; after an error there are no files.
 
     Raises:
         KeyError: There is no such format.
@@ -34,7 +34,7 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
 
 
 def files_of(lowered: Robot, written: Format) -> dict[str, bytes]:
-    """The files of a robot that is lowered for the format already: the main file, its companions, then its meshes."""
+    """The files of a robot lowered for the format: the main file, its companions, then its meshes."""
     files = {main_file(lowered, written): written.writer.render(lowered)}
     files |= {beside.path: beside.content for beside in written.writer.companions(lowered)}
     for asset in used_meshes(lowered):
@@ -55,6 +55,6 @@ def main_file(robot: Robot, written: Format) -> str:
 
 
 def used_meshes(robot: Robot) -> tuple[MeshAsset, ...]:
-    """The mesh assets that some link shows or touches with, in the robot's order."""
+    """The mesh assets that visuals and collisions of the links use, in the robot's order."""
     used = {shape.name for link in robot.links for shape in geometries(link) if isinstance(shape, MeshRef)}
     return tuple(asset for asset in robot.meshes if asset.name in used)

@@ -1,4 +1,4 @@
-"""XML of the written formats: elements, numbers, the document around them; imports lxml when something is written."""
+"""XML of the written formats: elements, numbers, the document around them; imports lxml on first use."""
 
 from collections.abc import Mapping, Sequence
 from math import isnan
@@ -29,7 +29,7 @@ def number(value: float) -> str:
 
 
 def text_of(value: Value) -> str:
-    """The text of a value: a text as it is, a number, or numbers with blanks between."""
+    """The text of a value: a string unchanged, a number, or numbers separated by spaces."""
     if isinstance(value, str):
         return value
     if isinstance(value, int | float):
@@ -48,12 +48,12 @@ def element(parent: Element, tag: str, text: Value | None = None, /, **attribute
 
 
 def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, **attributes: Value) -> Element:
-    """The top element of a document, below a comment that says who wrote it from which STEP file.
+    """The root element of a document, below a comment that names the generator and the STEP file.
 
     Args:
         tag: Its tag.
-        source: Name of the STEP file; empty where there is none.
-        namespaces: For each prefix of the document what it stands for.
+        source: Name of the STEP file; empty if there is none.
+        namespaces: Namespace of each prefix in the document.
         attributes: Its attributes.
     """
     from lxml import etree
@@ -61,14 +61,14 @@ def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, 
     top = etree.Element(tag, {name: text_of(value) for name, value in attributes.items()}, nsmap=dict(namespaces or {}))
     origin = f" from {source}" if source else ""
     remark = f" Written by stepbot {__version__}{origin}. "
-    while "--" in remark:  # XML ends a comment there
+    while "--" in remark:  # not allowed in an XML comment
         remark = remark.replace("--", "- -")
     top.addprevious(etree.Comment(remark))
     return top
 
 
 def document(top: Element) -> bytes:
-    """The bytes of a document: UTF-8, indented by two blanks, one newline at the end."""
+    """The bytes of a document: UTF-8, indented by two spaces, one newline at the end."""
     from lxml import etree
 
     body: bytes = etree.tostring(top.getroottree(), encoding="UTF-8", pretty_print=True, xml_declaration=False)

@@ -1,4 +1,4 @@
 """Poses, triangle meshes and solids: each question about a shape is answered here, once.
 
-Knows neither CAD nor robots; anyone above may import it.
+Independent of CAD and robots; any room above may import it.
 """

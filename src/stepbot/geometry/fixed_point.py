@@ -1,4 +1,4 @@
-"""Many numbers as text at once: digit by digit over whole arrays, not number by number."""
+"""Formats many numbers at once: digit by digit over whole arrays, not number by number."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,19 +7,19 @@ _ZERO, _SPACE, _MINUS, _POINT, _END = b"0 -.\n"
 
 
 def fixed_point_lines(start: str, rows: NDArray[np.int64], decimals: int = 0) -> bytes:
-    """One line for each row: ``start``, then its numbers, each after a space.
+    """One line per row: ``start``, then its numbers, each after a space.
 
     Args:
-        start: What each line starts with.
+        start: Prefix of each line.
         rows: Integers (n, k), in units of the last decimal: ``[[1500]]`` with 3 decimals is written as 1.5.
-        decimals: How many decimals there are at most; zeros at the end are not written, nor is a point before nothing.
+        decimals: Maximum number of decimals; trailing zeros and a trailing point are omitted.
     """
     if not len(rows):
         return b""
     head = start.encode()
     magnitude = np.abs(rows)
     digits = max(len(str(magnitude.max())), decimals + 1)
-    whole = digits - decimals  # places before the point
+    whole = digits - decimals  # digits before the point
     count, numbers = rows.shape
     text = np.empty((count, numbers, 2 + digits + 1), np.uint8)
     shown = np.empty(text.shape, np.bool_)
@@ -28,7 +28,7 @@ def fixed_point_lines(start: str, rows: NDArray[np.int64], decimals: int = 0) ->
     text[..., 1], shown[..., 1] = _MINUS, rows < 0
     text[..., 2 + whole] = _POINT
     rest = magnitude
-    has_fraction = np.zeros(rows.shape, np.bool_)  # as far as it was looked at, from its end
+    has_fraction = np.zeros(rows.shape, np.bool_)  # number of decimals processed so far, from the last one
     for place in reversed(range(digits)):
         is_leading = rest == 0
         rest, digit = np.divmod(rest, 10)
@@ -37,7 +37,7 @@ def fixed_point_lines(start: str, rows: NDArray[np.int64], decimals: int = 0) ->
             text[..., 3 + place], shown[..., 3 + place] = digit + _ZERO, has_fraction
         else:
             text[..., 2 + place], shown[..., 2 + place] = digit + _ZERO, ~is_leading
-    shown[..., 1 + whole] = True  # the digit before the point, also where it is zero
+    shown[..., 1 + whole] = True  # the digit before the point, even if it is zero
     shown[..., 2 + whole] = has_fraction
 
     lines = np.empty((count, len(head) + text[0].size + 1), np.uint8)

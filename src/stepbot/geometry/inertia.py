@@ -31,14 +31,14 @@ class MassProperties:
         return MassProperties.of(self.mass, X_AB.apply(self.com).tolist(), turn_inertia(X_AB.R, np.array(self.inertia)))
 
     def scaled(self, factor: float) -> "MassProperties":
-        """The same shape with ``factor`` times the density."""
+        """The same shape with its density multiplied by ``factor``."""
         return MassProperties.of(self.mass * factor, self.com, np.array(self.inertia) * factor)
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
     """Mass properties of several bodies as one; all in the same frame, as is the result.
 
-    One body alone stays what it is, bit for bit.
+    A single body is returned unchanged, bit for bit.
     """
     parts = [body for body in bodies if body.mass != 0.0]
     if len(parts) == 1:

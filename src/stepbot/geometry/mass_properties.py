@@ -13,23 +13,23 @@ _UNUSED = (
     *("networkx", "scipy"),
     *("PIL", "embreex", "fcl", "jsonschema", "lxml", "manifold3d", "rtree", "shapely"),
 )
-"""What integrals over triangles need nothing of."""
+"""Modules that trimesh imports but integrals over triangles do not need."""
 
 
 def prepare() -> None:
-    """Do the slow import, in a process that only measures."""
+    """Import trimesh, in a process that only measures."""
     import_lightly("trimesh.triangles", _UNUSED)
 
 
 def measured_all(meshes: Sequence[TriMesh]) -> tuple[VolumeProperties | None, ...]:
-    """What :func:`measured` says of each mesh."""
+    """The result of :func:`measured` for each mesh."""
     return tuple(map(measured, meshes))
 
 
 def measured(mesh: TriMesh) -> VolumeProperties | None:
-    """Volume, com and inertia at 1 kg/m^3; None where the mesh is not watertight or encloses nothing.
+    """Volume, com and inertia at 1 kg/m^3; None if the mesh is not watertight or encloses no volume.
 
-    The integrals are taken about the middle of the mesh: about a far origin they lose the digits of the distance.
+    The integrals are taken about the centre of the mesh: about a distant origin they would lose digits.
     """
     from trimesh.geometry import faces_to_edges
     from trimesh.graph import is_watertight
@@ -42,7 +42,7 @@ def measured(mesh: TriMesh) -> VolumeProperties | None:
         return None
     low, high = (np.array(corner) for corner in mesh.bounds)
     middle = 0.5 * (low + high)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a flat mesh has no com; that is told below
+    with np.errstate(divide="ignore", invalid="ignore"):  # a flat mesh has no com; handled below
         properties = mass_properties((mesh.vertices - middle)[mesh.faces], density=1.0)
     volume, com, inertia = properties.volume, np.asarray(properties.center_mass), np.asarray(properties.inertia)
     if not (volume > 0.0 and np.isfinite(com).all() and np.isfinite(inertia).all()):

@@ -1,7 +1,7 @@
 """Triangle meshes, and their bytes.
 
-OBJ with one object per file, in metres, is what is written: the one form that PyBullet, MuJoCo and Drake all read
-(Drake refuses STL for collision, MuJoCo reads one object per OBJ). Format: http://paulbourke.net/dataformats/obj/.
+The written form is OBJ with one object per file, in metres: the only one that PyBullet, MuJoCo and Drake all read
+(Drake rejects STL for collision, MuJoCo reads one object per OBJ). Format: http://paulbourke.net/dataformats/obj/.
 """
 
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from .spatial import Pose, Vector3, bounds
 
 GRID_DECIMALS = 9
 GRID_PER_METRE = 10.0**GRID_DECIMALS
-"""Vertices lie on a grid of nanometres: what is measured is what is written; the last bits of a kernel never show."""
+"""Vertices are on a grid of one nanometre: the measured mesh is the written mesh, free of the kernel's last bits."""
 
 
 @dataclass(frozen=True, eq=False)
 class TriMesh:
-    """A triangle mesh; counter-clockwise faces look outwards."""
+    """A triangle mesh; counter-clockwise faces point outwards."""
 
     vertices: NDArray[np.float64]
     """Shape (n, 3) [m], read-only."""
@@ -60,7 +60,7 @@ class TriMesh:
         return TriMesh.of(self.vertices[used], renumbered.reshape(-1, 3))
 
     def encloses(self, point: ArrayLike) -> bool:
-        """Whether a point (3,) lies in a closed mesh: by the solid angle that it sees (van Oosterom, Strackee 1983)."""
+        """Whether a point (3,) is inside a closed mesh, by its solid angle (van Oosterom, Strackee 1983)."""
         a, b, c = (self.vertices[self.faces[:, corner]] - np.asarray(point) for corner in range(3))
         la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
         ab, bc, ca = (np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a)))
@@ -70,7 +70,7 @@ class TriMesh:
 
 
 def joined(meshes: list[TriMesh]) -> TriMesh:
-    """One mesh of several, faces and vertices one after the other; nothing is merged."""
+    """One mesh of several, with concatenated vertices and faces; nothing is merged."""
     offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
     return TriMesh.of(
         np.concatenate([mesh.vertices for mesh in meshes]),
@@ -81,8 +81,8 @@ def joined(meshes: list[TriMesh]) -> TriMesh:
 def obj_bytes(mesh: TriMesh, name: str) -> bytes:
     """Wavefront OBJ, one object called ``name``, coordinates [m] with as many decimals as read back the same.
 
-    A mesh of fewer than four vertices gets the middle of its first face as one more, with that face split around it:
-    MuJoCo reads no mesh with less.
+    In a mesh of fewer than four vertices the first face is split around its centre, an additional vertex: MuJoCo
+    requires at least four.
     """
     if 0 < len(mesh.vertices) < 4 and len(mesh.faces):
         mesh = _split_first_face(mesh)

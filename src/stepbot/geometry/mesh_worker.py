@@ -1,7 +1,7 @@
-"""What is computed on meshes in a process of its own: trimesh measures them, manifold3d intersects them.
+"""Mesh computations in a separate process: trimesh measures, manifold3d intersects.
 
-The process that converts needs neither then, and goes on meanwhile. manifold3d works on all cores by itself, by threads
-that no process inherits: whatever is forked after it was used waits for them forever. This process forks nothing.
+The converting process needs neither, and continues meanwhile. manifold3d uses all cores through threads that a forked
+process does not inherit: a fork after its first use would wait for them forever. This process does not fork.
 """
 
 from collections.abc import Callable
@@ -16,13 +16,13 @@ from .solids import manifolds
 from .solids.overlapping import overlaps_of
 
 MESH_WORKER = "stepbot.geometry.mesh_worker:compute"
-"""The function that runs there; it answers one call after the other."""
+"""The function that runs there; it handles one call after the other."""
 
 _TASKS: dict[str, Callable[[Any], Any]] = {"measures": measured_all, "overlaps": overlaps_of}
 
 
 def prepare() -> None:
-    """Do the slow imports, while the kernel is still at work."""
+    """Import both libraries, while the kernel is still at work."""
     measure.prepare()
     manifolds.prepare()
 
@@ -33,12 +33,12 @@ def compute(task: str, question: Any) -> Any:
 
 
 def report_death(death: WorkerDied, work: str, span: Span, found: Diagnostics) -> None:
-    """Report that the process ended without an answer.
+    """Report that the process ended without a result.
 
     Args:
         death: How it ended.
-        work: What it was at work on, as in "the process that measures meshes".
-        span: The place that diagnostics name.
+        work: Its task, as in "the process that measures meshes".
+        span: The place of the diagnostic.
         found: Receives SB902.
     """
     remedies = ["raise `--timeout` or `--memory-limit`"]

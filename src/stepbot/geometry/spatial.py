@@ -1,4 +1,4 @@
-"""Poses and inertia tensors: the only place that knows rotation conventions.
+"""Poses and inertia tensors: the only module that implements rotation conventions.
 
 Notation as in Drake's multibody documentation: ``X_AB`` is the pose of frame B in frame A, ``R_AB`` its rotation and
 ``p_AB`` its position; a product must match letter by letter, ``X_WC = X_WA @ X_AB @ X_BC``. Roll, pitch and yaw turn
@@ -117,7 +117,7 @@ class Pose:
         return np.asarray(vectors, dtype=np.float64) @ self.R.T
 
     def distance_to(self, other: "Pose") -> tuple[float, float]:
-        """How far two poses are apart: position [m] and angle [rad]."""
+        """Distance between two poses: position [m] and angle [rad]."""
         return float(np.linalg.norm(self.p - other.p)), rotation_angle(self.R.T @ other.R)
 
 
@@ -142,8 +142,9 @@ def rotation_from_rpy(rpy: ArrayLike) -> Array:
 def rpy_from_rotation(R: Array) -> Vector3:
     """Roll, pitch, yaw [rad] of a rotation matrix, accurate through the gimbal pole.
 
-    Pitch comes from ``atan2``, never ``asin``, which loses half the digits near +-90 degrees. Close to the pole, yaw
-    keeps what the first column says of it and roll is solved for what remains, so that the rotation always comes back.
+    Pitch comes from ``atan2``, not ``asin``, which loses half the digits near +-90 degrees. Close to the pole, yaw is
+    taken from the first column and roll is solved from the remainder, so that the result always reproduces the
+    rotation.
     """
     pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
     yaw = math.atan2(R[1, 0], R[0, 0]) if math.hypot(R[0, 0], R[1, 0]) > 1e-12 else 0.0
@@ -198,7 +199,7 @@ def rotation_angle(R: Array) -> float:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Vector products of vectors (..., 3); for a few of them in a fifth of the time of numpy's own."""
+    """Cross products of vectors (..., 3); for a few vectors five times as fast as numpy's own."""
     return np.asarray(a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]])
 
 
@@ -222,7 +223,7 @@ def unit(v: ArrayLike) -> Array:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> float:
-    """Angle [rad] between two directions (3,), in [0, pi]; not a number where one of them has no direction."""
+    """Angle [rad] between two directions (3,), in [0, pi]; NaN if one of them is zero."""
     try:
         u, v = unit(a), unit(b)
     except ValueError:
@@ -231,7 +232,7 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> float:
 
 
 def shift_inertia(I_com: ArrayLike, mass: float, p: ArrayLike) -> Array:
-    """Inertia (3, 3) about a point at ``p`` [m] from the centre of mass (Steiner); ``-mass`` goes the other way."""
+    """Inertia (3, 3) about a point at ``p`` [m] from the centre of mass (Steiner); ``-mass`` for the inverse."""
     d = np.asarray(p, dtype=np.float64)
     return np.asarray(I_com, dtype=np.float64) + mass * (float(d @ d) * np.eye(3) - np.outer(d, d))
 
@@ -244,9 +245,9 @@ def turn_inertia(R_AB: ArrayLike, I_B: ArrayLike) -> Array:
 
 
 def perpendicular_frame(z: ArrayLike) -> Array:
-    """Rotation (3, 3) whose z axis is the unit vector ``z`` and whose x axis is as near to the parent's x as it can be.
+    """Rotation (3, 3) whose z axis is the unit vector ``z`` and whose x axis is as close as possible to the parent's x.
 
-    Where z lies within about 26 degrees of the parent's x (|z.x| > 0.9), x follows the parent's y instead.
+    If z is within about 26 degrees of the parent's x (|z.x| > 0.9), x follows the parent's y instead.
     """
     z_axis = unit(z)
     towards = np.array([0.0, 1.0, 0.0]) if abs(z_axis[0]) > 0.9 else np.array([1.0, 0.0, 0.0])
@@ -261,7 +262,7 @@ def bounds(points: ArrayLike) -> tuple[Vector3, Vector3]:
 
 
 def join_bounds(boxes: Iterable[tuple[Vector3, Vector3]]) -> tuple[Vector3, Vector3]:
-    """The box around boxes.
+    """The bounding box of boxes.
 
     Raises:
         ValueError: There is no box.

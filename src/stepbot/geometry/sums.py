@@ -5,11 +5,11 @@ from math import fsum
 
 
 def exact_sum(values: Iterable[float]) -> float:
-    """The exact sum of numbers, rounded once; infinite or NaN where adding them one by one is."""
+    """The exact sum of numbers, rounded once; infinite or NaN if adding them one by one is."""
     numbers = list(values)
     try:
         return fsum(numbers)
-    except (OverflowError, ValueError):  # too large, or both infinities
+    except (OverflowError, ValueError):  # overflow, or infinities of both signs
         result = 0.0
         for number in numbers:
             result += number

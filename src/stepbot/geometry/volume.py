@@ -1,4 +1,4 @@
-"""Volume, centroid and second moments of a solid, and how far two measurements of them differ."""
+"""Volume, centroid and second moments of a solid, and the deviation between two measurements."""
 
 from dataclasses import dataclass
 from math import inf, sqrt
@@ -9,7 +9,7 @@ from .inertia import MassProperties
 from .spatial import Array
 
 _DIGITS = 12
-"""Digits that rounding leaves of integrals, on every processor."""
+"""Digits of integrals that are free of rounding errors, on every processor."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class VolumeProperties:
 
     @staticmethod
     def rounded(volume: float, com: Array, inertia: Array) -> "VolumeProperties":
-        """As :meth:`of`, to twelve digits of the solid's size.
+        """Same as :meth:`of`, rounded to twelve digits of the solid's size.
 
         Sums of many terms differ in the last digits between processors and between versions of numpy.
         """
@@ -40,9 +40,9 @@ class VolumeProperties:
         )
 
     def deviation_from(self, exact: "VolumeProperties") -> tuple[float, str]:
-        """Largest relative deviation, and of what: ``volume``, ``com`` or ``inertia``; to twelve decimals.
+        """Largest relative deviation, and its quantity: ``volume``, ``com`` or ``inertia``; to twelve decimals.
 
-        The com's is in radii of gyration, the inertia's about the axis where it is worst.
+        The com's is in radii of gyration, the inertia's about the axis with the largest one.
         """
         volume = abs(self.volume - exact.volume) / exact.volume
         moments, axes = np.linalg.eigh(np.array(exact.unit_density.inertia))

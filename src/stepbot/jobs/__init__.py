@@ -1,4 +1,4 @@
-"""What to convert: one robot unless it is unchanged, many in a batch, which files are up to date.
+"""Selects what to convert: one robot unless it is unchanged, many in a batch, files that are out of date.
 
-The command line calls this room.
+May be called by the API and the command line.
 """

@@ -8,7 +8,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span
 
 _SIDECAR = re.compile(r"(?:^|\.)robot\.ya?ml$")
-"""What sidecars are called, as in the hooks for pre-commit."""
+"""Names of sidecars, as in the hooks for pre-commit."""
 _LIST = ".txt"
 
 
@@ -16,9 +16,9 @@ def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
     """The sidecars of a list of paths, without duplicates, in order.
 
     Args:
-        named: Sidecars; folders, for all sidecars below them, but for hidden folders; or ``.txt`` files that list
-            any of these, one a line, relative to the list. A line may be empty or begin with ``#``.
-        found: Receives SB001 for a list that cannot be read, and for a folder without sidecars.
+        named: Sidecars; folders, for all sidecars below them except in hidden folders; or ``.txt`` files that list any
+            of these, one per line, relative to the list. A line may be empty or begin with ``#``.
+        found: Receives SB001 for an unreadable list, and for a folder without sidecars.
     """
     sidecars: dict[Path, None] = {}
     for path in named:
@@ -53,6 +53,6 @@ def _below(folder: Path) -> list[Path]:
 
 
 def robot_name(sidecar: Path) -> str:
-    """What a sidecar's output is called: ``arm.robot.yaml`` is ``arm``, and ``arm/robot.yaml`` is too."""
+    """Name of a sidecar's output: ``arm.robot.yaml`` gives ``arm``, and so does ``arm/robot.yaml``."""
     name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
     return (sidecar.resolve().parent.name or name) if name == "robot" else name

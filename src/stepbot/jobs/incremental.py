@@ -17,9 +17,9 @@ from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_d
 from stepbot.runtime.output import check_writable
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
-"""Options that do not show in results; the STEP does by its content."""
+"""Options that do not affect results; the STEP is in the key by its content."""
 _NEVER_KEPT = "SB817"
-"""Self-collision could not be checked: not an error, but the next run may do better."""
+"""Self-collision could not be checked: not an error, but the next run may succeed."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Record:
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
     report: bytes
-    """A :class:`stepbot.report.record.Report`, encoded, for who needs it."""
+    """A :class:`stepbot.report.record.Report`, encoded, decoded on demand."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     before = _content(sidecar, options.cache)
     with ExitStack() as running:
         kernel = started_kernel(sidecar, options)
-        server = started_server(options) if kernel is None else None  # one thing at a time: the kernel takes longer
+        server = started_server(options) if kernel is None else None  # not in parallel: the kernel would take longer
         for started in (kernel, server):
             if started is not None:
                 running.enter_context(started)
@@ -89,11 +89,11 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
     """Cache key of a conversion.
 
     Args:
-        sidecar: Path of the sidecar, as messages name it.
+        sidecar: Path of the sidecar, as in messages.
         content: Hash of its bytes.
-        step: Path of the STEP, as messages name it.
+        step: Path of the STEP, as in messages.
         geometry: Hash of its bytes.
-        options: How it is converted.
+        options: Conversion options.
     """
     digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
     return digest.add(*_asked(options)).key
@@ -118,7 +118,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         return checked
     if checked.named:
         TypedCache(cache, str).put(_name_key(before), checked.named)
-    # Of a sidecar on its own all that is said comes from its text; the kernel may fail for reasons that pass.
+    # Without the STEP, all results come from the sidecar's text; the kernel may fail for temporary reasons.
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
@@ -152,12 +152,12 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
 
 
 def _content(sidecar: Path, cache: Cache | None) -> str:
-    """Hash of a sidecar's text; empty where it cannot be read, or there is no cache."""
+    """Hash of a sidecar's text; empty if it cannot be read, or without a cache."""
     return (file_digest(sidecar) or "") if cache is not None else ""
 
 
 def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:
-    """The STEP that a sidecar names, if it was read before."""
+    """The STEP that a sidecar refers to, if it was read before."""
     named = TypedCache(cache, str).get(_name_key(content)) if content else None
     return sidecar.parent / named if named else None
 
@@ -172,7 +172,7 @@ def _asked(options: Options) -> list[str]:
 
 
 def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
-    """Key of what a check says; empty where there is no cache, or a file that cannot be read or is not known."""
+    """Key of a check's result; empty without a cache, or if a file is unreadable or unknown."""
     content = _content(sidecar, options.cache)
     if not content:
         return ""

@@ -1,6 +1,6 @@
-"""The robots that come with stepbot: where their drawings, sidecars and pages are, and what the pages say of them.
+"""The robots that come with stepbot: their drawings, sidecars and pages, and the content of the pages.
 
-A wheel carries them inside the package; a checkout has them, with the scripts that draw them, in ``robot_library/``.
+A wheel has them inside the package; a checkout has them in ``robot_library/``, with the scripts that draw them.
 """
 
 import re
@@ -24,7 +24,7 @@ class LibraryRobot:
     """A robot of the library."""
 
     folder: Path
-    """``<maker>_<robot>``, with everything that belongs to it."""
+    """``<maker>_<robot>``, with all its files."""
     sidecar: Path
 
     @property
@@ -34,7 +34,7 @@ class LibraryRobot:
 
     @property
     def short_name(self) -> str:
-        """Its name without that of its maker, which its files have."""
+        """Its name without the maker's, used for its files."""
         return self.sidecar.name.removesuffix(_SIDECAR)
 
     @property
@@ -44,11 +44,11 @@ class LibraryRobot:
 
     @property
     def page(self) -> Path:
-        """What is said of it: sources of its numbers, licence, joints, links, verification; Markdown."""
+        """Its page: sources of its numbers, licence, joints, links, verification; Markdown."""
         return self.folder / "README.md"
 
     def source(self) -> dict[str, bytes]:
-        """Its drawing, its sidecar and the schema that the sidecar names, by the names that they have in one folder."""
+        """Its drawing, its sidecar and the sidecar's schema, by their names in a common folder."""
         lines = self.sidecar.read_text(encoding="utf-8").splitlines(keepends=True)
         text = "".join(f"{_SCHEMA_LINE}{SCHEMA}\n" if line.startswith(_SCHEMA_LINE) else line for line in lines)
         files = {self.step.name: self.step.read_bytes(), self.sidecar.name: text.encode()}
@@ -65,12 +65,12 @@ class LibraryRobot:
         return re.split(r"(?<=\.)\s", self.overview(), maxsplit=1)[0]
 
     def facts(self) -> str:
-        """Links, degrees of freedom, loops and mass, in a few words; nothing where its page does not tell yet."""
+        """Links, degrees of freedom, loops and mass, in a few words; empty if its page does not have them yet."""
         found = _FACTS.search(self._text())
         return found[1] if found else ""
 
     def table(self, title: str) -> list[list[str]]:
-        """Rows of cells of the table below a heading of its page, the column titles first."""
+        """Rows of the table below a heading of its page, the column titles first."""
         _, _, below = self._text().partition(f"\n## {title}\n\n")
         lines = [line for line in below.partition("\n\n")[0].splitlines() if line.startswith("|")]
         return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if "---" not in line]
@@ -85,7 +85,7 @@ def schema_file() -> Path:
 
 
 def library_robots() -> tuple[LibraryRobot, ...]:
-    """All robots of the library, by name; none where whoever installed stepbot left them out."""
+    """All robots of the library, by name; none if the installation does not include them."""
     for place in _PLACES:
         found = sorted(place.glob(f"*/*{_SIDECAR}"))
         if found:
@@ -94,7 +94,7 @@ def library_robots() -> tuple[LibraryRobot, ...]:
 
 
 def library_robot(name: str) -> LibraryRobot:
-    """The robot of this name, with or without its maker's.
+    """The robot with this name, with or without its maker's.
 
     Raises:
         KeyError: There is none, or several have this name without their makers'.

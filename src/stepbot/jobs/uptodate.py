@@ -22,7 +22,7 @@ from .incremental import produce, recorded
 
 
 def output_folders(below: Path) -> dict[Path, list[Path]]:
-    """The output folders at and below a folder, hidden ones left out, by the sidecar that their lists name.
+    """The output folders at and below a folder, except hidden ones, by the sidecar in their file lists.
 
     Args:
         below: Where to look.
@@ -48,14 +48,14 @@ def check_up_to_date(
     ignore: Iterable[str] = (),
     progress: Callable[[str], None] = lambda stage: None,
 ) -> None:
-    """Compare the files in ``options.output`` with what a conversion would put there; writes nothing.
+    """Compare the files in ``options.output`` with those of a conversion; writes nothing.
 
     Args:
         sidecar: The sidecar.
-        options: How it was converted.
-        found: Receives what is wrong with the input, and SB007 for each file that differs, or for a missing folder.
+        options: Conversion options.
+        found: Receives faults of the input, and SB007 for each file that differs, or for a missing folder.
         ignore: Globs of files that are not compared, relative to the folder.
-        progress: Told each stage.
+        progress: Called at each stage.
     """
     ignored = tuple(ignore)
     folder = options.output
@@ -81,7 +81,7 @@ def check_up_to_date(
 def _expected(
     sidecar: Path, options: Options, progress: Callable[[str], None]
 ) -> tuple[Mapping[str, bytes], Iterable[Diagnostic]]:
-    """What a conversion would write, and no file where it would end in errors: then what it reports."""
+    """The files of a conversion; none if it would end in errors, which are then reported."""
     for verify in (True, False):  # whichever has been done before
         record = recorded(sidecar, replace(options, verify=verify))
         if record is not None:
@@ -104,21 +104,21 @@ def _differences(files: Mapping[str, bytes], folder: Path) -> list[tuple[str, st
 
 
 def _same_robot(report: bytes, expected: bytes) -> bool:
-    """Whether two reports differ in their proofs and findings alone."""
+    """Whether two reports differ only in verification results and diagnostics."""
     try:
         return _robot_part(json.loads(report)) == _robot_part(json.loads(expected))
-    except (ValueError, KeyError, TypeError, AttributeError):  # somebody edited it
+    except (ValueError, KeyError, TypeError, AttributeError):  # edited by hand
         return False
 
 
 def _robot_part(document: Mapping[str, Any]) -> list[Any]:
-    """What of a report comes of the input alone, whichever engines, version of stepbot and options have made it."""
-    robot = {key: value for key, value in document["robot"].items() if key != "overlaps"}  # which the proof looks for
+    """The part of a report that depends on the input only, not on engines, version of stepbot and options."""
+    robot = {key: value for key, value in document["robot"].items() if key != "overlaps"}  # set by verification
     return [robot, *(document[key] for key in ("version", "names", "bodies", "joint_table"))]
 
 
 def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[str]:
-    """Files that an earlier run wrote for this sidecar, by its own list, and that are still there."""
+    """Existing files that an earlier run wrote for this sidecar, by its own list."""
     sources = sidecars_of(folder)
     try:
         written = json.loads((folder / MANIFEST).read_bytes())["files"]
@@ -127,7 +127,7 @@ def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[
         ]
         needed_by_others = {path for name in written if name not in ours for path in written[name]}
         names = sorted({*ours, *(path for name in ours for path in written[name])} - needed_by_others)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # nobody knows who wrote what
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # unknown origin
         return []
     return [name for name in names if name not in files and (folder / name).exists()]
 

@@ -1,1 +1,4 @@
-"""What was proven and what was not, for people and programs: ``report.json`` and JUnit XML."""
+"""Verification results for people and programs: ``report.json`` and JUnit XML.
+
+May be called by ``verification`` and everything above it; it knows neither formats nor engines.
+"""

@@ -1,6 +1,6 @@
 """A report as ``report.json``.
 
-The report is deterministic: no times, no folders of this machine, infinite limits as null. Its schema is
+The report is deterministic: no times, no local folders, infinite limits as null. Its schema is
 ``schemas/report-1.schema.json``.
 """
 
@@ -30,7 +30,7 @@ def report_bytes(report: Report, diagnostics: Iterable[Diagnostic]) -> bytes:
 
 
 def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
-    """The report as what JSON can hold; of what was ignored it has the counts."""
+    """The report as JSON data; suppressed diagnostics only as counts."""
     ignored = diagnostics.ignored if isinstance(diagnostics, Diagnostics) else ()
     statuses = [check.status for check in report.checks]
     return {

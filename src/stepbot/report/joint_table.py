@@ -1,4 +1,4 @@
-"""The joint table as what JSON can hold."""
+"""The joint table as JSON data."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -9,7 +9,7 @@ Json = dict[str, Any]
 
 
 def joint_table_document(rows: Iterable[JointRow]) -> list[Json]:
-    """The joint table as what JSON can hold."""
+    """The joint table as JSON data."""
     return [_joint_row(row) for row in rows]
 
 

@@ -1,4 +1,4 @@
-"""Results as JUnit XML, which CI servers show: one suite for each robot, one case for each check.
+"""Results as JUnit XML for CI servers: one suite per robot, one case per check.
 
 The dialect is the one that Jenkins and GitLab read: https://github.com/testmoapp/junitxml.
 """
@@ -20,15 +20,15 @@ class Suite:
 
     name: str
     checks: Sequence[Mapping[str, Any]]
-    """As ``report.json`` has them."""
+    """As in ``report.json``."""
     diagnostics: Sequence[Diagnostic] = ()
     seconds: float | None = None
     whole: str = "conversion"
-    """What the case is called that stands for all that was done."""
+    """Name of the case that represents the whole run."""
 
 
 def junit_bytes(suites: Iterable[Suite]) -> bytes:
-    """The document; a robot that was not converted has one case that says why."""
+    """The document; a robot that was not converted has one case with the reason."""
     root = ET.Element("testsuites", name="stepbot")
     for suite in suites:
         root.append(_suite(suite))
@@ -53,7 +53,7 @@ def _suite(suite: Suite) -> ET.Element:
 
 
 def _conversion(suite: Suite) -> ET.Element:
-    """Whether the robot could be converted, or verified; what was found on the way is in the output."""
+    """Whether the robot could be converted, or verified; the diagnostics are in the output."""
     case = ET.Element("testcase", classname=_clean(suite.name), name=suite.whole)
     errors = [one for one in suite.diagnostics if one.severity == "error"]
     collected = Diagnostics()
@@ -86,5 +86,5 @@ def _check(robot: str, check: Mapping[str, Any]) -> ET.Element:
 
 
 def _clean(text: str) -> str:
-    """Text without the characters that XML cannot hold."""
+    """Text without the characters that XML does not allow."""
     return _NOT_IN_XML.sub("\ufffd", text)

@@ -1,4 +1,4 @@
-"""What was proven and what was not, as data: checks, measured bodies, one row for each format and engine."""
+"""Verification results as data: checks, measured bodies, one row per format and engine."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,29 +19,29 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Check:
-    """One quantity, compared in one file as one engine sees it."""
+    """One quantity, compared in one file as reported by one engine."""
 
     file: str
-    """File name; empty for what belongs to the robot and not to a file."""
+    """File name; empty for a check of the robot itself."""
     format: str
     engine: str
     quantity: str
     status: Status
     deviation: float | None = None
-    """The worst one; None where the quantity has no number or nothing was compared."""
+    """The largest deviation; None if the quantity has no number or nothing was compared."""
     tolerance: float | None = None
-    """What was allowed there."""
+    """The tolerance there."""
     unit: str = ""
     where: str = ""
     """Link, joint, configuration of the worst deviation."""
     why: str = ""
-    """Why it failed, did not run, or covers less than its name says."""
+    """Why it failed, did not run, or covers less than its name."""
     against: str = "model"
     """What the file was compared with: the model, or another file and engine."""
 
     @property
     def ratio(self) -> float:
-        """Deviation as a multiple of the tolerance; negative where there is no number."""
+        """Deviation as a multiple of the tolerance; negative if there is no number."""
         if self.deviation is None or not self.tolerance:
             return -1.0
         return self.deviation / self.tolerance
@@ -49,7 +49,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Row:
-    """All checks of one file and engine, for one line of a table."""
+    """All checks of one file and engine, for one row of a table."""
 
     file: str
     format: str
@@ -59,7 +59,7 @@ class Row:
     compared: tuple[str, ...]
     """Quantities that were compared, in the order of the report."""
     worst: Check | None
-    """The check that came nearest to its tolerance, or went farthest beyond it."""
+    """The check with the largest deviation relative to its tolerance."""
     why: str
     """What failed, or what did not run and why."""
     against: str
@@ -78,34 +78,34 @@ class MeasuredBody:
     deviation: float | None
     """The largest relative difference between the two, of volume, centre and inertia."""
     error: float | None
-    """Estimated relative error of ``exact``; None where there is no exact solid, or no estimate."""
+    """Estimated relative error of ``exact``; None without an exact solid or an estimate."""
     written: str
-    """Which of the two the files carry, and why."""
+    """Which of the two is used in the files, and why."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """The proof."""
+    """The verification results."""
 
     checks: tuple[Check, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     """Engines that ran, and their versions."""
     robot: Robot | None = None
     degrees_of_freedom: int | None = None
-    """Loops closed and mimics obeyed, in the drawn pose."""
+    """Residuals of loops and mimics in the drawn pose."""
     driven: tuple[str, ...] = ()
-    """Joints that the others follow from, where there are loops."""
+    """Independent joints, if there are loops."""
     collisions: tuple[tuple[str, str, float | None], ...] = ()
-    """Pairs of links that overlap in the drawn pose, and how deep [m]; None between two surfaces."""
+    """Pairs of links that overlap in the drawn pose, and the penetration depth [m]; None between two surfaces."""
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """What was changed or added so that an engine could check at all, by file and engine."""
+    """Changes and additions that an engine needed to check a file, by file and engine."""
     names: Mapping[str, str] = field(default_factory=dict)
-    """Names in the files, and the names in the STEP that they stand for."""
+    """Names in the files, and the original names in the STEP."""
     bodies: tuple[MeasuredBody, ...] = ()
     joint_table: tuple[JointRow, ...] = ()
-    """Where each joint is, for a person to check; of files that were compared, as the first one says."""
+    """The pose of each joint, for review; for compared files, of the first one."""
     own_parsers: tuple[str, ...] = ()
-    """Names of stepbot's own parsers among the engines: they confirm the text, and no engine."""
+    """Names of stepbot's own parsers among the engines, which confirm only the text of a file."""
 
     @property
     def failed(self) -> bool:
@@ -114,7 +114,7 @@ class Report:
 
     @property
     def read_back(self) -> tuple[Check, ...]:
-        """The checks that passed because stepbot's own parsers say so, and no engine."""
+        """The checks that passed in stepbot's own parsers only, not in an engine."""
         return tuple(
             check for check in self.checks if check.status is Status.PASSED and check.engine in self.own_parsers
         )
@@ -146,7 +146,7 @@ def _row(checks: list[Check]) -> Row:
 
 
 def _reasons(not_run: list[Check]) -> str:
-    """Each reason once, with the quantities that it holds for."""
+    """Each reason once, with the quantities that it applies to."""
     grouped: dict[str, list[str]] = {}
     for check in not_run:
         grouped.setdefault(check.why, []).append(check.quantity)

@@ -1,4 +1,4 @@
-"""A robot as what JSON can hold, for ``report.json``."""
+"""A robot as JSON data, for ``report.json``."""
 
 from math import isfinite
 from typing import Any
@@ -16,12 +16,12 @@ Json = dict[str, Any]
 
 
 def number(value: float | None) -> float | None:
-    """The number; null where it is none or infinite."""
+    """The number; null if it is NaN or infinite."""
     return float(value) if value is not None and isfinite(value) else None
 
 
 def robot_document(report: Report, robot: Robot) -> Json:
-    """The robot, its drawn pose, and the constraints that hold its closures in PyBullet."""
+    """The robot, its drawn pose, and the constraints that close its loops in PyBullet."""
     poses = link_poses(robot, initial_configuration(robot))
     total = combined(link.mass_properties.moved(poses[link.name]) for link in robot.links)
     return {

@@ -1,8 +1,8 @@
-"""What becomes of a robot in a format that cannot say all of it: one table, and the rewriting that follows from it.
+"""Rewrites a robot for a format that does not support all of its features: one table of rules, and their application.
 
-Every writer declares for each :class:`Feature` how its format says it. :func:`lower` makes of a robot the one that the
-format can hold: it rewrites what the format lacks into what it has, leaves out what has no place there, and reports
-both. What it returns is what the file says, so it is also what an engine that reads the file is compared with.
+Every writer declares how its format expresses each :class:`Feature`. :func:`lower` rewrites what the format expresses
+by other means, removes what it cannot express, and reports both. The result is the content of the file, so it is also
+the expectation for engines that read the file.
 """
 
 from collections.abc import Callable, Mapping
@@ -99,18 +99,18 @@ __all__ = [
 
 @dataclass(frozen=True)
 class _Handling:
-    """What to do where a format does not say a feature as it is."""
+    """The rule for a feature that the format does not express exactly."""
 
     affected: Callable[[Robot], list[str]]
-    """What of the robot is concerned, for the message; empty where the robot does not have the feature."""
+    """The affected elements of the robot, for the message; empty if the robot does not have the feature."""
     rewrite: Callable[[Robot], Robot] = lambda robot: robot
-    """What the format says in place of the feature."""
+    """Replaces the feature by what the format has."""
     leave_out: Callable[[Robot], Robot] | None = None
-    """Without the feature, for formats that have no place for it; ``rewrite`` where there is none."""
+    """Removes the feature, for formats that cannot express it; ``rewrite`` if None."""
 
 
 def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
-    """The robot as the format can say it; what is rewritten or left out is reported, once per feature."""
+    """The robot as the format expresses it; rewritten or removed features are reported, once each."""
     span = Span(f"{robot.name}{written.suffix}")
     names = reserved(robot, written.writer.reserves)
     if names:
@@ -134,7 +134,7 @@ def _sensors(kind: SensorKind) -> _Handling:
     return _Handling(sensors_of(kind), leave_out=without_sensors(kind))
 
 
-# In this order: names before what refers to them, zeros of loops before limits and drawn poses.
+# In this order: names before references to them, zeros of loops before limits and drawn poses.
 _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.JOINT_NAME: _Handling(renamed_joints, rename_joints),
     Feature.FRAME_NAME: _Handling(renamed_frames, rename_frames),

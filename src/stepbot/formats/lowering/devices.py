@@ -1,4 +1,4 @@
-"""Actuators and sensors rewritten to what a format can hold."""
+"""Actuators and sensors rewritten to what a format supports."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,14 +13,14 @@ from stepbot.robot.unique_names import free_name
 from .joints import UNLIMITED, frames_as_links
 
 NEAREST, FARTHEST = 0.1, 100.0
-"""Range [m] of a camera or a lidar where a format wants one and the robot has none: SDFormat's own for a camera."""
+"""Range [m] of a camera or a lidar if a format requires one and the robot has none: SDFormat's default for a camera."""
 
 _WITH_PLACE = (SensorKind.IMU, SensorKind.CAMERA, SensorKind.LIDAR)
-"""Kinds of sensors that ROS looks for at a link of their own."""
+"""Kinds of sensors that ROS expects on a link of their own."""
 
 
 def sensors_where(condition: Callable[[Sensor], bool]) -> Callable[[Robot], list[str]]:
-    """Names of the sensors that satisfy a condition, and what they are on."""
+    """Names of the sensors that satisfy a condition, with their links or joints."""
     return lambda robot: [
         f"'{sensor.name}' on '{sensor.joint or sensor.link}'" for sensor in robot.sensors if condition(sensor)
     ]
@@ -75,18 +75,18 @@ def _as_joint(actuator: Actuator) -> Actuator:
 
 
 def bounded_by_joints(robot: Robot) -> Robot:
-    """The robot with actuators whose inputs have no bounds but those of their joints."""
+    """The robot with actuators whose inputs are bounded only by their joints."""
     return replace(robot, actuators=tuple(_as_joint(actuator) for actuator in robot.actuators))
 
 
 def is_unlimited_actuator(robot: Robot, actuator: Actuator) -> bool:
-    """Whether an actuator that is controlled has no limit to its effort."""
+    """Whether a controlled actuator has no effort limit."""
     limit = actuator_limit(actuator, robot.joint_by_name[actuator.joint])
     return actuator.kind is not ActuatorKind.MOTOR and isinf(limit.effort)
 
 
 def bound_actuators(robot: Robot) -> Robot:
-    """The robot with a number for every effort limit that an actuator does not have."""
+    """The robot with numbers in place of missing effort limits of actuators."""
     actuators = [
         replace(a, limit=replace(a.limit, effort=UNLIMITED)) if is_unlimited_actuator(robot, a) else a
         for a in robot.actuators
@@ -95,7 +95,7 @@ def bound_actuators(robot: Robot) -> Robot:
 
 
 def is_open_view(sensor: Sensor) -> bool:
-    """Whether a camera or a lidar sees without end, or nothing is too near for it."""
+    """Whether a camera or a lidar has an unlimited range, or no minimum."""
     return sensor.kind in SEEING and (sensor.view.nearest == 0.0 or isinf(sensor.view.farthest))
 
 
@@ -108,16 +108,16 @@ def _bounded(sensor: Sensor) -> Sensor:
 
 
 bound_views = _each_sensor(_bounded)
-"""The robot with numbers for the range of every camera and lidar."""
+"""The robot with finite ranges for every camera and lidar."""
 
 
 def has_place(sensor: Sensor) -> bool:
-    """Whether a sensor is away from the frame of its link."""
+    """Whether a sensor is not at the origin of its link."""
     return sensor.kind in _WITH_PLACE and sensor.X_LS != IDENTITY
 
 
 def sensors_as_links(robot: Robot) -> Robot:
-    """The robot with a link without mass, on a fixed joint, for every sensor away from the frame of its link."""
+    """The robot with a massless link on a fixed joint for every sensor that is not at the origin of its link."""
     taken = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
     taken |= {closure.name for closure in robot.closures}
     frames: list[Frame] = []
@@ -133,18 +133,18 @@ def sensors_as_links(robot: Robot) -> Robot:
 
 
 def is_off_joint(sensor: Sensor) -> bool:
-    """Whether a force-torque sensor is away from the origin of its joint, where torques are told about."""
+    """Whether a force-torque sensor is not at the origin of its joint, about which torques are measured."""
     return sensor.kind is SensorKind.FORCE_TORQUE and any(sensor.X_LS.position)
 
 
 def has_camera_extras(sensor: Sensor) -> bool:
-    """Whether a camera has a rate, or bounds to what it sees."""
+    """Whether a camera has a rate or a limited range."""
     bounded = sensor.view.nearest != 0.0 or not isinf(sensor.view.farthest)
     return sensor.kind is SensorKind.CAMERA and (sensor.rate != 0.0 or bounded)
 
 
 def is_blind_when_near(sensor: Sensor) -> bool:
-    """Whether a lidar sees nothing that is too near."""
+    """Whether a lidar has a minimum range."""
     return sensor.kind is SensorKind.LIDAR and sensor.view.nearest != 0.0
 
 
@@ -158,7 +158,7 @@ def _plain(sensor: Sensor) -> Sensor:
 
 
 without_camera_extras = _each_sensor(_plain)
-"""The robot with cameras that have neither rate nor range."""
+"""The robot with cameras without rate and range."""
 
 
 def _near(sensor: Sensor) -> Sensor:
@@ -167,7 +167,7 @@ def _near(sensor: Sensor) -> Sensor:
 
 
 seeing_what_is_near = _each_sensor(_near)
-"""The robot with lidars that nothing is too near for."""
+"""The robot with lidars without minimum range."""
 
 
 def is_timed_encoder(sensor: Sensor) -> bool:
@@ -176,4 +176,4 @@ def is_timed_encoder(sensor: Sensor) -> bool:
 
 
 without_encoder_rates = _each_sensor(lambda sensor: replace(sensor, rate=0.0) if is_timed_encoder(sensor) else sensor)
-"""The robot with joint sensors that tell in every step."""
+"""The robot with joint sensors that measure in every step."""

@@ -1,4 +1,4 @@
-"""Joints and loops rewritten to what a format can hold."""
+"""Joints and loops rewritten to what a format supports."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,10 +9,10 @@ from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, Lo
 from stepbot.robot.unique_names import free_name
 
 UNLIMITED = 1e9
-"""What stands for `no limit` where a format wants a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
+"""Value for an unlimited quantity if a format requires a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
 
 BOUNDED = frozenset({JointKind.REVOLUTE, JointKind.PRISMATIC})
-"""Kinds of joints that have position limits."""
+"""Types of joints that have position limits."""
 
 
 def joints_where(condition: Callable[[Joint], bool]) -> Callable[[Robot], list[str]]:
@@ -31,12 +31,12 @@ def each_joint(rewrite: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
 
 
 def is_open(joint: Joint) -> bool:
-    """Whether a joint that has position limits lacks one."""
+    """Whether a joint with position limits lacks one of them."""
     return joint.kind in BOUNDED and (isinf(joint.limit.lower) or isinf(joint.limit.upper))
 
 
 def bound(joint: Joint) -> Joint:
-    """The joint with numbers for position limits that it does not have; a revolute one without any is continuous."""
+    """The joint with numbers in place of missing position limits; a revolute one without any is continuous."""
     if not is_open(joint):
         return joint
     lower, upper = joint.limit.lower, joint.limit.upper
@@ -46,7 +46,7 @@ def bound(joint: Joint) -> Joint:
 
 
 def lacks_effort(joint: Joint) -> bool:
-    """Whether a joint that moves lacks the effort or velocity limit that its format wants beside its other limits."""
+    """Whether a moving joint lacks an effort or velocity limit, which its format requires beside other limits."""
     missing = (isinf(joint.limit.effort), isinf(joint.limit.velocity))
     return (
         any(missing) if joint.kind in BOUNDED else joint.kind is JointKind.CONTINUOUS and any(missing) != all(missing)
@@ -54,7 +54,7 @@ def lacks_effort(joint: Joint) -> bool:
 
 
 def bound_effort(joint: Joint) -> Joint:
-    """The joint with numbers for effort and velocity limits that it does not have."""
+    """The joint with numbers in place of missing effort and velocity limits."""
     if not lacks_effort(joint):
         return joint
     limit = replace(
@@ -64,12 +64,12 @@ def bound_effort(joint: Joint) -> Joint:
 
 
 def is_limited_ball(joint: Joint) -> bool:
-    """Whether a ball joint has a limit of effort or velocity."""
+    """Whether a ball joint has an effort or velocity limit."""
     return joint.kind is JointKind.BALL and joint.limit != Limit()
 
 
 def without_ball_limit(joint: Joint) -> Joint:
-    """The joint, a ball joint without limits."""
+    """The joint, without limits if it is a ball joint."""
     return replace(joint, limit=Limit()) if joint.kind is JointKind.BALL else joint
 
 
@@ -79,7 +79,7 @@ def is_loaded_ball(joint: Joint) -> bool:
 
 
 def without_ball_force(joint: Joint) -> Joint:
-    """The joint, a ball joint without passive forces."""
+    """The joint, without passive forces if it is a ball joint."""
     kept = JointDynamics(armature=joint.dynamics.armature)
     return replace(joint, dynamics=kept) if joint.kind is JointKind.BALL else joint
 
@@ -90,18 +90,18 @@ def without_spring(joint: Joint) -> Joint:
 
 
 def without_armature(joint: Joint) -> Joint:
-    """The joint without the inertia of its actuator."""
+    """The joint without armature."""
     return replace(joint, dynamics=replace(joint.dynamics, armature=0.0))
 
 
 def chained_mimics(robot: Robot) -> list[str]:
-    """Joints that mimic one that mimics another."""
+    """Joints that mimic a mimicking joint."""
     mimics = {joint.name: joint.mimic for joint in robot.joints if joint.mimic is not None}
     return [f"'{name}' after '{mimic.joint}'" for name, mimic in mimics.items() if mimic.joint in mimics]
 
 
 def flatten_mimics(robot: Robot) -> Robot:
-    """The robot with every mimic referring to the joint that leads its chain."""
+    """The robot with every mimic referring to the first joint of its chain."""
 
     def flat(joint: Joint) -> Joint:
         return replace(joint, mimic=Mimic(*mimic_relation(robot, joint.name))) if joint.mimic is not None else joint
@@ -110,7 +110,7 @@ def flatten_mimics(robot: Robot) -> Robot:
 
 
 def describe_closures(condition: Callable[[LoopClosure], bool]) -> Callable[[Robot], list[str]]:
-    """The closures that satisfy a condition, with what they join."""
+    """The closures that satisfy a condition, with their links."""
     return lambda robot: [
         f"'{closure.name}' ({closure.kind}, '{closure.link_a}' to '{closure.link_b}')"
         for closure in robot.closures
@@ -124,7 +124,7 @@ def drop_closures(robot: Robot) -> Robot:
 
 
 def loop_zeros(robot: Robot) -> list[str]:
-    """Joints of loops that were drawn at another position than q = 0."""
+    """Joints of loops that are drawn at a position other than q = 0."""
     moved = _joints_in_loops(robot)
     return [
         f"'{joint.name}' by {joint.drawn_position:.6g}"
@@ -134,7 +134,7 @@ def loop_zeros(robot: Robot) -> list[str]:
 
 
 def move_loop_zeros(robot: Robot) -> Robot:
-    """The robot with q = 0 at the drawn position for every joint of a loop; limits, springs and mimics move along."""
+    """The robot with q = 0 at the drawn position for every joint of a loop; limits, springs and mimics are shifted."""
     in_loops = _joints_in_loops(robot)
     shift = {joint.name: joint.drawn_position if joint.name in in_loops else 0.0 for joint in robot.joints}
 
@@ -162,7 +162,7 @@ def _moved_spring(dynamics: JointDynamics, by: float) -> float:
 
 
 def _joints_in_loops(robot: Robot) -> set[str]:
-    """Joints on the way through the tree from one side of a closure to the other."""
+    """Joints on the path through the tree from one side of a closure to the other."""
     above = {joint.child: joint for joint in robot.joints}
 
     def way_up(link: str) -> list[str]:
@@ -172,12 +172,12 @@ def _joints_in_loops(robot: Robot) -> set[str]:
             link = above[link].parent
         return joints
 
-    # What both ways up share lies above the loop.
+    # The common part of both paths to the root is above the loop.
     return {name for c in robot.closures for name in set(way_up(c.link_a)) ^ set(way_up(c.link_b))}
 
 
 def frames_as_links(robot: Robot) -> Robot:
-    """The robot with a link without mass, on a fixed joint, for every frame."""
+    """The robot with a massless link on a fixed joint for every frame."""
     taken = {joint.name for joint in robot.joints} | {closure.name for closure in robot.closures}
     joints = tuple(
         Joint(

@@ -1,4 +1,4 @@
-"""Names that a format cannot carry as they are."""
+"""Names that a format cannot represent unchanged."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -8,20 +8,20 @@ from stepbot.robot.unique_names import free_name
 
 
 def reserved(robot: Robot, reserves: Callable[[str], bool]) -> list[str]:
-    """Names of links, joints, closures and frames that mean something else to the format."""
+    """Names of links, joints, closures and frames that the format reserves."""
     names = [*(link.name for link in robot.links), *(joint.name for joint in robot.joints)]
     names += [*(closure.name for closure in robot.closures), *(frame.name for frame in robot.frames)]
     return [f"'{name}'" for name in dict.fromkeys(names) if reserves(name)]
 
 
 def renamed_joints(robot: Robot) -> list[str]:
-    """Joints and closures that cannot keep their names next to links and each other."""
+    """Joints and closures whose names conflict with links or each other."""
     joints, closures = _joint_names(robot)
     return _changes(joints) + _changes(closures)
 
 
 def rename_joints(robot: Robot) -> Robot:
-    """The robot with a name of its own for every link, joint and closure; links keep theirs."""
+    """The robot with a unique name for every link, joint and closure; links keep theirs."""
     joints, closures = _joint_names(robot)
 
     def renamed(joint: Joint) -> Joint:
@@ -38,12 +38,12 @@ def rename_joints(robot: Robot) -> Robot:
 
 
 def renamed_frames(robot: Robot) -> list[str]:
-    """Frames that cannot keep their names next to links, joints and closures."""
+    """Frames whose names conflict with links, joints or closures."""
     return _changes(_frame_names(robot))
 
 
 def rename_frames(robot: Robot) -> Robot:
-    """The robot with a name of its own for every frame."""
+    """The robot with a unique name for every frame."""
     names = _frame_names(robot)
     return replace(robot, frames=tuple(replace(frame, name=names[frame.name]) for frame in robot.frames))
 

@@ -1,8 +1,8 @@
-"""Loops cut open at another of their joints: a prismatic closure becomes a joint of the tree, a pin the closure.
+"""Cuts loops at another joint: a prismatic closure becomes a joint of the tree, a revolute joint the closure.
 
-A loop may be cut at any of its joints, and the mechanism stays what it is. What hung below the new cut now hangs from
-the other side of the old one, so that the joints between turn around, and the links on the way get the frames of the
-joints that are now above them.
+Cutting a loop at any of its joints gives the same mechanism. The links below the new cut become children of the other
+side of the old one, so the joints in between are reversed, and the links on the path get the frames of the joints that
+are now above them.
 """
 
 from collections.abc import Mapping
@@ -18,11 +18,11 @@ _CLOSES_AS = {
     JointKind.BALL: JointKind.BALL,
     JointKind.FIXED: JointKind.FIXED,
 }
-"""Kinds of joints that a loop can be cut at, and the closures that they become."""
+"""Types of joints at which a loop can be cut, and the closures that they become."""
 
 
 def sliding_closures(robot: Robot) -> list[str]:
-    """Prismatic closures, and the joint at which their loop can be cut instead, where there is one."""
+    """Prismatic closures, and the joint at which their loop can be cut instead, if there is one."""
     found = []
     for closure in robot.closures:
         if closure.kind is JointKind.PRISMATIC:
@@ -32,9 +32,9 @@ def sliding_closures(robot: Robot) -> list[str]:
 
 
 def reroot_loops(robot: Robot) -> Robot:
-    """The robot with every loop that a prismatic closure closes cut at a joint without limits, forces or drive.
+    """The robot with every prismatic closure replaced by a cut at a joint without limits, forces or actuator.
 
-    Loops without such a joint stay as they are.
+    Loops without such a joint are unchanged.
     """
     for closure in robot.closures:
         way = _way_to_cut(robot, closure) if closure.kind is JointKind.PRISMATIC else ()
@@ -54,7 +54,7 @@ def _way_to_cut(robot: Robot, closure: LoopClosure) -> tuple[Joint, ...]:
             link = above[link].parent
         return joints
 
-    # A joint that turns around would tell the opposite force.
+    # A reversed joint would report the opposite force.
     weighed = {sensor.joint for sensor in robot.sensors if sensor.kind is SensorKind.FORCE_TORQUE}
     up_a, up_b = way_up(closure.link_a), way_up(closure.link_b)
     shared = {joint.name for joint in up_a} & {joint.name for joint in up_b}
@@ -67,7 +67,7 @@ def _way_to_cut(robot: Robot, closure: LoopClosure) -> tuple[Joint, ...]:
 
 
 def _can_close(robot: Robot, joint: Joint) -> bool:
-    """Whether a closure says all of a joint."""
+    """Whether a closure can represent everything about a joint."""
     involved = {actuator.joint for actuator in robot.actuators}
     involved |= {sensor.joint for sensor in robot.sensors}
     involved |= {other.mimic.joint for other in robot.joints if other.mimic is not None}
@@ -76,10 +76,10 @@ def _can_close(robot: Robot, joint: Joint) -> bool:
 
 
 def _reroot(robot: Robot, closure: LoopClosure, way: tuple[Joint, ...]) -> Robot:
-    """Cut at the last joint of the way instead of at the closure; the others turn around."""
+    """Cut at the last joint of the path instead of at the closure; the other joints are reversed."""
     from_b = way[0].child == closure.link_b
     holder, X_PF = (closure.link_a, closure.X_AF) if from_b else (closure.link_b, closure.X_BF)
-    X_LN = {way[0].child: closure.X_BF if from_b else closure.X_AF}  # new frames of the links on the way
+    X_LN = {way[0].child: closure.X_BF if from_b else closure.X_AF}  # new frames of the links on the path
     X_LN |= {joint.parent: joint.X_PC for joint in way[:-1]}
     axis = closure.axis if from_b else _opposite(closure.axis)
     slide = Joint(closure.name, closure.kind, holder, way[0].child, X_PF, axis)
@@ -102,7 +102,7 @@ def _reroot(robot: Robot, closure: LoopClosure, way: tuple[Joint, ...]) -> Robot
 
 
 def _turned(joint: Joint, X_LN: Mapping[str, Pose]) -> Joint:
-    """The joint with parent and child exchanged: its frame stays where it is, and a positive q moves the same way."""
+    """The joint with parent and child exchanged: its frame stays in place, and a positive q moves the same way."""
     turned = replace(joint, parent=joint.child, child=joint.parent, X_PC=X_LN[joint.child].inverse())
     if joint.kind is JointKind.UNIVERSAL:
         return replace(turned, axis=_opposite(joint.axis2), axis2=_opposite(joint.axis))
@@ -135,7 +135,7 @@ def _moved_link(link: Link, X_NL: Pose) -> Link:
 
 
 def _in_tree_order(robot: Robot, links: list[Link], joints: list[Joint]) -> Robot:
-    """The robot with parents before their children; what hangs on one link stays in order."""
+    """The robot with parents before their children; the order of siblings is kept."""
     link_of = {link.name: link for link in links}
     ordered: list[Joint] = []
     waiting = [joint for joint in reversed(joints) if joint.parent == robot.root.name]

@@ -1,4 +1,4 @@
-"""Shapes that a format or its engine cannot hold."""
+"""Shapes that a format or its engine does not support."""
 
 from dataclasses import replace
 from typing import TypeVar
@@ -10,9 +10,9 @@ from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Capsule, Collision, Cylinder, Geometry, Link, MeshRef, Robot, Sphere, Visual
 
 FLATNESS = 1e-6
-"""Thickness over extent below which a mesh counts as lying in a plane."""
+"""Ratio of thickness to extent below which a mesh counts as planar."""
 DENT = 1e-4
-"""Depth over extent below which a dent does not count: hulls of tiny parts have some, from the grid of vertices."""
+"""Ratio of depth to extent below which a dent is ignored: hulls of tiny parts have some, from the vertex grid."""
 
 _Shape = TypeVar("_Shape", Visual, Collision)
 
@@ -23,19 +23,19 @@ def geometries(link: Link) -> list[Geometry]:
 
 
 def upright(shape: Visual | Collision) -> Pose:
-    """Pose of a shape in its link; a sphere is turned in no way."""
+    """Pose of a shape in its link; for a sphere without rotation."""
     return Pose.of(position=shape.X_LG.p) if isinstance(shape.geometry, Sphere) else shape.X_LG
 
 
 def links_with_capsules(robot: Robot) -> list[str]:
-    """Links that have a capsule."""
+    """Links with a capsule."""
     return [
         f"'{link.name}'" for link in robot.links if any(isinstance(geometry, Capsule) for geometry in geometries(link))
     ]
 
 
 def split_capsules(robot: Robot) -> Robot:
-    """The robot with a cylinder and two spheres for every capsule: together they fill the same space."""
+    """The robot with a cylinder and two spheres for every capsule, which fill the same space."""
 
     def split(shapes: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
         return tuple(part for shape in shapes for part in _split(shape))
@@ -49,12 +49,12 @@ def split_capsules(robot: Robot) -> Robot:
 
 
 def flat_collisions(robot: Robot) -> list[str]:
-    """Collision meshes that lie in a plane."""
+    """Collision meshes that are planar."""
     return [f"'{name}'" for name in sorted(_flat_meshes(robot))]
 
 
 def drop_flat_collisions(robot: Robot) -> Robot:
-    """The robot without the collision meshes that lie in a plane."""
+    """The robot without planar collision meshes."""
     flat = _flat_meshes(robot)
 
     def without(link: Link) -> Link:
@@ -91,7 +91,7 @@ def _touched(robot: Robot) -> set[str]:
 
 
 def is_flat(mesh: TriMesh) -> bool:
-    """Whether all vertices lie in a plane, or there are too few to span a volume."""
+    """Whether all vertices are coplanar, or there are too few to span a volume."""
     if len(mesh.vertices) < 4:
         return True
     low, high = mesh.bounds
@@ -104,7 +104,7 @@ def is_flat(mesh: TriMesh) -> bool:
 
 
 def _normal(mesh: TriMesh) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
-    """Unit normal of the largest triangle; None where all of them are degenerate."""
+    """Unit normal of the largest triangle; None if all are degenerate."""
     a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1)
@@ -118,8 +118,8 @@ def _normal(mesh: TriMesh) -> np.ndarray[tuple[int], np.dtype[np.float64]] | Non
 def is_convex(mesh: TriMesh) -> bool:
     """Whether the mesh is the closed surface of one convex body.
 
-    It is if every edge joins two faces, in opposite directions, none of which lies before the other, and if the whole
-    is one sphere (V - E + F = 2).
+    It is if every edge joins two faces in opposite directions, neither of which is in front of the other, and if the
+    surface is one sphere (V - E + F = 2).
     """
     faces = mesh.faces
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
@@ -136,7 +136,7 @@ def is_convex(mesh: TriMesh) -> bool:
     a, b, c = (mesh.vertices[faces[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1)
-    # The plane of a sliver is hardly defined: of the two faces of an edge, the larger one judges.
+    # The plane of a sliver is ill-defined: of the two faces of an edge, the larger one decides.
     larger = areas[face[order]] >= areas[face[partner]]
     judge = np.where(larger, face[order], face[partner])
     judged = mesh.vertices[np.where(larger, opposite[partner], opposite[order])]

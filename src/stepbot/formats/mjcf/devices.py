@@ -1,7 +1,7 @@
 """Actuators and sensors of MJCF.
 
-What a sensor of several readings consists of is called ``<sensor>/<reading>``, and its place ``<sensor>/site``, which
-no name of the robot can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
+The readings of a sensor are named ``<sensor>/<reading>``, and its site ``<sensor>/site``, which no name of the robot
+can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
 """
 
 from math import atan, degrees, isfinite, tan
@@ -15,7 +15,7 @@ from stepbot.robot.sensors import Sensor, SensorKind
 from ..xml import Element, Value, element
 
 SITE = "site"
-"""Last part of the name of a sensor's place."""
+"""Last part of the name of a sensor's site."""
 RAY = "ray"
 """Last part of the names of a lidar's rays, before their numbers."""
 
@@ -28,7 +28,7 @@ _READINGS = {
     SensorKind.IMU: {"accelerometer": "accelerometer", "gyro": "gyro", "orientation": "framequat"},
     SensorKind.FORCE_TORQUE: {"force": "force", "torque": "torque"},
 }
-"""For each kind of sensor at a site the names of its readings, and their elements."""
+"""For each kind of sensor at a site, the names of its readings, and their elements."""
 
 
 def actuators(top: Element, robot: Robot) -> None:
@@ -55,7 +55,7 @@ def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
 
 
 def mounts(body: Element, link: Link, robot: Robot) -> None:
-    """Add the places of the sensors on a link."""
+    """Add the sites of the sensors on a link."""
     for sensor in robot.sensors:
         if sensor.link != link.name:
             continue
@@ -81,7 +81,7 @@ def _rays(body: Element, sensor: Sensor) -> None:
 
 
 def sensors(top: Element, robot: Robot) -> None:
-    """Add the readings of the sensors; a camera has none, it is asked for its picture."""
+    """Add the readings of the sensors; a camera has none, it is rendered on request."""
     measuring = [sensor for sensor in robot.sensors if sensor.kind is not SensorKind.CAMERA]
     if measuring:
         xml = element(top, "sensor")

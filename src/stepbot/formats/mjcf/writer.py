@@ -1,9 +1,10 @@
 """MJCF, MuJoCo's own format: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
 
-Joints sit at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
-A body may have several joints, which act one after the other: that is how multi-dof joints are written.
-Closures hold sites together: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
-``connect``, at F and at a second point of its axis: six rows, of which five are independent, two in a planar loop.
+Joints are at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
+A body may have several joints, which act one after the other: this is how multi-dof joints are written.
+
+Closures constrain sites: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
+``connect``, at F and at a second point of its axis: six rows, five of which are independent, two in a planar loop.
 Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
 close; the keyframe ``home`` is the drawn pose, where it does.
 """
@@ -116,13 +117,13 @@ HOME = "home"
 """Name of the keyframe with the drawn pose."""
 
 _ROUNDING = 1e-12
-"""Relative margin by which MuJoCo's own rounding may break A + B >= C of principal moments that satisfy it exactly."""
+"""Relative tolerance for MuJoCo's rounding of A + B >= C of principal moments that satisfy it exactly."""
 _TINY = 1e-10
-"""Volume [m^3] of the box around a mesh below which that of the mesh may be too small for MuJoCo."""
+"""Volume [m^3] of a mesh's bounding box below which the volume of the mesh may be too small for MuJoCo."""
 
 
 def reserves(name: str) -> bool:
-    """Whether the name is that of MuJoCo's own body."""
+    """Whether the name is that of MuJoCo's world body."""
     return name == "world"
 
 
@@ -149,7 +150,7 @@ def companions(_robot: Robot) -> tuple[Companion, ...]:
 
 
 def _defaults(top: Element, robot: Robot) -> None:
-    """Classes of geoms, in the groups that collections of models have them in: viewers hide the third at first."""
+    """Classes of geoms, in the groups that model collections conventionally use: viewers hide the third by default."""
     classes: dict[str, dict[str, Value]] = {}
     if any(link.visuals for link in robot.links):
         classes["visual"] = {"group": 2, "contype": 0, "conaffinity": 0}
@@ -161,7 +162,7 @@ def _defaults(top: Element, robot: Robot) -> None:
 
 
 def _assets(top: Element, robot: Robot) -> None:
-    """Meshes; of one without volume MuJoCo computes the inertia, which nobody needs, only as that of a ``shell``."""
+    """Meshes; for one without volume, MuJoCo can compute the (unused) inertia only as that of a ``shell``."""
     shapes = [shape for link in robot.links for shape in geometries(link)]
     used = {shape.name for shape in shapes if isinstance(shape, MeshRef)}
     asset = element(top, "asset") if used else top
@@ -213,7 +214,7 @@ def _inertial(body: Element, mass: MassProperties) -> None:
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     A, B, C = np.linalg.eigvalsh(np.array(mass.inertia)).tolist()
     if abs(A + B - C) < _ROUNDING * C:
-        # A flat body has A + B = C; MuJoCo finds the moments anew and refuses the body if rounding makes C the larger.
+        # A flat body has A + B = C; MuJoCo recomputes the moments and rejects the body if rounding makes C larger.
         ixx, iyy, izz = (moment + _ROUNDING * C for moment in (ixx, iyy, izz))
     element(body, "inertial", pos=mass.com, mass=mass.mass, fullinertia=(ixx, iyy, izz, ixy, ixz, iyz))
 
@@ -248,7 +249,7 @@ def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **mo
 
 
 def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
-    """Type and size of a geom; MuJoCo wants half lengths."""
+    """Type and size of a geom; MuJoCo uses half lengths."""
     match geometry:
         case Box(size):
             return "box", {"size": [edge / 2 for edge in size]}
@@ -276,13 +277,13 @@ def _sites(body: Element, link: Link, robot: Robot) -> None:
 
 
 def _second_point(closure: LoopClosure) -> list[float]:
-    """A point of the axis, in F [m], as far away as F is from the links' frames: turns and shifts weigh alike."""
+    """A point of the axis, in F [m], as far away as F is from the frames of the links, so that all rows weigh the same."""
     reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
     return [reach * direction for direction in closure.axis]
 
 
 def _contact(top: Element, robot: Robot) -> None:
-    """Excludes for neighbours: MuJoCo's own filter does not cover bodies fixed to the world, nor closures."""
+    """Excludes for adjacent links: MuJoCo's own filter does not cover bodies fixed to the world, nor closures."""
     close, weld = neighbours(robot), _welds(robot)
     left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in robot.joints}
     touching = [link.name for link in robot.links if link.collisions]
@@ -301,7 +302,7 @@ def _contact(top: Element, robot: Robot) -> None:
 
 
 def _welds(robot: Robot) -> dict[str, str]:
-    """For each link the one that it is fixed to in the end, or the world."""
+    """For each link, the topmost link that it is fixed to, or the world."""
     weld = {robot.root.name: _WORLD if robot.base is Base.FIXED else robot.root.name}
     for joint in robot.joints:
         weld[joint.child] = weld[joint.parent] if joint.kind is JointKind.FIXED else joint.child
@@ -337,7 +338,7 @@ def _velocity_limits(top: Element, robot: Robot) -> None:
 
 
 def _keyframe(top: Element, robot: Robot) -> None:
-    """The drawn pose, where it is not q = 0 or a loop must close; position actuators hold it."""
+    """The drawn pose, if it is not q = 0 or a loop must close; position actuators hold it."""
     drawn = initial_configuration(robot)
     if not (robot.closures or any(drawn.values())):
         return

@@ -1,8 +1,8 @@
 """The SDFormat that Drake reads of a robot with loops: https://drake.mit.edu, ``drake:ball_constraint``.
 
-Drake does not support a joint that closes a loop, and no engine reads a file with both Drake's elements and such a
-joint: hence a separate file. A constraint holds a point of one body to a point of another. Drake requires a discrete
-plant with the SAP solver for them.
+Drake does not support joints that close loops, and no engine reads a file with both Drake's elements and such a joint:
+hence a separate file. A constraint makes a point of one body coincide with a point of another. Drake requires a
+discrete plant with the SAP solver for them.
 """
 
 from collections.abc import Sequence
@@ -16,16 +16,16 @@ from stepbot.robot.model import JointKind, LoopClosure, Robot
 from ..xml import Element, element
 
 URI = "http://drake.mit.edu"
-"""Namespace of the elements, bound to the prefix that Drake looks for."""
+"""Namespace of the elements, bound to the prefix that Drake expects."""
 PREFIX = "drake"
 FORMAT = "drake.sdf"
-"""What engines call the format of the file."""
+"""The name of the file's format for engines."""
 
 
 def for_drake(robot: Robot) -> Robot:
-    """The robot without sensors, which Drake knows none of, and without drives of universal joints.
+    """The robot without sensors, none of which Drake supports, and without actuators of universal joints.
 
-    Drake takes any limit but 0 for an actuator, and has none on multi-dof joints.
+    Drake creates an actuator for any limit but 0, and supports none on multi-dof joints.
     """
     joints = tuple(
         replace(joint, limit=replace(joint.limit, effort=0.0)) if joint.kind is JointKind.UNIVERSAL else joint
@@ -35,7 +35,7 @@ def for_drake(robot: Robot) -> Robot:
 
 
 def constrain(model: Element, robot: Robot) -> None:
-    """Add what holds the loops of a robot together; no closure slides."""
+    """Add the constraints of the loop closures; no closure is prismatic."""
     for closure in robot.closures:
         for p_F in _points(closure):
             held = element(model, f"{{{URI}}}ball_constraint")
@@ -50,7 +50,7 @@ def _say(held: Element, name: str, value: str | Sequence[float]) -> None:
 
 
 def _points(closure: LoopClosure) -> list[Array]:
-    """Points of F [m] that hold what the closure holds: one, two of an axis, three of a body."""
+    """Points of F [m] that represent the closure: one, two of an axis, three of a body."""
     reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
     if closure.kind is JointKind.BALL:
         return [np.zeros(3)]

@@ -1,8 +1,8 @@
 """Actuators and joint sensors as plugins of Gazebo Sim: https://gazebosim.org/docs/latest/joint_controllers.
 
-An actuator is held by a PID controller without an integral part, whose gains and limits are given at the joint; a motor
-takes efforts as they are, within the limit of its joint. Topics are Gazebo's own, which name the joint: the names of
-actuators and sensors are not written.
+An actuator is controlled by a PID controller without an integral part, whose gains and limits are given at the joint; a
+motor takes efforts directly, within the limit of its joint. Topics are Gazebo's defaults, which contain the joint's
+name: the names of actuators and sensors are not written.
 """
 
 from stepbot.robot.actuators import force_range
@@ -16,7 +16,7 @@ _PLUGINS = {
     ActuatorKind.VELOCITY: ("gz-sim-joint-controller-system", "gz::sim::systems::JointController"),
     ActuatorKind.MOTOR: ("gz-sim-apply-joint-force-system", "gz::sim::systems::ApplyJointForce"),
 }
-"""Library and class for each kind of drive."""
+"""Library and class for each kind of actuator."""
 _STATE = ("gz-sim-joint-state-publisher-system", "gz::sim::systems::JointStatePublisher")
 
 
@@ -40,7 +40,7 @@ def _drive(model: Element, actuator: Actuator, joint: Joint) -> None:
     if actuator.kind is ActuatorKind.POSITION:
         gains = {"p_gain": actuator.kp, "i_gain": 0.0, "d_gain": actuator.kv}
     else:
-        element(xml, "use_force_commands", "true")  # without it the plugin sets velocities, whatever force that takes
+        element(xml, "use_force_commands", "true")  # without it the plugin sets velocities with unlimited force
         gains = {"p_gain": actuator.kv}
     for name, value in {**gains, "cmd_max": high, "cmd_min": low}.items():
         element(xml, name, value)

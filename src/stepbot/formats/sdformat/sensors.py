@@ -1,6 +1,6 @@
-"""Sensors as SDFormat has them: http://sdformat.org/spec?elem=sensor. URDF holds the same in `<gazebo>`.
+"""Sensors in SDFormat: http://sdformat.org/spec?elem=sensor. URDF has the same elements in `<gazebo>`.
 
-Gazebo has no lidar but that of the graphics card: hence ``gpu_lidar``. A joint sensor is none of the format's.
+Gazebo's only lidar is rendered on the graphics card: hence ``gpu_lidar``. The format has no joint sensor.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ _TYPES = {
     SensorKind.LIDAR: "gpu_lidar",
     SensorKind.CONTACT: "contact",
 }
-"""The format's word for each kind."""
+"""The format's name of each kind."""
 
 
 def sensors_on_link(xml: Element, link: Link, sensors: Sequence[Sensor], shapes: Sequence[str]) -> None:
@@ -36,7 +36,7 @@ def sensors_on_joint(xml: Element, joint: str, sensors: Sequence[Sensor]) -> Non
 
 
 def sdf_sensor(parent: Element, sensor: Sensor, shapes: Sequence[str] = ()) -> Element:
-    """Add one sensor; ``shapes`` are what a contact sensor watches."""
+    """Add one sensor; ``shapes`` are the collision shapes of a contact sensor."""
     xml = element(parent, "sensor", name=sensor.name, type=_TYPES[sensor.kind])
     sdf_pose(xml, sensor.X_LS)
     if sensor.rate:
@@ -81,6 +81,6 @@ def _lidar(xml: Element, sensor: Sensor) -> None:
 
 
 def sdf_pose(parent: Element, X: Pose) -> None:
-    """Add a pose, which is left out where it is the identity."""
+    """Add a pose, which is omitted if it is the identity."""
     if not X.is_identity:
         element(parent, "pose", (*X.position, *X.rpy))

@@ -1,8 +1,8 @@
 """SDFormat, as Gazebo and Drake read it: http://sdformat.org/spec.
 
 Poses are flat: each link's in the model at q = 0, each joint's in its child, so that readers without ``relative_to``
-understand them. A closed loop is a joint more than a tree has: its frame is given in the child, and lies in the parent
-where the pose of the file puts it, so a loop must close at q = 0 (:data:`Feature.LOOP_ZERO`).
+understand them. A loop is closed by an additional joint: its frame is given in the child, and its frame in the parent
+follows from the poses in the file, so the loop must close at q = 0 (:data:`Feature.LOOP_ZERO`).
 """
 
 from math import isfinite, isinf, pi
@@ -104,11 +104,11 @@ EXPRESSES = {
 }
 
 _NO_LIMIT = 1e16
-"""What SDFormat 1.9 defines as the position limit of a joint that has none."""
+"""SDFormat 1.9's position limit for an unlimited joint."""
 
 
 def reserves(name: str) -> bool:
-    """Whether the name is the world's, one of the format's own (``__model__``), or reads as a path of names."""
+    """Whether the name is the world's, reserved by the format (``__model__``), or parsed as a path of names."""
     return name == "world" or "::" in name or (name.startswith("__") and name.endswith("__"))
 
 
@@ -123,7 +123,7 @@ def render(robot: Robot) -> bytes:
 
 
 def companions(robot: Robot) -> tuple[Companion, ...]:
-    """A file for Drake, where there are loops that its constraints can close: it refuses joints that close one."""
+    """A file for Drake, if there are loops that its constraints can close: it rejects joints that close one."""
     cut = _drake.for_drake(reroot_loops(robot))
     if not cut.closures or any(closure.kind is JointKind.PRISMATIC for closure in cut.closures):
         return ()
@@ -149,7 +149,7 @@ def _tree(top: Element, robot: Robot) -> Element:
 
 
 def _version(robot: Robot) -> str:
-    """The first version that has everything that the robot needs: older readers read older files."""
+    """The first version that has everything that the robot needs, so that older readers can read the file."""
     if any(joint.mimic is not None for joint in robot.joints):
         return MIMIC_VERSION
     return SCREW_VERSION if any(joint.kind is JointKind.SCREW for joint in robot.joints) else VERSION
@@ -279,11 +279,11 @@ def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
 
 def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
     given = {"damping": dynamics.damping, "friction": dynamics.friction}
-    if dynamics.stiffness:  # without which its rest position means nothing
+    if dynamics.stiffness:  # without which its rest position has no effect
         given |= {"spring_reference": dynamics.spring_reference, "spring_stiffness": dynamics.stiffness}
     said = {tag: value for tag, value in given.items() if value}
     if said and not ("damping" in said or "friction" in said):
-        said = {"damping": 0.0, **said}  # PyBullet refuses springs alone
+        said = {"damping": 0.0, **said}  # PyBullet rejects an element with springs only
     if said:
         xml = element(axis, "dynamics")
         for tag, value in said.items():

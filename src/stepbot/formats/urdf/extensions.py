@@ -1,4 +1,4 @@
-"""What a URDF says to some of its readers alone: `<gazebo>`, `<transmission>` and `<ros2_control>`.
+"""Elements of a URDF for specific readers: `<gazebo>`, `<transmission>` and `<ros2_control>`.
 
 https://github.com/gazebosim/sdf_tutorials/blob/master/docs/urdf/sdf_extensions.md
 """
@@ -25,15 +25,16 @@ def extensions(top: Element, robot: Robot) -> None:
 
 
 def _shapes_in_gazebo(link: Link) -> list[str]:
-    """What Gazebo calls the collision shapes of a link when it makes SDFormat of a URDF."""
+    """Names of a link's collision shapes after Gazebo's conversion of URDF to SDFormat."""
     numbers = ["", *(f"_{i}" for i in range(1, len(link.collisions)))]
     return [f"{shape.name}_collision{number}" for shape, number in zip(link.collisions, numbers, strict=False)]
 
 
 def _of_joint(top: Element, joint: Joint, robot: Robot) -> None:
-    """What Gazebo is told of a joint.
+    """The `<gazebo>` settings of a joint.
 
-    Fixed ones it would merge away, and with them a force-torque sensor, and the names of what a contact sensor watches.
+    Without them, Gazebo merges fixed joints, and loses their force-torque sensors and the names of shapes that contact
+    sensors refer to.
     """
     fixed = joint.kind is JointKind.FIXED
     weighed = any(s.kind is SensorKind.FORCE_TORQUE and s.joint == joint.name for s in robot.sensors)

@@ -1,8 +1,8 @@
-"""Actuators and sensors as ros2_control finds them in a URDF: https://control.ros.org/rolling/doc.
+"""Actuators and sensors for ros2_control in a URDF: https://control.ros.org/rolling/doc.
 
-What moves the joints is a plugin that only the owner of the hardware, or of the simulation, can name: the one that is
-written plays every command back, and belongs to ros2_control itself. Inputs and limits are given at the joint. Gears
-are transmissions, once more in the form of ROS 1, which a URDF has had since before ros2_control.
+The hardware plugin depends on the hardware or the simulator: the written one is a placeholder of ros2_control that
+mirrors every command. Inputs and limits are given at the joint. Gears are transmissions, repeated in the older format
+of ROS 1.
 """
 
 from stepbot.robot.actuators import actuator_limit, joint_range
@@ -13,7 +13,7 @@ from ..lowering import UNLIMITED
 from ..xml import Element, element
 
 HARDWARE = "mock_components/GenericSystem"
-"""Stands for the hardware; its successor is a matter of configuration."""
+"""Placeholder for the hardware plugin, to be replaced in the user's configuration."""
 _SIMPLE = "transmission_interface/SimpleTransmission"
 _COMMANDS = {ActuatorKind.POSITION: "position", ActuatorKind.VELOCITY: "velocity", ActuatorKind.MOTOR: "effort"}
 _STATES = ("position", "velocity", "effort")
@@ -41,7 +41,7 @@ def transmissions(top: Element, robot: Robot) -> None:
 
 
 def ros2_control(top: Element, robot: Robot) -> None:
-    """Add the system of all actuators, and of the sensors that ros2_control reads."""
+    """Add the system with all actuators, and the sensors that ros2_control reads."""
     sensors = [sensor for sensor in robot.sensors if sensor.kind in _READINGS]
     if not (robot.actuators or sensors):
         return

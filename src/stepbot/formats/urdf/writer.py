@@ -1,8 +1,8 @@
 """URDF, as ROS and most simulators read it: http://wiki.ros.org/urdf/XML.
 
-The root link is the robot's; there is no link called ``world``, because loaders disagree on it. Inertias are about the
-centre of mass along the axes of the link (rpy = 0), since some readers ignore that rotation. Every link has an
-``<inertial>``, zero where it weighs nothing: some engines take a link without one for 1 kg.
+The root link is the robot's; there is no link called ``world``, because loaders treat it differently. Inertias are
+about the centre of mass along the axes of the link (rpy = 0), since some readers ignore that rotation. Every link has
+an ``<inertial>``, zero if it is massless: some engines assume 1 kg for a link without one.
 """
 
 from math import isfinite
@@ -95,7 +95,7 @@ EXPRESSES = {
 
 
 def reserves(name: str) -> bool:
-    """Whether readers take the name for the world itself."""
+    """Whether readers interpret the name as the world."""
     return name == "world"
 
 

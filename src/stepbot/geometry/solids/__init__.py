@@ -1,1 +1,1 @@
-"""Solids as closed meshes: which of them overlap, and what they have in common. Knows neither CAD nor sidecar."""
+"""Solids as closed meshes: their overlaps and intersections. Independent of CAD and sidecar."""

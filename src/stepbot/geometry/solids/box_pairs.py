@@ -1,4 +1,4 @@
-"""Which of many boxes overlap: sorted along x, so that a row of thousands costs little more than its neighbours."""
+"""Finds overlapping pairs among many boxes; sorting along x makes a row of thousands nearly linear."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from ..spatial import Array
 
 
 def moved_boxes(low: Array, high: Array, R: Array, p: Array) -> tuple[Array, Array]:
-    """Boxes along the axes of A around boxes given in B.
+    """Boxes aligned with A that enclose boxes given in B.
 
     Args:
         low: Lowest corners (n, 3) in B [m].
@@ -21,7 +21,7 @@ def moved_boxes(low: Array, high: Array, R: Array, p: Array) -> tuple[Array, Arr
 
 
 def box_pairs(low: Array, high: Array, depth: float = 0.0) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All pairs i < j of boxes (n, 3) that reach more than ``depth`` into each other along every axis, sorted."""
+    """All pairs i < j of boxes (n, 3) that overlap by more than ``depth`` along every axis, sorted."""
     order = np.argsort(low[:, 0], kind="stable")
     low, high = low[order] + depth, high[order]
     ends = np.searchsorted(low[:, 0], high[:, 0])

@@ -1,7 +1,7 @@
-"""Closed meshes as solids that can be intersected and joined, and convex hulls: the only module that knows manifold3d.
+"""Booleans of closed meshes, and convex hulls: the only module that imports manifold3d.
 
-https://github.com/elalish/manifold: its Booleans always end, and give a closed mesh for closed meshes, also where faces
-coincide.
+https://github.com/elalish/manifold: its Booleans always terminate, and closed meshes give closed meshes, even with
+coincident faces.
 """
 
 from collections.abc import Sequence
@@ -18,54 +18,57 @@ from ..spatial import Array, Pose
 from .box_pairs import moved_boxes
 
 TOUCHING = 1e-6
-"""Depth [m] to which faces that touch may lie in each other."""
+"""Depth [m] up to which touching faces may penetrate each other."""
 
 _FLAT = 1e-7
 """Volume of a hull, as a share of its diagonal cubed, below which it counts as flat."""
 _SMOOTH = radians(50.0)
-"""Angle between neighbouring triangles up to which they stand for one curved face; by default it is 15 degrees."""
+"""Angle between adjacent triangles up to which they approximate one curved face; the library's default is 15
+degrees."""
 
 
 def prepare() -> None:
-    """Do the slow import."""
+    """Import the library."""
     import manifold3d  # noqa: F401
 
 
 class Solid:
-    """A closed mesh; what is costly is made when it is first needed."""
+    """A closed mesh; expensive properties are computed on first use."""
 
     def __init__(self, mesh: TriMesh) -> None:
         self._mesh = mesh
 
     @property
     def face_count(self) -> int:
-        """Faces of the mesh."""
+        """Number of faces of the mesh."""
         return len(self._mesh.faces)
 
     @property
     def is_sound(self) -> bool:
-        """Whether the mesh bounds a volume; if not, nothing can be said about what it overlaps."""
+        """Whether the mesh bounds a volume; otherwise its overlaps are undefined."""
         import manifold3d
 
         return bool(self._manifold.status() == manifold3d.Error.NoError and not self._manifold.is_empty())
 
     def may_meet(self, other: "Solid", X_AB: Pose) -> bool:
-        """Whether this solid, given in A, and another one, given in B, can have something in common.
+        """Whether this solid, given in A, and another one, given in B, can intersect.
 
-        That lies in both boxes. Where none of a solid's faces reach there, all of that place is inside it or outside.
+        An intersection is inside both boxes. If none of a solid's faces reach their overlap, that region is entirely
+        inside or outside the solid.
         """
         return self._may_reach(other, X_AB) and other._may_reach(self, X_AB.inverse())
 
     def intersection(self, other: "Solid", X_AB: Pose) -> "Intersection":
-        """What this solid, given in A, and another one, given in B, have in common."""
+        """The intersection of this solid, given in A, and another one, given in B."""
         common = self._manifold ^ other._manifold.transform(X_AB.matrix[:3])
         return Intersection(common, common.volume(), {self._id: self, other._id: other})
 
     @cached_property
     def sagittas(self) -> Array:
-        """For each face (m,) how far [m] it lies from the curved face that it stands for; 0 for flat ones.
+        """For each face (m,), its distance [m] from the curved face that it approximates; 0 for flat ones.
 
-        Estimated from the mesh: a chord of width w on an arc that turns by t is w / 2 tan(t / 4) away from its middle.
+        Estimated from the mesh: the middle of a chord of width w on an arc that turns by t is w / 2 tan(t / 4) away
+        from it.
         """
         return _sagittas(self._mesh)
 
@@ -77,12 +80,12 @@ class Solid:
 
     @cached_property
     def _manifold(self) -> Any:
-        """The mesh, with its faces numbered, so that the faces of an intersection tell where they come from."""
+        """The mesh with numbered faces, so that the origin of each face of an intersection is known."""
         import manifold3d
 
         faces = self._mesh.faces.astype(np.uint64)
         numbered = manifold3d.Mesh64(
-            self._mesh.vertices.copy(),  # it takes no array that is read-only
+            self._mesh.vertices.copy(),  # it does not accept read-only arrays
             faces,
             run_index=np.array([0, faces.size], dtype=np.uint64),
             run_original_id=np.array([self._id], dtype=np.uint32),
@@ -103,7 +106,7 @@ class Solid:
         return corners.min(axis=1), corners.max(axis=1)
 
     def _may_reach(self, other: "Solid", X_AB: Pose) -> bool:
-        """Whether this solid can reach into the place where the boxes overlap, along its own axes."""
+        """Whether this solid can reach the overlap of the boxes, along its own axes."""
         there = moved_boxes(*other._box, X_AB.R[None], X_AB.p[None])
         low, high = np.maximum(self._box[0], there[0])[0], np.minimum(self._box[1], there[1])[0]
         if (low + TOUCHING >= high).any():
@@ -117,7 +120,7 @@ class Solid:
 
 @dataclass(frozen=True, eq=False)
 class Intersection:
-    """What two solids have in common, in the frame of the first."""
+    """The intersection of two solids, in the frame of the first."""
 
     _manifold: Any
     volume: float
@@ -126,9 +129,9 @@ class Intersection:
 
     @cached_property
     def noise(self) -> float:
-        """Volume [m^3] that two solids with such faces may have in common though they only touch.
+        """Volume [m^3] that two solids with such faces may share although they only touch.
 
-        Of two curved faces that coincide the meshes do not: each lies beside the true face by its sagitta.
+        The meshes of two coincident curved faces do not coincide: each differs from the true face by its sagitta.
         """
         mesh = self._manifold.to_mesh64()
         corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts, dtype=np.int64)]
@@ -143,7 +146,7 @@ class Intersection:
 
 
 def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
-    """Volume [m^3] of several intersections together, each given in A and placed by X_WA."""
+    """Volume [m^3] of the union of several intersections, each given in A and placed by X_WA."""
     import manifold3d
 
     placed = [part._manifold.transform(X_WA.matrix[:3]) for part, X_WA in parts]
@@ -151,7 +154,7 @@ def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
 
 
 def convex_hull(points: Array) -> TriMesh | None:
-    """Convex hull of points (n, 3), faces outwards; None where they lie in a plane, or nearly.
+    """Convex hull of points (n, 3), outward-facing; None if they are coplanar, or nearly.
 
     manifold3d finds the same faces in every run, in an order that depends on its threads: here they are sorted.
     """
@@ -168,9 +171,9 @@ def convex_hull(points: Array) -> TriMesh | None:
 
 
 def _sorted(mesh: TriMesh) -> TriMesh:
-    """The same mesh with its vertices in the order of x, y, z and its faces in that of their vertices.
+    """The same mesh with its vertices sorted by x, y, z and its faces by their vertices.
 
-    The lowest vertex of each face comes first; all three still go round the same way.
+    The lowest vertex of each face comes first; the orientation is kept.
     """
     order = np.lexsort(mesh.vertices.T[::-1])
     faces = np.argsort(order)[mesh.faces]
@@ -199,7 +202,7 @@ def _sagittas(mesh: TriMesh) -> Array:
 
 
 def _edge_sides(faces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Both sides of each edge, as places in the flat ``faces``: a side goes from there to its face's next corner."""
+    """Both sides of each edge, as indices into the flat ``faces``: a side goes from there to its face's next corner."""
     starts, ends = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
     keys = np.minimum(starts, ends) * (int(faces.max()) + 1) + np.maximum(starts, ends)
     order = np.argsort(keys, kind="stable")

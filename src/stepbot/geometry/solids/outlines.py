@@ -1,4 +1,4 @@
-"""Areas in the plane by their outlines, and what two have in common: Clipper2, by way of manifold3d."""
+"""Areas in the plane by their outlines, and their intersections: Clipper2, through manifold3d."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ import numpy as np
 from ..spatial import Array
 
 _SCALE = 1e3
-"""The library keeps six digits after the point: millimetres instead of metres."""
+"""The library keeps six decimals: millimetres instead of metres."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """What two areas have in common."""
+    """The intersection of two areas."""
 
     area: float
     """[m^2]."""
@@ -27,7 +27,7 @@ class Shared:
 
 
 class Region:
-    """An area bounded by closed rings (n, 2) [m]; a point is inside where an odd number of them goes round it."""
+    """An area bounded by closed rings (n, 2) [m], by the even-odd rule."""
 
     def __init__(self, rings: Sequence[Array]) -> None:
         import manifold3d
@@ -41,7 +41,7 @@ class Region:
         return float(self._section.area()) / _SCALE**2
 
     def shared(self, other: "Region", least: float) -> Shared | None:
-        """What this area and another one have in common; None where it is less than ``least`` [m^2]."""
+        """The intersection of this area and another one; None if it is less than ``least`` [m^2]."""
         common = self._section ^ other._section
         area = float(common.area()) / _SCALE**2
         if area < least:
@@ -52,7 +52,7 @@ class Region:
 
 
 def _centroid(rings: Sequence[Array]) -> Array:
-    """Centroid of the area within rings whose direction tells holes apart."""
+    """Centroid of the area bounded by rings, where the orientation distinguishes holes."""
     total, moment = 0.0, np.zeros(2)
     origin = rings[0][0]
     for ring in rings:

@@ -1,8 +1,8 @@
-"""Solids that overlap: what they have in common is weighed twice.
+"""Overlapping solids, whose common volume would be weighed twice.
 
-Each two bodies are intersected once for each relative pose, what could weigh most first. Where two densities meet, the
-lighter material is taken to give way to the denser one, as plastic does to a screw. Of a mass that was measured nothing
-is counted twice. Faces that touch are no overlap, whatever their meshes say: :attr:`.Intersection.noise`.
+Each pair of bodies is intersected once per relative pose, the potentially heaviest pair first. Where two densities
+meet, the denser material is assumed to displace the lighter one, as a screw does in plastic. Given masses are not
+corrected. Touching faces are not an overlap, whatever their meshes do: :attr:`.Intersection.noise`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,25 +14,25 @@ from ..sums import exact_sum
 from .manifolds import TOUCHING, Intersection, Solid, union_volume
 
 SMALLEST = 1e-3
-"""Share of the smaller solid from which on an overlap counts."""
+"""Share of the smaller solid from which an overlap counts."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """Two components whose boxes overlap."""
+    """Two components with overlapping boxes."""
 
     link: str
     first: int
     second: int
     density: float
-    """[kg/m^3] at which what they have in common is counted twice."""
+    """[kg/m^3] at which their common volume is counted twice."""
     most: float
-    """What that can weigh [kg], judged by their boxes."""
+    """Upper bound of its mass [kg], from their boxes."""
 
 
 @dataclass(frozen=True)
 class Group:
-    """Candidates that are the same two bodies in the same relative pose: they have the same in common."""
+    """Candidates of the same two bodies in the same relative pose, which have the same intersection."""
 
     bodies: tuple[int, int]
     X_AB: Pose
@@ -48,7 +48,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Search:
-    """What to intersect."""
+    """The pairs to intersect."""
 
     links: tuple[str, ...]
     groups: tuple[Group, ...]
@@ -57,23 +57,23 @@ class Search:
     poses: Mapping[int, Pose]
     """Of the first component of each candidate."""
     max_faces: int
-    """Limit of the work: the faces of all pairs together."""
+    """Maximum number of faces of all pairs together."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two components of one link that overlap, or may."""
+    """Two components of one link that overlap, or may overlap."""
 
     first: int
     second: int
     mass: float
-    """What is counted twice [kg]; where the pair was not checked, the most that it can be."""
+    """Mass counted twice [kg]; its upper bound if the pair was not checked."""
     volume: float = 0.0
-    """What they have in common [m^3]."""
+    """Common volume [m^3]."""
     is_repeated: bool = False
     """Whether both are the same part at the same place."""
     unchecked: str = ""
-    """Why the pair was not checked; empty where it was."""
+    """Why the pair was not checked; empty if it was."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Overlaps:
 
     pairs: tuple[Pair, ...] = ()
     mass: float = 0.0
-    """What is counted more than once [kg]; less than the pairs together where three solids share something."""
+    """Mass counted more than once [kg]; less than the sum of the pairs if three solids share a region."""
     unchecked: tuple[Pair, ...] = ()
 
 
@@ -93,16 +93,16 @@ def overlaps_of(search: Search) -> dict[str, Overlaps]:
 
 @dataclass(eq=False)
 class _Found:
-    """What came of a group."""
+    """The result of a group."""
 
     group: Group
     common: Intersection | None = None
-    """None where that is nothing, or not enough to count."""
+    """None if it is empty, or too small to count."""
     unchecked: str = ""
 
 
 def _intersect(search: Search) -> list[_Found]:
-    """What the bodies of each group have in common, until the work is too much."""
+    """The intersections of the bodies of each group, up to the limit of faces."""
     solids = {body: Solid(mesh) for body, mesh in search.meshes.items()}
     found = [_Found(group) for group in search.groups]
     spent = 0
@@ -152,7 +152,7 @@ def _heaviest_first(pairs: Iterable[Pair]) -> tuple[Pair, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Share:
-    """What a solid has in common with one of those before it, placed by X_WA."""
+    """The intersections of a solid with the previous ones, placed by X_WA."""
 
     mass: float
     common: Intersection
@@ -160,7 +160,7 @@ class _Share:
 
 
 def _shared_once(shares: Sequence[_Share]) -> float:
-    """Mass [kg] that a solid has in common with those before it; where these overlap each other too, only once."""
+    """Mass [kg] that a solid shares with the previous ones; regions shared with several count once."""
     mass = exact_sum(share.mass for share in shares)
     if len(shares) == 1:
         return mass

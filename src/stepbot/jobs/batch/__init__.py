@@ -1,4 +1,4 @@
-"""Many robots: converted on all cores or on a cluster, each for itself, and only those whose input has changed.
+"""Converts many robots on all cores or on a cluster, independently, and only those whose input has changed.
 
 tasks      which robots, and where each goes
 work       one robot, in whatever process

@@ -24,7 +24,7 @@ class Status(StrEnum):
 
     CONVERTED = "converted"
     UNCHANGED = "unchanged"
-    """Its input is what it was, and its files are there."""
+    """Its input is unchanged, and its files are there."""
     FAILED = "failed"
 
 
@@ -36,9 +36,9 @@ class Outcome:
     status: Status
     diagnostics: Diagnostics
     files: int = 0
-    """How many were written in this run."""
+    """Number of files written in this run."""
     seconds: float = 0.0
-    """From when it was handed over to when its files were there."""
+    """Time from submission until the files were written."""
 
 
 def run_batch(
@@ -50,15 +50,15 @@ def run_batch(
     at_once: int,
     as_bytes: bool = False,
 ) -> Generator[Outcome, None, None]:
-    """Convert robots; gives each outcome when it is there. Closing the iterator cancels what has not begun.
+    """Convert robots; yields each outcome as soon as it is available. Closing the iterator cancels pending robots.
 
     Args:
         tasks: The robots.
-        options: How each is converted; ``output`` is that of the task.
-        folder: Where the batch keeps what it has done.
-        executor: Where they are converted.
-        at_once: How many the executor works on at a time; a few more are handed over.
-        as_bytes: Whether input travels with the tasks, for machines that do not see the files.
+        options: Conversion options; ``output`` is set per task.
+        folder: Folder of the batch's state.
+        executor: Runs the conversions.
+        at_once: Number of robots that the executor works on at a time; a few more are submitted.
+        as_bytes: Whether input is sent with the tasks, for machines without access to the files.
     """
     state = State(folder)
     running: dict[Future[Work], tuple[Task, float]] = {}
@@ -99,7 +99,7 @@ def _submitted(executor: Executor, task: Task, options: Options, as_bytes: bool)
 
 
 def _parcel(task: Task, options: Options) -> Parcel | Work:
-    """A robot's input as bytes; where the sidecar alone has errors, those."""
+    """A robot's input as bytes; or the errors of the sidecar."""
     from stepbot.pipeline.stages import step_of
 
     found = Diagnostics()
@@ -116,7 +116,7 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
 
 
 def _result(future: "Future[Work]", task: Task) -> Work:
-    """What came of a robot; whatever went wrong is its own diagnostic, and nobody else's."""
+    """The outcome of a robot; any failure becomes a diagnostic of that robot only."""
     found, span = Diagnostics(), Span(task.sidecar.as_posix())
     try:
         return future.result()

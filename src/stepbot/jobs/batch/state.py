@@ -1,7 +1,7 @@
-"""What a batch did before, in ``.stepbot-batch`` in its output folder: one small file for each robot that is done.
+"""State of a batch, in ``.stepbot-batch`` in its output folder: one small file per finished robot.
 
-A robot is done when its input is the same, by content, and every file that was written is still there, as it was. A
-batch that was killed has such a file for each robot that it finished, and goes on with the others.
+A robot is finished if its input is the same, by content, and every written file still exists unchanged. An interrupted
+batch has such a file for each robot that it finished, and resumes with the others.
 """
 
 import hashlib
@@ -30,13 +30,13 @@ class _Done:
 
 
 class State:
-    """What was done in one output folder."""
+    """The finished robots of one output folder."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder / FOLDER
 
     def is_done(self, task: Task, options: Options) -> bool:
-        """Whether a robot's files are there, made from what its input is now."""
+        """Whether a robot's files exist and were made from its current input."""
         done = self._read(task)
         if done is None:
             return False
@@ -49,11 +49,11 @@ class State:
         return all(_sha256(task.output / name) == digest for name, digest in done.files.items())
 
     def begin(self, task: Task) -> None:
-        """Forget a robot that is converted anew."""
+        """Forget a robot that is converted again."""
         self._path(task).unlink(missing_ok=True)
 
     def finish(self, task: Task, work: Work) -> None:
-        """Note a robot whose files were written."""
+        """Record a robot whose files were written."""
         if not work.input:
             return
         files = {name: hashlib.sha256(content).hexdigest() for name, content in sorted(work.files.items())}
@@ -68,7 +68,7 @@ class State:
         return self._folder / f"{task.name}.json"
 
     def _read(self, task: Task) -> _Done | None:
-        """None where there is nothing, or nothing that can be understood: then the robot is converted."""
+        """None if the file is missing or invalid: then the robot is converted."""
         try:
             document = json.loads(self._path(task).read_bytes())
             if document["version"] != _VERSION:

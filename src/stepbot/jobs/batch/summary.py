@@ -1,4 +1,4 @@
-"""What came of a batch, for programs: JSON, and suites for JUnit."""
+"""Results of a batch, for programs: JSON, and suites for JUnit."""
 
 import json
 from collections import Counter
@@ -15,10 +15,10 @@ Json = dict[str, Any]
 
 
 def checks_of(outcome: Outcome) -> list[Mapping[str, Any]]:
-    """The checks in a robot's report; none where it has no report."""
+    """The checks in a robot's report; none without a report."""
     output = outcome.task.output
     folder = failed_output(output) if outcome.status is Status.FAILED else output
-    if outcome.status is Status.FAILED and not outcome.files:  # what is there is of an earlier run
+    if outcome.status is Status.FAILED and not outcome.files:  # the existing report is from an earlier run
         return []
     try:
         checks: list[Mapping[str, Any]] = json.loads((folder / REPORT).read_bytes())["checks"]
@@ -28,13 +28,13 @@ def checks_of(outcome: Outcome) -> list[Mapping[str, Any]]:
 
 
 def counted(outcome: Outcome) -> dict[str, int]:
-    """How many checks passed, failed, did not run."""
+    """Number of checks that passed, failed, did not run."""
     statuses = Counter(str(check["status"]) for check in checks_of(outcome))
     return {name.replace(" ", "_"): statuses[name] for name in ("passed", "failed", "not run")}
 
 
 def batch_document(outcomes: Sequence[Outcome]) -> Json:
-    """The batch as what JSON can hold, but for its diagnostics, which the caller writes out."""
+    """The batch as JSON data, without diagnostics, which the caller adds."""
     statuses = Counter(outcome.status for outcome in outcomes)
     return {
         "robots": [
@@ -54,7 +54,7 @@ def batch_document(outcomes: Sequence[Outcome]) -> Json:
 
 
 def suites(outcomes: Sequence[Outcome]) -> list[Suite]:
-    """A suite for each robot; what did not change has the checks that were made then."""
+    """A suite per robot; an unchanged robot has the checks of its last conversion."""
     return [
         Suite(outcome.task.name, checks_of(outcome), tuple(outcome.diagnostics), outcome.seconds)
         for outcome in outcomes

@@ -1,4 +1,4 @@
-"""Which robots a batch converts, and the folder of each."""
+"""The robots of a batch, and the folder of each."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ class Task:
 
 
 def plan(sidecars: Sequence[Path], folder: Path, found: Diagnostics) -> list[Task]:
-    """A task for each sidecar; robots of the same name get that of their sidecar's folder before it.
+    """A task for each sidecar; robots of the same name are prefixed with their sidecar's folder.
 
     Args:
-        sidecars: Each once.
-        folder: Gets one folder for each robot.
-        found: Receives SB008 where two robots would write to the same place.
+        sidecars: Without duplicates.
+        folder: Receives one folder per robot.
+        found: Receives SB008 if two robots would write to the same place.
     """
     names = [robot_name(sidecar) for sidecar in sidecars]
     shared = {name for name, count in Counter(names).items() if count > 1}

@@ -1,4 +1,4 @@
-"""One robot of a batch: what runs in a process of its own, here or on another machine."""
+"""One robot of a batch: the function that runs in a separate process, here or on another machine."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,35 +16,35 @@ from ..incremental import conversion_key, produce
 
 @dataclass(frozen=True)
 class Work:
-    """What came of one robot; nothing is written yet."""
+    """The result for one robot; nothing is written yet."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...]
     step: str = ""
-    """The STEP that was read, as the sidecar's folder reaches it; empty where there was none."""
+    """The STEP that was read, relative to the sidecar's folder; empty if there was none."""
     input: str = ""
-    """Key of all that the files depend on; empty where they are not to be taken for the last word."""
+    """Key of everything that the files depend on; empty if the result must not be reused."""
 
 
 @dataclass(frozen=True)
 class Parcel:
-    """A robot's input as bytes, for a machine that does not see its files."""
+    """A robot's input as bytes, for a machine without access to its files."""
 
     sidecar: str
-    """Path as the user knows it."""
+    """The user's path."""
     text: bytes
     step: str
-    """Path as the user knows it."""
+    """The user's path."""
     geometry: bytes
     options: Options
     """Without a cache: the other machine has its own."""
     input: str
-    """Key of all that the files depend on."""
+    """Key of everything that the files depend on."""
     version: str = __version__
 
 
 def carry_out(sidecar: Path, options: Options) -> Work:
-    """Convert a robot whose files this machine sees."""
+    """Convert a robot whose files are on this machine."""
     before = file_digest(sidecar)
     conversion = produce(sidecar, options)
     if before is None or before != file_digest(sidecar):
@@ -57,7 +57,7 @@ def carry_out(sidecar: Path, options: Options) -> Work:
 
 
 def carry_out_parcel(parcel: Parcel) -> Work:
-    """Convert a robot that came as bytes; messages name the files as their owner knows them."""
+    """Convert a robot that was sent as bytes; messages use the user's file names."""
     if parcel.version != __version__:
         found = Diagnostics()
         message = f"version mismatch: worker has stepbot {__version__}, client has {parcel.version}"
@@ -68,7 +68,7 @@ def carry_out_parcel(parcel: Parcel) -> Work:
     with TemporaryDirectory(dir=run_folder()) as folder:
         sidecar = _put(Path(folder) / "sidecar", parcel.sidecar, parcel.text)
         step = _put(Path(folder) / "step", parcel.step, parcel.geometry)
-        # Whole conversions are known by their paths, geometry and observations by content alone: those are found again.
+        # Whole conversions are cached by path, geometry and observations by content only: the latter are reused.
         options = replace(parcel.options, step=step, cache=Cache(default_folder()) if parcel.options.cache else None)
         conversion = pipeline.produce(sidecar, options)
         known = {sidecar.as_posix(): parcel.sidecar, str(step): parcel.step}
