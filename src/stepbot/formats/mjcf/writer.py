@@ -277,7 +277,7 @@ def _sites(body: Element, link: Link, robot: Robot) -> None:
 
 
 def _second_point(closure: LoopClosure) -> list[float]:
-    """A point of the axis, in F [m], as far away as F is from the frames of the links, so that all rows weigh the same."""
+    """A point of the axis, in F [m], as far from F as F is from the links' frames, so that all rows weigh the same."""
     reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
     return [reach * direction for direction in closure.axis]
 
