@@ -1,4 +1,4 @@
-"""One conversion, from a sidecar and a STEP file to written and verified files.
+"""Runs one conversion, from a sidecar and a STEP file to written and verified files.
 
-:mod:`.stages` is the pipeline as one function. Commands and jobs call it.
+:mod:`.stages` is the pipeline as one function. May be called by ``jobs`` and the API.
 """

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from stepbot.robot.model import Robot
 
 REPORT = "report.json"
-"""Name of the proof among the files."""
+"""Name of the report among the files."""
 
 
 @dataclass(frozen=True)
@@ -25,25 +25,25 @@ class Options:
     """How to convert one sidecar."""
 
     output: Path
-    """Folder that receives the files; made where it is missing."""
+    """Output folder; created if missing."""
     formats: tuple[str, ...] = field(default_factory=default_formats)
     step: Path | None = None
-    """STEP file to read in place of the one that the sidecar names."""
+    """STEP file to read instead of the one named in the sidecar."""
     encoding: str = ""
-    """Code page of the names in the STEP, in place of the one that the sidecar declares; empty for that one."""
+    """Code page of the names in the STEP, overriding the sidecar's; empty to use the sidecar's."""
     verify: bool = True
     strict: bool = False
-    """Whether warnings, and so every loss, are errors."""
+    """Whether warnings, which include every loss, are errors."""
     require: tuple[str, ...] = ()
     """Engines whose absence is an error."""
     timeout: float = DEFAULT_TIMEOUT
-    """Seconds that the kernel or an engine may take."""
+    """Time limit [s] of the kernel and of each engine."""
     ignore: tuple[str, ...] = ()
-    """Codes of warnings and notes that are not reported, beside those that the sidecar names."""
+    """Codes of warnings and notes to suppress, in addition to the sidecar's."""
     memory_limit: int | None = None
     """Address space [bytes] of the kernel's process; None for no limit."""
     cache: Cache | None = None
-    """Where results are kept and found; None for nowhere."""
+    """Cache of results; None to disable it."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,12 @@ class Checked:
     """Result of a check, in addition to its diagnostics."""
 
     named: str = ""
-    """What the sidecar calls its STEP; empty where it has errors."""
+    """Path of the STEP as written in the sidecar; empty if the sidecar has errors."""
     links: int = 0
     joints: int = 0
-    """Joints of the tree, and those that close loops."""
+    """Number of tree joints, and of joints that close loops."""
     joint_table: tuple[JointRow, ...] = ()
-    """Where each joint is; empty where no STEP was read, or errors left no robot."""
+    """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
 
 
 @dataclass(frozen=True)
@@ -65,21 +65,20 @@ class Conversion:
 
     diagnostics: Diagnostics
     robot: "Robot | None" = None
-    """None where errors ended the conversion before there was one, and where it was taken from a cache."""
+    """None after errors, or if the result came from a cache."""
     files: Mapping[str, bytes] = field(default_factory=dict)
-    """What there is to write, relative to the output folder."""
+    """Content of the files to write, by path relative to the output folder."""
     report: "Report | None" = None
     named: str = ""
-    """What the sidecar calls its STEP; empty where that could not be read."""
+    """Path of the STEP as written in the sidecar; empty if it could not be read."""
     geometry: str = ""
-    """Hash of the STEP that was read; empty where the file changed meanwhile."""
+    """Hash of the STEP that was read; empty if the file changed meanwhile."""
 
 
 def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
-    """Write the files of the conversion of a sidecar, if there are any.
+    """Write the files of a sidecar's conversion, if there are any.
 
-    What failed is kept for whoever wants to know why, but not where a build would pick it up, and until a
-    run passes.
+    Files that failed verification are kept for inspection, in a folder where no build finds them, until a run passes.
     """
     if not conversion.files:
         return conversion

@@ -1,4 +1,4 @@
-"""A sidecar drafted from a STEP file: joints that the file states, else joints inferred from its shapes."""
+"""Drafts a sidecar from a STEP file: with the joints stated in the file, else joints inferred from its shapes."""
 
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -19,17 +19,17 @@ from .loading import Loading
 
 @dataclass(frozen=True, eq=False)
 class Drafting:
-    """What came of a STEP file."""
+    """The draft of a STEP file."""
 
     diagnostics: Diagnostics
     draft: Draft | None = None
-    """None where errors say why."""
+    """None after errors."""
     stated: bool = False
     """Whether the joints are kinematic pairs of the file."""
 
 
 def draft_step(step: Path, options: Options) -> Drafting:
-    """Read a STEP file and draft links and joints; nothing is written.
+    """Read a STEP file and draft links and joints; writes nothing.
 
     Args:
         step: The STEP file.
@@ -55,6 +55,6 @@ def draft_step(step: Path, options: Options) -> Drafting:
 
 
 def _mechanism(step: Path, options: Options) -> Mechanism | None:
-    """The kinematic pairs of a file that has been read."""
+    """The kinematic pairs in a file that was read."""
     part21 = check_step(step, str(step), Diagnostics(), options.encoding)
     return read_mechanism(step, part21.encoding) if part21 is not None else None

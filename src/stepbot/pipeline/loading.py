@@ -1,7 +1,7 @@
-"""The assembly of a STEP file and what trimesh measures on it: found in the cache, or read by the kernel.
+"""The assembly of a STEP file and trimesh's mass properties: from the cache, or read by the kernel.
 
-What is kept depends on the bytes of the file and on how it is to be read, never on the sidecar as a whole: to edit a
-joint costs no reading. Only what was read without an error is kept.
+Cache entries depend on the bytes of the file and the read options, not on the sidecar as a whole: editing a joint does
+not read the STEP again. Only results without errors are cached.
 """
 
 from dataclasses import dataclass, replace
@@ -21,32 +21,32 @@ from .prestart import note_read
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """An assembly, measured."""
+    """An assembly with its mass properties."""
 
     assembly: Assembly
     measures: tuple[VolumeProperties | None, ...]
-    """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
+    """trimesh's mass properties of the mesh of each body; None for a mesh that encloses no volume."""
     diagnostics: tuple[Diagnostic, ...]
-    """What there is to say about the file."""
+    """Diagnostics of the file."""
 
 
 class Loading:
-    """Geometry on its way."""
+    """A geometry that is being loaded."""
 
     def __init__(
         self, step: Path, what: ReadOptions, options: Options, found: Diagnostics, kernel: Worker | None = None
     ) -> None:
-        """Look it up, else have the kernel begin; returns at once.
+        """Look it up in the cache, or start the kernel; returns at once.
 
         Args:
-            step: The STEP file; diagnostics name it as it is given.
+            step: The STEP file; diagnostics use this path.
             what: What to compute.
             options: Cache and limits.
-            found: Receives what is wrong with a file that is refused before the kernel is even asked.
-            kernel: A process that was started for it; None to start one where it is needed.
+            found: Receives faults of a file that is rejected without starting the kernel.
+            kernel: A process started in advance; None to start one if needed.
 
         Raises:
-            StepbotError: The file is refused.
+            StepbotError: The file is rejected.
         """
         self._step, self._timeout = step, options.timeout
         self._told = Diagnostics()
@@ -62,11 +62,11 @@ class Loading:
             if self._reading.pid is None:
                 self._reading.finish(found)
                 found.raise_if_errors()
-            # It imports while the kernel works; this process needs no trimesh at all.
+            # It imports while the kernel works; this process does not need trimesh.
             self._mesh_worker = Worker(MESH_WORKER, memory_limit=options.memory_limit)
 
     def assembly(self, found: Diagnostics) -> Assembly:
-        """Wait for the assembly, whose bodies are measured from then on; what there is to say goes to ``found``.
+        """Wait for the assembly and start to measure its bodies; diagnostics go to ``found``.
 
         Raises:
             StepbotError: There are errors.
@@ -74,23 +74,23 @@ class Loading:
         assembly = self._read() if self._known is None else self._known.assembly
         found.extend(self._told)
         found.raise_if_errors()
-        assert assembly is not None  # else there is an error that says why
+        assert assembly is not None  # otherwise there is an error with the reason
         return assembly
 
     def measures(self, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
-        """For each body of the assembly, which was waited for before, what trimesh measures on its mesh."""
+        """trimesh's mass properties of each body of the assembly, which must have been awaited before."""
         if self._known is None:
             self._known = self._measured(found)
         return self._known.measures
 
     @property
     def mesh_worker(self) -> Worker | None:
-        """The process that has measured, for other work on meshes; None where the geometry was known."""
+        """The process that measured the meshes, for further mesh computations; None if the geometry was cached."""
         return self._mesh_worker
 
     @property
     def content(self) -> str:
-        """Hash of the file that was read; empty where it changed meanwhile."""
+        """Hash of the file that was read; empty if it changed meanwhile."""
         return self._memory.content
 
     def close(self) -> None:
@@ -100,7 +100,7 @@ class Loading:
                 running.close()
 
     def _read(self) -> Assembly | None:
-        assert self._reading is not None  # else the geometry is known
+        assert self._reading is not None  # otherwise the geometry was cached
         assert self._mesh_worker is not None
         self._assembly = self._reading.finish(self._told, timeout=self._timeout)
         if self._assembly is not None:
@@ -108,8 +108,8 @@ class Loading:
         return self._assembly
 
     def _measured(self, found: Diagnostics) -> Geometry:
-        assert self._mesh_worker is not None  # else the geometry is known
-        assert self._assembly is not None  # it was waited for
+        assert self._mesh_worker is not None  # otherwise the geometry was cached
+        assert self._assembly is not None  # it has been awaited
         try:
             geometry = Geometry(self._assembly, self._mesh_worker.result(self._timeout), tuple(self._told))
         except WorkerDied as death:
@@ -120,7 +120,7 @@ class Loading:
 
 
 class _Memory:
-    """What is kept of one file, read in one way."""
+    """The cache entry of one file with one set of read options."""
 
     def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
         self._cache, self._results, self._step = cache, TypedCache(cache, Geometry), step
@@ -138,7 +138,7 @@ class _Memory:
         return _named(kept, "", str(self._step)) if kept is not None else None
 
     def keep(self, geometry: Geometry) -> None:
-        """Keep it, unless the file was written to meanwhile: then nobody knows which of the two was read."""
+        """Store it, unless the file was changed during the read: then it is unknown which version was read."""
         if self.content:
             self._results.put(self._key, _named(geometry, str(self._step), ""))
             note_read(self._cache, self._content)
@@ -153,7 +153,7 @@ def _state(path: Path) -> tuple[int, int] | None:
 
 
 def _named(geometry: Geometry, place: str, other: str) -> Geometry:
-    """The same with diagnostics that call the file by another name: the path that somebody gave is not its content."""
+    """The same geometry with another path in its diagnostics: entries do not depend on the path."""
 
     def moved(diagnostics: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
         return tuple(

@@ -1,9 +1,8 @@
-"""Starts other processes before the rest of stepbot is loaded: the kernel where a STEP is to be read, else engines.
+"""Starts processes before the rest of stepbot is loaded: the kernel if a STEP is to be read, else engines.
 
-To import the kernel takes as long as all other imports together, and it has a process of its own; so it begins first.
-Where no kernel is needed, what engines have in common is imported while this process imports the rest. The sidecar is
-not read for that, only searched for the name of its STEP: a guess that is wrong costs a process that ends unused,
-never a result.
+Importing the kernel takes as long as all other imports together, and it runs in its own process, so it starts first. If
+no kernel is needed, the common packages of the engines are imported in parallel with this process's imports. The
+sidecar is only searched for the name of its STEP: a wrong guess costs an unused process, never a wrong result.
 """
 
 import re
@@ -22,7 +21,7 @@ _LARGEST_SIDECAR = 1 << 20
 
 
 def started_kernel(sidecar: Path, options: Options) -> Worker | None:
-    """A process that is loading the kernel; None where none will be needed, as far as one can tell by now."""
+    """A process that is loading the kernel; None if none will be needed, as far as can be determined."""
     step = options.step or _guessed_step(sidecar)
     if step is None or not step.is_file():
         return None
@@ -32,17 +31,17 @@ def started_kernel(sidecar: Path, options: Options) -> Worker | None:
 
 
 def started_server(options: Options) -> ForkServer | None:
-    """A process that will start the engines; None where there will be none, or it cannot."""
+    """A process that will start the engines; None if there will be none, or if forking is not possible."""
     return started_engine_server() if options.verify else None
 
 
 def was_read(cache: Cache, content: str) -> bool:
-    """Whether the cache has geometry of a STEP with this hash, however it was read."""
+    """Whether the cache has geometry of a STEP with this hash, for any read options."""
     return cache.get(_read_key(content)) is not None
 
 
 def note_read(cache: Cache | None, content: str) -> None:
-    """Note that geometry of a STEP with this hash is in the cache."""
+    """Record that the cache has geometry of a STEP with this hash."""
     if cache is not None:
         cache.put(_read_key(content), b"")
 

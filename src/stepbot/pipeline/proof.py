@@ -1,4 +1,4 @@
-"""The proof of one conversion: engines read its files before they are saved. Imported only where engines are asked."""
+"""Verification of one conversion: engines read its files before they are saved. Imported only if engines are used."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -27,9 +27,9 @@ class Proof:
         """Start them.
 
         Args:
-            formats: What will be written.
-            options: How it is converted.
-            server: A process that was started to start them; None to start one.
+            formats: The formats to write.
+            options: Conversion options.
+            server: A process started in advance to start them; None to start one.
         """
         self._options = options
         self._provers = Provers(formats, memory_limit=options.memory_limit, server=server or started_server(options))
@@ -41,12 +41,12 @@ class Proof:
         files: Mapping[str, Mapping[str, bytes]],
         found: Diagnostics,
     ) -> Report:
-        """Let them read the files, in a folder of their own, before anything is changed where the files will go.
+        """Verify the files in a temporary folder, before anything in the output folder is changed.
 
         Args:
-            robot: What the files are to say.
-            lowered: For each format what it can say of that.
-            files: For each format the bytes of its files.
+            robot: The expected robot.
+            lowered: For each format, the robot as that format expresses it.
+            files: For each format, the bytes of its files.
             found: Receives SB8xx and SB9xx.
         """
         options = self._options

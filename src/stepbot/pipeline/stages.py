@@ -1,7 +1,7 @@
 r"""The conversion pipeline: sidecar and STEP file to verified robot files.
 
     sidecar -> Document \
-                         build -> Robot -> passes -> Robot -> writers -> files -> simulators -> observations -> verify
+                         assemble -> Robot -> lower -> writers -> files -> engines -> observations -> verification
     STEP    -> Assembly /
 
 This module prints nothing. The result contains the diagnostics, which the command line shows.
@@ -50,18 +50,18 @@ SIDECAR_SUFFIXES = (".yaml", ".yml")
 
 @dataclass(frozen=True)
 class Inspection:
-    """The contents of a STEP file."""
+    """The content of a STEP file."""
 
     diagnostics: Diagnostics
     assembly: Assembly | None
     measures: tuple[VolumeProperties | None, ...] = ()
-    """For each body of the assembly what trimesh measures on its mesh; None where it encloses no volume."""
+    """trimesh's mass properties of each body of the assembly; None for a mesh that encloses no volume."""
     links: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
-    """For each link of the sidecar the indices of its components; empty where a STEP was inspected on its own."""
+    """For each link of the sidecar, the indices of its components; empty if a STEP was inspected without a sidecar."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
-    """Convert one sidecar and the STEP that it names, prove the files, and write them."""
+    """Convert one sidecar and its STEP file, verify the files, and write them."""
     conversion = produce(sidecar, options, progress)
     progress("save")
     return write(conversion, options.output, sidecar)
@@ -74,14 +74,14 @@ def produce(
     kernel: Worker | None = None,
     server: ForkServer | None = None,
 ) -> Conversion:
-    """Convert one sidecar and the STEP that it names, and prove the files; nothing is written yet.
+    """Convert one sidecar and its STEP file, and verify the files; writes nothing.
 
     Args:
         sidecar: The sidecar.
-        options: How to convert it.
+        options: Conversion options.
         progress: Called at the start of each stage.
-        kernel: A process that was started for it; None to start one where it is needed.
-        server: A process that was started to start the engines; None likewise.
+        kernel: A process started in advance; None to start one if needed.
+        server: A process started in advance to start the engines; None to start one if needed.
     """
     found = Diagnostics()
     try:
@@ -116,7 +116,7 @@ def _produce(
         measures = partial(loading.measures, found)
         built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker)
         found.raise_if_errors()
-        assert built is not None  # no robot without an error
+        assert built is not None  # a missing robot always has an error
         robot = share_meshes(built.robot)
         check_robot(robot, found, sidecar.span(), assembly.unit)
         found.raise_if_errors()
@@ -142,7 +142,7 @@ def _produce(
 
 
 def _started_proof(formats: list[str], options: Options, server: ForkServer | None) -> "Proof | None":
-    """The engines that will prove the files; None where nobody asks for them."""
+    """The engines that will verify the files; None if verification is disabled."""
     if not options.verify:
         return None
     from .proof import Proof
@@ -179,7 +179,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
 
 
 def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
-    """The STEP file that a conversion would read; None where errors in ``found`` say why it would read none."""
+    """The STEP file of a conversion; None after errors."""
     try:
         return options.step or _named_step(_load(sidecar, options, found), found)
     except StepbotError as error:
@@ -188,7 +188,7 @@ def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
 
 
 def inspect(path: Path, options: Options) -> Inspection:
-    """Read a STEP file and measure what is in it; of a sidecar, the STEP that it names, and its links' components."""
+    """Read a STEP file and measure its bodies; for a sidecar, read its STEP, with its links' components."""
     found = Diagnostics()
     try:
         sidecar = _load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
@@ -204,7 +204,7 @@ def inspect(path: Path, options: Options) -> Inspection:
 
 
 def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
-    """What to read of a STEP file, which may come without a sidecar."""
+    """Read options of a STEP file, with or without a sidecar."""
     what = ReadOptions() if sidecar is None else read_options(sidecar.document)
     return replace(what, encoding=options.encoding) if options.encoding else what
 
@@ -222,17 +222,17 @@ def _load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
 
 _JUDGED_BY_TEXT = ("SB1",)
 _JUDGED_BY_BUILD = ("SB1", "SB2", "SB3", "SB4", "SB5", "SB6")
-"""Codes that were looked for where only the sidecar was read, and where the robot was built."""
+"""Codes checked when only the sidecar was read, and when the robot was built."""
 
 
 def _judged_by_files(options: Options) -> tuple[str, ...]:
-    """Codes that were looked for because all formats were written, or the files verified."""
+    """Codes checked when all formats were written, or the files verified."""
     losses = ("SB7",) if set(options.formats) >= set(default_formats()) else ()
     return (*losses, *(("SB8",) if options.verify else ()))
 
 
 def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
-    """Report the rules that cover nothing, SB142, among codes that were looked for."""
+    """Report ignore rules that match nothing (SB142), among the checked codes."""
     for rule in found.unused_ignores:
         if rule.code.startswith(judged):
             about = f"{rule.subject}: " if rule.subject else ""
@@ -240,7 +240,7 @@ def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
 
 
 def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
-    """The STEP that the sidecar names; where there is none, the error stands at its name in the sidecar."""
+    """The STEP of the sidecar; a missing file is reported at its name in the sidecar."""
     path = sidecar.step_path
     if not path.exists():
         folder = path.parent

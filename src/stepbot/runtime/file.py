@@ -7,7 +7,7 @@ from stepbot.diagnostics import Diagnostics, Span
 
 
 def write_file(path: Path, content: bytes, found: Diagnostics) -> None:
-    """Write a file, or leave what was there; an error in ``found`` (SB004) says why."""
+    """Write a file, or keep the previous one and report the error (SB004) in ``found``."""
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""One writer at a time in a folder, across processes; the system releases the lock of a process that dies."""
+"""Exclusive lock of a folder, across processes; the system releases the lock of a process that dies."""
 
 import contextlib
 import errno
@@ -15,22 +15,22 @@ _TAKEN = (errno.EAGAIN, errno.EACCES, errno.EDEADLK)
 
 
 class FolderInUse(Exception):
-    """Another process kept the lock for too long."""
+    """Another process held the lock for too long."""
 
 
 @contextlib.contextmanager
 def locked(folder: Path, seconds: float) -> Iterator[bool]:
-    """Hold the lock of a folder that exists.
+    """Hold the lock of an existing folder.
 
     Yields:
-        Whether the lock is held: some network file systems have none, and are used without.
+        Whether the lock is held: some network file systems do not support locks.
 
     Args:
         folder: The folder.
         seconds: How long to wait for another process.
 
     Raises:
-        FolderInUse: The other process is not done after that time.
+        FolderInUse: The other process still holds the lock after that time.
         OSError: The folder cannot be opened.
     """
     descriptor = _opened(folder)
@@ -53,7 +53,7 @@ def _opened(folder: Path) -> int:
 
 
 def _take(descriptor: int) -> bool | None:
-    """True where the lock is taken now, False where the file system has none, None where another process holds it."""
+    """True if the lock was acquired, False if the file system has no locks, None if another process holds it."""
     try:
         if sys.platform == "win32":
             import msvcrt

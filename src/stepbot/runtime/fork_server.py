@@ -1,9 +1,9 @@
-"""Starts workers from a process that has imported already what they all need, by forking it.
+"""Starts workers by forking a process that has already imported their common modules.
 
-A worker of :mod:`stepbot.runtime.worker` spends most of a second on imports, and a conversion needs ten of them: here
-that is done once, and shared. The server runs one thread and calls nothing but imports; each worker is a process of its
-own as before, with its own memory limit and its own death. Where a system cannot fork safely there is no server, and
-workers are started one by one; so they are by a server in which an import has started threads.
+A worker of :mod:`stepbot.runtime.worker` spends most of a second on imports, and a conversion needs ten workers: here
+the imports are done once, and shared. The server runs one thread and only imports; each worker is still a separate
+process, with its own memory limit and crashes. On systems without safe forking there is no server, and workers are
+started one by one; the same applies if an import in the server has started threads.
 """
 
 import contextlib
@@ -25,10 +25,10 @@ from .processes import can_fork, end_with_parent, interpreter, start_process, th
 from .worker import Process, answer, spawned, worker_command
 
 _MOST_BYTES = 1 << 16
-"""Of a message to the server."""
+"""Maximum size [bytes] of a message to the server."""
 _NUMBER = struct.Struct("<i")
 _DESCRIPTORS = 4
-"""That come with an order to fork: standard input, output, error, and where to tell of the process."""
+"""Number of descriptors in a fork request: standard input, output, error, and a pipe for the process's state."""
 _NAME_LENGTH = 15
 _PR_SET_NAME = 15
 
@@ -42,11 +42,11 @@ class ForkServer:
     """A process that forks workers."""
 
     def __init__(self, modules: Sequence[str]) -> None:
-        """Start it; it begins to import at once.
+        """Start the server, which begins to import at once.
 
         Args:
-            modules: What workers will need: ``package.module``, or ``package.module:function`` to be called too. What
-                fails is left to the workers.
+            modules: Imports for the workers: ``package.module``, or ``package.module:function`` to also call a
+                function. A failure is left to the workers to report.
         """
         self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         code = "from stepbot.runtime.fork_server import _serve; _serve()"
@@ -64,7 +64,10 @@ class ForkServer:
             )
 
     def fork(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
-        """Start a worker's process; see :data:`.worker.Start`. If the server has ended, it does without."""
+        """Start a worker's process; see :data:`.worker.Start`.
+
+        If the server has ended, start an interpreter instead.
+        """
         reading, input_end = os.pipe()
         output_end, writing = os.pipe()
         told, telling = os.pipe()
@@ -81,12 +84,12 @@ class ForkServer:
         return _Forked(self, told, os.fdopen(input_end, "wb"), os.fdopen(output_end, "rb"))
 
     def kill(self, number: int) -> None:
-        """End the process that tells of itself at descriptor ``number``, unless it has ended."""
+        """End the process whose state pipe is descriptor ``number``, unless it has ended."""
         with contextlib.suppress(OSError):  # without its server it ends by itself
             self._socket.send(pickle.dumps(("kill", number)))
 
     def close(self) -> None:
-        """End the server, and with it all of its processes that still run; safe to call twice."""
+        """End the server and all of its running processes; safe to call twice."""
         self._socket.close()
         self._server.kill()
         self._server.wait()
@@ -99,7 +102,7 @@ class ForkServer:
 
 
 class _Forked:
-    """A forked process, as :class:`subprocess.Popen` would have it."""
+    """A forked process with the interface of :class:`subprocess.Popen`."""
 
     def __init__(self, server: ForkServer, told: int, stdin: BinaryIO, stdout: BinaryIO) -> None:
         self.stdin, self.stdout = stdin, stdout
@@ -145,11 +148,11 @@ class _Forked:
 
 
 class _Children:
-    """The server's processes that still run."""
+    """The server's running processes."""
 
     def __init__(self) -> None:
         self._telling: dict[int, tuple[int, int]] = {}
-        """For each process what its starter calls it, and where to tell of it."""
+        """For each process, the client's id and the pipe for its state."""
 
     def add(self, pid: int, number: int, telling: int) -> None:
         self._telling[pid] = number, telling
@@ -161,7 +164,7 @@ class _Children:
                 os.kill(pid, signal.SIGKILL)
 
     def reap(self) -> None:
-        """Tell of those that have ended."""
+        """Report the processes that have ended."""
         while self._telling:
             pid, status = os.waitpid(-1, os.WNOHANG)
             if not pid:
@@ -171,20 +174,20 @@ class _Children:
             os.close(telling)
 
     def forget(self) -> None:
-        """In one of them: let go of what belongs to the others."""
+        """In a forked process: close the descriptors of the others."""
         for _, telling in self._telling.values():
             os.close(telling)
 
 
 def _tell(telling: int, value: int) -> None:
-    with contextlib.suppress(BrokenPipeError):  # whoever started it does not want to know any more
+    with contextlib.suppress(BrokenPipeError):  # the client has closed its end
         os.write(telling, _NUMBER.pack(value))
 
 
 def _serve() -> NoReturn:
-    """What the server runs."""
+    """The server's main function."""
     end_with_parent(int(sys.argv[1]))
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends when its socket does
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends when its socket is closed
     orders = socket.socket(fileno=int(sys.argv[2]))
     woken, waking = os.pipe()
     os.set_blocking(waking, False)
@@ -193,7 +196,7 @@ def _serve() -> NoReturn:
     gc.disable()
     for module in sys.argv[3:]:
         _prepare(module)
-    gc.freeze()  # what is there already is shared as long as nobody touches it
+    gc.freeze()  # memory that nobody writes to stays shared
     children = _Children()
     while True:
         ready = select.select([orders.fileno(), woken], [], [])[0]
@@ -209,7 +212,7 @@ def _serve() -> NoReturn:
                 children.kill(number)
                 continue
             *streams, telling = descriptors
-            if thread_count() > 1:  # something that was imported started threads: a fork could inherit their locks
+            if thread_count() > 1:  # an import started threads: a fork could inherit their locks
                 pid = _spawn(streams, *rest)
             else:
                 server = os.getpid()
@@ -226,7 +229,7 @@ def _serve() -> NoReturn:
 
 
 def _prepare(module: str) -> None:
-    with contextlib.suppress(Exception):  # the worker that needs it fails in the same way, and that is told
+    with contextlib.suppress(Exception):  # the worker that needs it fails in the same way, and reports it
         name, _, function = module.partition(":")
         loaded = importlib.import_module(name)
         if function:
@@ -252,12 +255,12 @@ def _work(streams: Sequence[int], function: str, memory_limit: int | None) -> No
             os.close(stream)
         _rename(function)
         answer(function, memory_limit)
-    finally:  # it must never return into the server's code
+    finally:  # must never return into the server's code
         os._exit(1)
 
 
 def _rename(function: str) -> None:
-    """Show in lists of processes what this one does; on Linux."""
+    """Set the name shown in process lists; on Linux."""
     if sys.platform == "linux":
         name = ".".join(function.partition(":")[0].split(".")[-2:])  # mujoco.observer
         ctypes.CDLL(None).prctl(_PR_SET_NAME, name.encode()[:_NAME_LENGTH])

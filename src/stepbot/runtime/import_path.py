@@ -1,8 +1,8 @@
-"""Where Python may import modules from: never the current folder, which may be anybody's.
+"""Removes the current folder from the import path, since it may contain untrusted files.
 
-``python -c`` and ``python -m`` put the current folder first on ``sys.path``, and an empty entry of ``PYTHONPATH`` means
-it too: a ``random.py`` in that folder would run. Decision 0018 lists what is honoured. This module itself imports
-nothing that Python has not loaded at its start.
+``python -c`` and ``python -m`` put the current folder first on ``sys.path``, and so does an empty entry of
+``PYTHONPATH``: a ``random.py`` in that folder would run. Decision 0018 lists the exceptions. This module imports only
+modules that Python loads at startup.
 """
 
 import os
@@ -13,12 +13,12 @@ _OWN_ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__fi
 
 
 def safe_import_path(path: list[str], python_path: str) -> list[str]:
-    """The absolute entries of an import path, without the current folder where it precedes the standard library.
+    """The absolute entries of an import path, without the current folder if it precedes the standard library.
 
     Args:
-        path: As ``sys.path``: entries behind the standard library come from the installation.
-        python_path: Value of ``PYTHONPATH``. The current folder is kept where its absolute path is an entry of it, and
-            where stepbot itself is installed in it.
+        path: As ``sys.path``: entries after the standard library come from the installation.
+        python_path: Value of ``PYTHONPATH``. The current folder is kept if its absolute path is an entry of it, or if
+            stepbot itself is installed in it.
     """
     absolute = [entry for entry in path if os.path.isabs(entry)]
     first_installed = absolute.index(_STANDARD_LIBRARY) if _STANDARD_LIBRARY in absolute else len(absolute)
@@ -40,7 +40,7 @@ def restrict_import_path() -> None:
 def _current_folder() -> str:
     try:
         return _resolved(os.getcwd())
-    except OSError:  # it was removed
+    except OSError:  # the folder was removed
         return ""
 
 

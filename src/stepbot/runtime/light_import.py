@@ -1,7 +1,7 @@
-"""Imports trimesh, or what needs it, without packages that trimesh imports where they are there, and can do without.
+"""Imports trimesh, or modules that need it, without its optional dependencies.
 
-scipy and networkx alone take most of a second. Others in the same process would miss them in trimesh, so this is for
-processes that do one thing only.
+scipy and networkx alone take most of a second to import. Other code in the same process would miss them in trimesh, so
+this is for processes with a single task.
 """
 
 import importlib
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 
 def import_lightly(module: str, unused: Sequence[str]) -> None:
-    """Import a module while some packages seem not to be installed."""
+    """Import a module while some packages appear not to be installed."""
     withheld = [name for name in unused if name not in sys.modules]
     sys.modules.update(dict.fromkeys(withheld))  # type: ignore[arg-type]  # None is how Python marks what is not there
     try:

@@ -1,13 +1,13 @@
-"""The one place that writes results to disk: all files of a run or none.
+"""The only module that writes results to disk: all files of a run or none.
 
-New files are made in a hidden folder beside their places and then moved there one by one, meshes first, the files that
-refer to them last; a file that did not change is not touched. If one of them cannot be moved, those that were are moved
-back. A process that is killed leaves every single file whole, old or new, and the next run puts things in order.
+New files are created in a hidden folder next to their destinations and then moved there one by one, meshes first, the
+files that refer to them last; an unchanged file is not touched. If a move fails, the previous ones are reverted. A
+killed process leaves every file complete, old or new, and the next run cleans up.
 
-``.stepbot.json`` in the output folder lists each robot file and the meshes it needs, with a hash of what was written.
-With it a later run removes meshes that nothing needs any more; what is not listed, or was changed since, is never
-touched. It also names the sidecar of each robot file, so that ``stepbot uptodate`` finds what was written where, and it
-is the stamp of the last run: newer than all input, also where no other file changed.
+``.stepbot.json`` in the output folder lists each robot file and its meshes, with a hash of the written content. A later
+run uses it to remove meshes that are no longer needed; files that are not listed, or were changed since, are never
+touched. It also names the sidecar of each robot file, so that ``stepbot uptodate`` can find the outputs of a sidecar,
+and its time stamp marks the last run: newer than all input, even if no other file changed.
 """
 
 import contextlib
@@ -29,26 +29,26 @@ from .folder_lock import LOCK, FolderInUse, locked
 MANIFEST = ".stepbot.json"
 _STAGING = ".stepbot-"
 _ABANDONED_AFTER = 24 * 3600.0
-"""Age [s] from which a staging folder belongs to a run that was killed."""
+"""Age [s] from which a staging folder belongs to a killed run."""
 _LONGEST_WAIT = 60.0
-"""For another run that writes into the same folder [s]."""
+"""Maximum waiting time [s] for another run that writes into the same folder."""
 _NEVER_IN_NAMES = frozenset("\\\0")
 _NEVER_IN_WINDOWS_NAMES = frozenset('<>:"|?*')
 
 Manifest = dict[str, dict[str, str]]
-"""For each file at the top of the folder itself and the files below that it needs, each with its SHA-256."""
+"""For each file at the top of the folder, itself and the files below that it needs, each with its SHA-256."""
 
 
 def failed_output(folder: Path) -> Path:
-    """Where the files of a run go that failed its checks: beside ``folder``, which keeps what it has."""
+    """Folder for the files of a run that failed verification: next to ``folder``, whose content is kept."""
     return folder.parent / f"{folder.resolve().name}.failed"
 
 
 def check_writable(folder: Path) -> None:
-    """Find out before the work begins that a folder could not be written, or not be made; changes nothing.
+    """Check in advance that a folder can be created or written; changes nothing.
 
     Raises:
-        StepbotError: A file is in the way, or the right to write is missing (SB004).
+        StepbotError: A file is in the way, or write permission is missing (SB004).
     """
     nearest = next((path for path in (folder, *folder.absolute().parents) if os.path.lexists(path)), folder)
     if not nearest.is_dir():
@@ -62,18 +62,18 @@ def write_atomically(
 ) -> None:
     """Write all files, or none.
 
-    Files at the top of the folder are taken to need all of those in sub-folders; meshes that an earlier run wrote for
-    the same files, and that are needed no more, are removed.
+    Files at the top of the folder are assumed to need all of those in sub-folders; meshes of an earlier run for the
+    same files that are no longer needed are removed.
 
     Args:
         files: Content by path relative to ``folder``, with forward slashes.
-        folder: Where to; made where it is missing.
-        sidecar: What they were converted from. The list names it where it and ``folder`` are below the current folder;
-            no path outside of a project gets into its files.
-        found: Takes the note SB011 where the file system has no locks.
+        folder: Output folder; created if missing.
+        sidecar: The sidecar of the files. The list names it if it and ``folder`` are below the current folder; no path
+            outside of a project is written.
+        found: Receives the note SB011 if the file system has no locks.
 
     Raises:
-        StepbotError: A path is no path below ``folder``, or something cannot be written (SB004); nothing was changed.
+        StepbotError: A path leads out of ``folder``, or a file cannot be written (SB004); nothing was changed.
     """
     for path in files:
         _check_path(path, folder)
@@ -100,7 +100,7 @@ def write_atomically(
 
 
 def discard(folder: Path) -> None:
-    """Remove what an earlier run wrote into a folder; what was changed since, or is not of stepbot, stays."""
+    """Remove the files of an earlier run from a folder, except changed files and those of others."""
     try:
         with locked(folder, _LONGEST_WAIT):
             _discard(folder)
@@ -123,7 +123,7 @@ def _discard(folder: Path) -> None:
 
 
 def sidecars_of(folder: Path) -> dict[str, str]:
-    """For each file at the top of an output folder the way from the folder to its sidecar, where the list has it."""
+    """For each file at the top of an output folder, the relative path of its sidecar, if the list has it."""
     try:
         sidecars = _listed(folder)["sidecars"]
         return {str(name): str(sidecar) for name, sidecar in sidecars.items()}
@@ -132,17 +132,17 @@ def sidecars_of(folder: Path) -> dict[str, str]:
 
 
 def stamp(folder: Path) -> None:
-    """Make the list of an output folder newer than all input, where a run found that its files are what they should be.
+    """Touch the list of an output folder after a run without changes, so that it is newer than all input.
 
     Raises:
-        OSError: The list is there and its time cannot be set.
+        OSError: The list exists and its time cannot be set.
     """
     with contextlib.suppress(FileNotFoundError):
         os.utime(folder / MANIFEST)
 
 
 def _from_folder(sidecar: Path | None, folder: Path) -> str:
-    """The way from an output folder to a sidecar; empty where one of them is outside of the current folder."""
+    """The relative path from an output folder to a sidecar; empty if one of them is outside the current folder."""
     if sidecar is None:
         return ""
     here, source, target = Path.cwd().resolve(), sidecar.resolve(), folder.resolve()
@@ -156,7 +156,7 @@ def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[P
     _check_others(files, before, folder)
     after = {**before, **_manifest_of(files)}
     stale = _stale(before, after)
-    # While files are on the move the manifest lists old and new, so that a killed run leaves nothing unknown behind.
+    # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
     during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in _manifest_of(files).items()}}
     sidecars = {name: source for name, source in sidecars_of(folder).items() if name in after}
     sidecars |= dict.fromkeys(_manifest_of(files), sidecar)
@@ -171,13 +171,13 @@ def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[P
     _move(list(changed), folder, staging)
     for path, digest in stale.items():
         _remove_stale(folder, path, digest)
-    (staging / MANIFEST).touch()  # the stamp of this run: make compares it with the input
+    (staging / MANIFEST).touch()  # the time stamp of this run, which make compares with the input
     (staging / MANIFEST).replace(folder / MANIFEST)
     _remove_abandoned(folder, staging)
 
 
 def _move(paths: list[str], folder: Path, staging: Path) -> None:
-    """Move new files to their places; if one fails, put back what was there."""
+    """Move new files to their destinations; if one fails, restore the previous files."""
     moved: list[tuple[Path, Path | None]] = []
     try:
         for number, path in enumerate(paths):
@@ -195,7 +195,7 @@ def _move(paths: list[str], folder: Path, staging: Path) -> None:
 
 
 def _keep(target: Path, backup: Path) -> bool:
-    """Keep what is at ``target`` under a second name; False where there is nothing."""
+    """Keep the file at ``target`` under a second name; False if there is none."""
     if not os.path.lexists(target):
         return False
     try:
@@ -206,7 +206,7 @@ def _keep(target: Path, backup: Path) -> bool:
 
 
 def _holds(target: Path, content: bytes) -> bool:
-    """Whether ``target`` is a plain file with this content already."""
+    """Whether ``target`` is a regular file with this content."""
     try:
         return not target.is_symlink() and target.stat().st_size == len(content) and target.read_bytes() == content
     except OSError:
@@ -214,7 +214,7 @@ def _holds(target: Path, content: bytes) -> bool:
 
 
 def _make_folders(folder: Path, made: list[Path]) -> None:
-    """Make a folder and those above it; the ones that were missing are added to ``made``, top first."""
+    """Create a folder and its missing parents, which are added to ``made``, top first."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     for path in reversed(missing):
         path.mkdir(exist_ok=True)
@@ -226,7 +226,7 @@ def _make_folders(folder: Path, made: list[Path]) -> None:
 def _remove_if_empty(folder: Path) -> None:
     try:
         folder.rmdir()
-    except OSError:  # somebody else put something there: it is theirs now
+    except OSError:  # another process put something there: it is kept
         return
 
 
@@ -245,7 +245,7 @@ def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
 
 
 def _read_manifest(folder: Path) -> Manifest:
-    """What earlier runs wrote here; empty where there is no list, or none that can be read: then nothing is removed."""
+    """The list of earlier runs; empty if it is missing or unreadable: then nothing is removed."""
     try:
         files = _listed(folder)["files"]
         return {
@@ -257,12 +257,12 @@ def _read_manifest(folder: Path) -> Manifest:
 
 
 def _listed(folder: Path) -> Any:
-    """The list of an output folder as it is; empty where it is no file: a pipe or a device would never end."""
+    """The content of an output folder's list; empty if it is not a regular file: a pipe or device might block."""
     return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
 
 
 def _stale(before: Manifest, after: Manifest) -> dict[str, str]:
-    """Files that something needed and nothing needs now, with the hash of what was written."""
+    """Files that are no longer needed, with the hash of what was written."""
     needed = {path for needs in after.values() for path in needs}
     return {path: digest for needs in before.values() for path, digest in needs.items() if path not in needed}
 
@@ -277,17 +277,17 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
         ):
             target.unlink()
             _remove_if_empty(target.parent)
-    except OSError:  # it is gone, or in use: a mesh too many harms nobody
+    except OSError:  # it is gone, or in use: an unused mesh does no harm
         return
 
 
 def _remove_abandoned(folder: Path, staging: Path) -> None:
-    """Remove what killed runs left."""
+    """Remove leftovers of killed runs."""
     for path in sorted(folder.glob(f"{_STAGING}*")):
         try:
             if path != staging and path.is_dir() and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
                 shutil.rmtree(path, ignore_errors=True)
-        except OSError:  # another run removes it at this moment
+        except OSError:  # another run is removing it
             continue
 
 
@@ -320,7 +320,7 @@ def _link_in(path: str, folder: Path) -> str | None:
 
 
 def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None:
-    """Where the file system does not tell `A` from `a`, two files must not differ in that alone."""
+    """Reject files that differ only in case, on a file system that ignores it."""
     (staging / "case").write_bytes(b"")
     if not (staging / "CASE").exists():
         return
@@ -333,7 +333,7 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
 
 
 def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> None:
-    """Two robots may share a folder, and meshes that are alike, but neither may change what the other refers to."""
+    """Two robots may share a folder and identical meshes, but must not change files that the other refers to."""
     digests = _manifest_of(files)
     ours = {_robot_of(name) for name in digests}
     changed = {path: digest for needs in digests.values() for path, digest in needs.items() if "/" in path}
@@ -346,7 +346,7 @@ def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) ->
 
 
 def _robot_of(name: str) -> str:
-    """The robot that a file at the top is named after; its formats may have suffixes of two parts."""
+    """The robot that a file at the top is named after; suffixes of formats may have two parts."""
     stem, _, _ = name.rpartition(".")
     return stem.removesuffix(".drake")
 

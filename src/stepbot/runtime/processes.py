@@ -1,4 +1,4 @@
-"""How worker processes are started, with which environment and import path, and how they end with their parent."""
+"""Starts worker processes: their environment and import path, and how they end with their parent."""
 
 import ctypes
 import os
@@ -16,7 +16,7 @@ from .temporary import run_folder
 
 T = TypeVar("T")
 NO_FORK = "STEPBOT_NO_FORK"
-"""Variable that, set to anything, has stepbot start every process as a new interpreter."""
+"""Variable that, if set to anything, makes stepbot start every process as a new interpreter."""
 
 _PR_SET_PDEATHSIG = 1
 _THREAD_NUMBERS = (
@@ -34,14 +34,14 @@ _THREAD_NUMBERS = (
 
 
 def interpreter(code: str, *arguments: str) -> list[str]:
-    """Command line of an interpreter that runs ``code``, and imports nothing from the current folder."""
+    """Command line of an interpreter that runs ``code`` and imports nothing from the current folder."""
     return [sys.executable, "-P", "-c", code, *arguments]
 
 
 def start_process(start: Callable[[], T]) -> T:
-    """Call what starts a process in a thread that lives as long as this process, on the caller's cores.
+    """Start a process from a thread that lives as long as this process, on the caller's cores.
 
-    Linux ends a process that asked for it (:func:`end_with_parent`) with the *thread* that started it.
+    With :func:`end_with_parent`, Linux ends a process together with the *thread* that started it.
     """
     cores = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
 
@@ -65,13 +65,13 @@ if hasattr(os, "register_at_fork"):
 def can_fork() -> bool:
     """Whether processes can be forked safely: not on macOS, whose system libraries may not survive it.
 
-    With :data:`NO_FORK` every system does without, as macOS and Windows must.
+    :data:`NO_FORK` disables forking on every system.
     """
     return hasattr(os, "fork") and sys.platform != "darwin" and not os.environ.get(NO_FORK)
 
 
 def thread_count() -> int:
-    """Threads of this process, those of native libraries too; Python's own where the system does not list them."""
+    """Number of threads of this process, including those of native libraries if the system lists them."""
     try:
         return sum(1 for _ in Path("/proc/self/task").iterdir())
     except OSError:
@@ -79,7 +79,7 @@ def thread_count() -> int:
 
 
 def end_with_parent(parent: int) -> None:
-    """Have the system end this process when its parent is ended, in whatever way: Linux only.
+    """Make the system end this process when its parent ends, for any reason: Linux only.
 
     Args:
         parent: The parent's process id. If the parent has ended already, this process ends at once.
@@ -91,19 +91,20 @@ def end_with_parent(parent: int) -> None:
 
 
 def worker_environment() -> dict[str, str]:
-    """The caller's environment and its import path, without the current folder, and one thread per native library.
+    """The caller's environment and import path, without the current folder, and with one thread per native library.
 
-    The user's own number of threads does not count: the fork server must have one thread, and results must not depend
-    on the number.
+    The user's thread settings are ignored: the fork server must have one thread, and results must not depend on the
+    number.
     """
     paths = safe_import_path(sys.path, os.environ.get("PYTHONPATH", ""))
-    paths = [path for path in paths if os.pathsep not in path]  # it would be read as two, the second one relative
+    # it would be split into two entries, the second one relative
+    paths = [path for path in paths if os.pathsep not in path]
     one_thread = dict.fromkeys(_THREAD_NUMBERS, "1")
     own = {
         "PYTHONPATH": os.pathsep.join(paths),
-        "PYTHONSAFEPATH": "1",  # packages start interpreters of their own when they are imported
+        "PYTHONSAFEPATH": "1",  # some packages start interpreters during their import
         "PYTHONIOENCODING": "utf-8",
-        "TMPDIR": str(run_folder()),  # they are killed, and remove nothing then
-        "MUJOCO_GL": "disable",  # nothing is drawn: no OpenGL to look for, and none to fail
+        "TMPDIR": str(run_folder()),  # workers are killed, and could not remove temporary files
+        "MUJOCO_GL": "disable",  # nothing is rendered: OpenGL is not needed
     }
     return {**os.environ, **one_thread, **own}

@@ -1,4 +1,4 @@
-"""External programs: where they are, and what tells one version from another without running it."""
+"""External programs: their paths, and a fingerprint of their version without running them."""
 
 import contextlib
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def find_program(name: str) -> str | None:
-    """Absolute path of a program in a folder of ``PATH``; the current folder and relative entries do not count."""
+    """Absolute path of a program in ``PATH``, ignoring the current folder and relative entries."""
     for folder in os.environ.get("PATH", "").split(os.pathsep):
         if Path(folder).is_absolute() and (found := shutil.which(str(Path(folder, name)))):
             return found
@@ -16,17 +16,17 @@ def find_program(name: str) -> str | None:
 
 
 def sdf_programs() -> Iterator[str]:
-    """The programs that may have ``sdf`` among their commands, the newer one first."""
+    """The programs that may have an ``sdf`` subcommand, the newer one first."""
     for name in ("gz", "ign"):
         if (program := find_program(name)) is not None:
             yield program
 
 
 def program_fingerprints() -> list[str]:
-    """Path, size and time of change of each program that results may come from, and of the libraries' descriptions.
+    """Path, size and modification time of each program that results may depend on, and of the libraries' descriptions.
 
-    ``gz`` and ``ign`` are launchers that stay as they are when libsdformat is upgraded: which library they load is
-    written in ``sdformat*.yaml`` in their configuration folders.
+    ``gz`` and ``ign`` are launchers that do not change when libsdformat is upgraded: the library to load is written in
+    ``sdformat*.yaml`` in their configuration folders.
     """
     files: list[Path] = []
     for program in map(Path, sdf_programs()):
@@ -38,7 +38,7 @@ def program_fingerprints() -> list[str]:
 
 
 def _fingerprint(file: Path) -> str:
-    with contextlib.suppress(OSError):  # it was removed at this moment
+    with contextlib.suppress(OSError):  # removed meanwhile
         status = file.stat()
         return f"{file} {status.st_size} {status.st_mtime_ns}"
     return str(file)

@@ -1,8 +1,8 @@
-"""One folder for the temporary files of a run, and of all processes that it starts.
+"""One folder for the temporary files of a run and of all its processes.
 
-A worker is killed when nobody waits for it any more, and what is killed removes nothing. So workers put their temporary
-files into a folder of whoever started them, which removes it when it ends. What a killed run has left is removed by the
-next one: a run holds a lock on its folder, which the system releases however the run ends.
+Workers are killed when they are no longer needed, and a killed process removes nothing. So workers create their
+temporary files in a folder of the process that started them, which removes it at its end. Leftovers of a killed run are
+removed by the next one: a run holds a lock on its folder, which the system releases however the run ends.
 """
 
 import atexit
@@ -19,15 +19,15 @@ if sys.platform != "win32":
 
 _PREFIX = "stepbot-run-"
 _ABANDONED_AFTER = 24 * 3600.0
-"""Age [s] from which a folder belongs to a run that was killed, where there are no locks."""
+"""Age [s] from which a folder belongs to a killed run, on file systems without locks."""
 
 
 @cache
 def run_folder() -> Path:
-    """The folder of this process; made when it is first asked for, removed when the process ends.
+    """The folder of this process; created on first use, removed when the process ends.
 
     Raises:
-        OSError: It cannot be made.
+        OSError: It cannot be created.
     """
     while True:
         folder = Path(tempfile.mkdtemp(prefix=_PREFIX))
@@ -38,7 +38,7 @@ def run_folder() -> Path:
 
 
 def _is_taken(folder: Path) -> bool:
-    """Lock a folder for as long as this process runs; False where another run took it for abandoned just now."""
+    """Lock a folder for the lifetime of this process; False if another run is just removing it as abandoned."""
     if sys.platform == "win32":
         return True
     try:
@@ -50,7 +50,7 @@ def _is_taken(folder: Path) -> bool:
         is_there = folder.exists()
     except BlockingIOError:
         is_there = False
-    except OSError:  # a file system without locks: nobody will take the folder for abandoned
+    except OSError:  # a file system without locks: no run considers the folder abandoned
         return True
     if not is_there:
         os.close(handle)
@@ -67,7 +67,7 @@ def _remove_abandoned(mine: Path) -> None:
                     shutil.rmtree(folder, ignore_errors=True)
             elif folder.lstat().st_uid == os.getuid():
                 _remove_unlocked(folder)
-        except OSError:  # another run removes it at this moment
+        except OSError:  # another run is removing it
             continue
 
 
@@ -75,7 +75,7 @@ def _remove_unlocked(folder: Path) -> None:
     """Remove the folder of a run that has ended.
 
     Raises:
-        OSError: The run goes on, or this is no folder.
+        OSError: The run is still active, or this is not a folder.
     """
     if sys.platform == "win32":
         return
@@ -88,5 +88,5 @@ def _remove_unlocked(folder: Path) -> None:
 
 
 def _remove(folder: Path, owner: int) -> None:
-    if os.getpid() == owner:  # not in a process that was forked from it
+    if os.getpid() == owner:  # not in a forked process
         shutil.rmtree(folder, ignore_errors=True)

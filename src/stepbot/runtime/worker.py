@@ -1,8 +1,8 @@
-"""Runs functions on foreign data in processes of their own, so that a crash is a diagnostic.
+"""Runs functions on foreign data in separate processes, so that a crash becomes a diagnostic.
 
-A :class:`Worker` starts at once and imports the module of its function while the caller is still busy; ``submit`` hands
-it the arguments, ``result`` waits; then there may be another call. What native code prints to file descriptor 1 lands
-in the worker's standard error, never between the bytes of the result. Arguments and results are pickled: data classes
+A :class:`Worker` starts at once and imports the module of its function while the caller is still busy; ``submit`` sends
+the arguments, ``result`` waits; then another call may follow. Output of native code to file descriptor 1 is redirected
+to the worker's standard error, so that it cannot corrupt the result. Arguments and results are pickled: data classes
 and arrays only.
 """
 
@@ -26,11 +26,11 @@ from typing import IO, Any, BinaryIO, NoReturn, Protocol
 from .processes import end_with_parent, interpreter, start_process, worker_environment
 
 DEFAULT_TIMEOUT = 600.0
-"""Seconds that a worker may take for one call."""
+"""Default time limit [s] of one call."""
 
 _LAST_LINES = 12
 _LENGTH = struct.Struct("<q")
-"""Of an outcome, before it."""
+"""Marks the start of an outcome."""
 
 
 class WorkerDied(Exception):
@@ -61,7 +61,7 @@ class RemoteError(Exception):
 
 
 class Process(Protocol):
-    """What a worker needs of its process: a part of :class:`subprocess.Popen`."""
+    """The process interface that a worker needs: a part of :class:`subprocess.Popen`."""
 
     @property
     def pid(self) -> int: ...  # noqa: D102
@@ -80,19 +80,19 @@ class Process(Protocol):
 
 
 Start = Callable[[str, int | None, BinaryIO], Process]
-"""Starts a process for a function, with a memory limit [bytes] or none, and a file for what it prints."""
+"""Starts a process for a function, with a memory limit [bytes] or None, and a file for its output."""
 
 
 class Worker:
-    """One process that calls one function, once or one time after the other."""
+    """A process that calls one function, once or repeatedly."""
 
     def __init__(self, function: str, *, memory_limit: int | None = None, start: Start | None = None) -> None:
-        """Start the process; it begins to import at once.
+        """Start the process, which begins to import at once.
 
         Args:
             function: ``package.module:function``.
-            memory_limit: Address space [bytes] where the system can limit it (POSIX); None for no limit.
-            start: What starts it; None to start a new interpreter.
+            memory_limit: Address space [bytes] if the system can limit it (POSIX); None for no limit.
+            start: Starts the process; None to start a new interpreter.
         """
         self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
         self._process = (start or spawned)(function, memory_limit, self._stderr)
@@ -105,11 +105,11 @@ class Worker:
         return self._process.pid
 
     def submit(self, *arguments: Any, more: bool = False) -> "Worker":
-        """Hand over the arguments of a call; returns at once.
+        """Send the arguments of a call; returns at once.
 
         Args:
-            arguments: What the function is called with.
-            more: Whether there may be another call once this one is answered; if not, the process ends with the answer.
+            arguments: Arguments of the function.
+            more: Whether another call may follow; if not, the process ends after its result.
         """
         self._more = more
         payload = pickle.dumps((arguments, more), protocol=5)
@@ -136,7 +136,7 @@ class Worker:
         try:
             output = self._answer()
             status = self._process.wait() if output is None else 0
-        except BaseException:  # Ctrl-C: nobody waits for the process any more
+        except BaseException:  # Ctrl-C: the process is no longer needed
             self.close()
             raise
         finally:
@@ -180,11 +180,11 @@ class Worker:
         try:
             self._process.stdin.write(payload)
             self._process.stdin.flush()
-        except (OSError, ValueError):  # the worker is gone, or closed: `result` reports how it ended
+        except (OSError, ValueError):  # the worker has ended, or was closed: `result` reports how it ended
             return
 
     def _answer(self) -> bytes | None:
-        """The outcome of the call, pickled; None where the process ended before it was written."""
+        """The pickled outcome of the call; None if the process ended before writing it."""
         assert self._process.stdout is not None
         head = self._process.stdout.read(_LENGTH.size)
         if len(head) < _LENGTH.size:
@@ -202,7 +202,7 @@ class Worker:
 def call_isolated(
     function: str, *arguments: Any, timeout: float = DEFAULT_TIMEOUT, memory_limit: int | None = None
 ) -> Any:
-    """Call ``package.module:function`` in a process of its own; see :class:`Worker`.
+    """Call ``package.module:function`` in a separate process; see :class:`Worker`.
 
     Raises:
         WorkerDied: The process ended without a result.
@@ -223,7 +223,7 @@ def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Proces
 
 
 def worker_command(function: str, memory_limit: int | None) -> list[str]:
-    """Command line of a worker that is an interpreter of its own and a child of this process."""
+    """Command line of a worker that is a separate interpreter and a child of this process."""
     command = interpreter("from stepbot.runtime.worker import _serve; _serve()", str(os.getpid()), function)
     return command if memory_limit is None else [*command, str(memory_limit)]
 
@@ -240,7 +240,7 @@ def _death(status: int, last_lines: tuple[str, ...]) -> str:
 
 
 def _serve() -> NoReturn:
-    """What a worker of its own interpreter runs."""
+    """The main function of a worker in its own interpreter."""
     end_with_parent(int(sys.argv[1]))
     answer(sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else None)
 
@@ -253,7 +253,7 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
         memory_limit: Address space [bytes]; None for no limit.
     """
     results = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # native code that prints to standard output must not write between our bytes
+    os.dup2(2, 1)  # native code that prints to standard output must not corrupt the result
     sys.stdout = sys.stderr
     if memory_limit is not None:
         _limit_memory(memory_limit)
@@ -274,12 +274,12 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
         results.write(_LENGTH.pack(len(payload)))
         results.write(payload)
         results.flush()
-    # Engines and the kernel are known to crash while they are torn down: the result is out, so leave at once.
+    # Engines and the kernel may crash during teardown: the result is written, so exit at once.
     os._exit(0)
 
 
 def _next_call() -> tuple[tuple[Any, ...], bool]:
-    """Arguments of the next call, and whether there may be another; where the caller has left, it does not return."""
+    """Arguments of the next call, and whether another may follow; does not return if the caller has exited."""
     try:
         arguments, more = pickle.load(sys.stdin.buffer)
     except EOFError:
@@ -289,8 +289,8 @@ def _next_call() -> tuple[tuple[Any, ...], bool]:
 
 @cache
 def _prepared(function: str) -> Callable[..., Any]:
-    """The function, once its module is imported and what it will need is too, while the caller is still busy."""
-    gc.disable()  # what is imported stays, so that to look through it again and again finds nothing
+    """The function, after importing its module and preparing it while the caller is still busy."""
+    gc.disable()  # imported objects stay alive: exclude them from garbage collection
     module, _, name = function.partition(":")
     loaded = importlib.import_module(module)
     call: Callable[..., Any] = getattr(loaded, name)
@@ -303,10 +303,10 @@ def _prepared(function: str) -> Callable[..., Any]:
 def _limit_memory(limit: int) -> None:
     try:
         import resource
-    except ImportError:  # Windows: no such limit; the timeout still holds
+    except ImportError:  # Windows: no such limit; the timeout still applies
         return
     _, most = resource.getrlimit(resource.RLIMIT_AS)
     allowed = limit if most == resource.RLIM_INFINITY else min(limit, most)
-    # macOS refuses limits of address space; the timeout holds there too.
+    # macOS rejects limits of address space; the timeout still applies.
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (allowed, most))

@@ -1,4 +1,4 @@
-"""What was computed once, kept on disk under a key made of everything that it depends on.
+"""Cached results on disk, each under a key of everything that it depends on.
 
 store    entries in files: safe under concurrent runs and kills, bounded in size
 folder   where they are on this system
@@ -6,7 +6,7 @@ keys     what a key is made of: bytes of inputs, options, versions, stepbot's ow
 codec    data classes and arrays as bytes and back, led by their annotations
 typed    values of one type: a cache and a codec together
 
-A cache holds nothing that cannot be computed again, and an entry that is broken in any way is simply not there.
+Every entry can be computed again, and a damaged entry is treated as missing.
 """
 
 from .codec import Undecodable, codec_of

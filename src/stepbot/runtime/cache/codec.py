@@ -1,9 +1,9 @@
-r"""Data classes and arrays as bytes and back, led by their annotations alone.
+r"""Encodes data classes and arrays as bytes, and decodes them by their annotations alone.
 
     length of the text [8 bytes] | text: JSON | bytes of all arrays, one after the other
 
-Nothing in the bytes names a class or a function, so reading them runs no code; what does not have the form that the
-annotations ask for is :class:`Undecodable`. Numbers come back as the same doubles, infinities and all.
+Nothing in the bytes names a class or a function, so reading them runs no code; data that does not match the annotations
+raises :class:`Undecodable`. Numbers come back as the same doubles, infinities and all.
 """
 
 import json
@@ -16,21 +16,21 @@ from typing import Any, Generic, Literal, TypeVar, Union, cast, get_args, get_or
 
 T = TypeVar("T")
 Plain = Any
-"""What JSON can hold."""
+"""Values that JSON can represent."""
 
 _LENGTH = 8
 _ALIGNMENT = 8
 _ARRAYS = "biuf"
-"""Kinds of numpy's data types that arrays may have: booleans and numbers, no objects."""
+"""Kinds of numpy data types that arrays may have: booleans and numbers, no objects."""
 _FORGIVEN = (ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError)
 
 
 class Undecodable(Exception):
-    """Bytes that do not hold what they are asked for."""
+    """The bytes do not represent a value of the type."""
 
 
 class _Blobs:
-    """The bytes behind the text."""
+    """The bytes after the text."""
 
     def __init__(self, data: bytes | memoryview = b"") -> None:
         self.parts: list[bytes] = []
@@ -38,7 +38,7 @@ class _Blobs:
         self._data = memoryview(data)
 
     def add(self, content: bytes) -> tuple[int, int]:
-        """Take some bytes; returns where they begin and how many they are."""
+        """Append bytes; returns their offset and length."""
         start = self._length
         padding = -len(content) % _ALIGNMENT
         self.parts += (content, bytes(padding))
@@ -57,13 +57,13 @@ Decoder = Callable[[Plain, _Blobs], Any]
 
 
 class Codec(Generic[T]):
-    """Bytes of values of one type."""
+    """Encodes values of one type."""
 
     def __init__(self, kind: Any) -> None:
         self._encode, self._decode = _pair(kind)
 
     def encode(self, value: T) -> bytes:
-        """The value as bytes; the same ones for equal values."""
+        """The value as bytes; equal values give equal bytes."""
         blobs = _Blobs()
         text = json.dumps(self._encode(value, blobs), ensure_ascii=False, separators=(",", ":"))
         head = text.encode("utf-8", "surrogatepass")
@@ -74,7 +74,7 @@ class Codec(Generic[T]):
         """The value; its arrays are read-only, and share the memory of ``data``.
 
         Raises:
-            Undecodable: The bytes hold something else.
+            Undecodable: The bytes represent something else.
         """
         try:
             length = int.from_bytes(data[:_LENGTH], "little")
@@ -86,7 +86,7 @@ class Codec(Generic[T]):
 
 
 def codec_of(kind: type[T]) -> Codec[T]:
-    """The codec of a type; one that annotations do not describe fully is a bug, and a TypeError."""
+    """The codec of a type; a type that is not fully described by annotations is a bug, and a TypeError."""
     return cast(Codec[T], _codec(cast(Hashable, kind)))
 
 
@@ -125,7 +125,7 @@ def _pair(kind: Any) -> tuple[Encoder, Decoder]:
 
 
 def _expanded(kind: Any) -> Any:
-    """A type without aliases at its top: what ``type Name[...] = ...`` stands for, as numpy's ``NDArray`` since 2.5."""
+    """A type with aliases resolved: numpy's ``NDArray`` since 2.5 is one, ``type Name[...] = ...``."""
     while (value := getattr(get_origin(kind) or kind, "__value__", None)) is not None:
         arguments = get_args(kind)
         kind = value[arguments] if arguments else value
@@ -170,7 +170,7 @@ def _tuple(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
 
 
 def _number(value: Any) -> float | int:
-    """A number as it is: where somebody wrote 1 for 1.0, it is printed as 1 ever after."""
+    """A number, unchanged: an integer 1 in place of 1.0 stays an integer."""
     if type(value) in (int, float):
         return cast(float, value)
     if isinstance(value, float):
@@ -194,7 +194,7 @@ def _mapping(key: Any, value: Any) -> tuple[Encoder, Decoder]:
 
 
 def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
-    """A value or None, or one of several data classes, told apart by their names."""
+    """A value or None, or one of several data classes, distinguished by their names."""
     others = [one for one in arguments if one is not type(None)]
     if len(others) == 1:
         encode_one, decode_one = _pair(others[0])
@@ -227,7 +227,7 @@ def _data_class(kind: type) -> tuple[Encoder, Decoder]:
         return kind(*[pair[1](one, blobs) for pair, one in zip(pairs, _list(plain), strict=True)])
 
     def prepare() -> None:
-        if not pairs:  # not before it is needed: a class may hold itself
+        if not pairs:  # lazily: a class may contain itself
             pairs.extend(_pair(hints[name]) for name in names)
 
     return encode, decode

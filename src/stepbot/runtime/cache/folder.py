@@ -1,4 +1,4 @@
-"""Where caches belong on this system."""
+"""Default folder of the cache on this system."""
 
 import os
 import sys
@@ -8,7 +8,7 @@ _NAME = "stepbot"
 
 
 def default_folder() -> Path:
-    r"""The folder that is stepbot's, whether it exists or not.
+    r"""stepbot's cache folder, whether it exists or not.
 
     ``$XDG_CACHE_HOME/stepbot``, else ``~/.cache/stepbot`` (https://specifications.freedesktop.org/basedir-spec);
     ``~/Library/Caches/stepbot`` on macOS, ``%LOCALAPPDATA%\stepbot\Cache`` on Windows.
@@ -21,6 +21,6 @@ def default_folder() -> Path:
 
 
 def _set(variable: str, otherwise: Path) -> Path:
-    """The folder that a variable names; a relative path counts as not set, as the XDG rules ask for."""
+    """The folder in an environment variable; a relative path counts as unset, as the XDG specification requires."""
     value = os.environ.get(variable, "")
     return Path(value) if value and Path(value).is_absolute() else otherwise

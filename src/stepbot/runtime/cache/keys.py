@@ -1,4 +1,4 @@
-"""What a key is made of: everything that a result depends on, and nothing else."""
+"""Cache keys: everything that a result depends on, and nothing else."""
 
 import contextlib
 import hashlib
@@ -15,19 +15,19 @@ _SIZE = 20
 
 
 class Digest:
-    """A hash over parts of which each is told apart from the next: ``("ab", "c")`` is not ``("a", "bc")``."""
+    """A hash over separate parts: ``("ab", "c")`` differs from ``("a", "bc")``."""
 
     def __init__(self, purpose: str) -> None:
-        """Begin a key.
+        """Start a key.
 
         Args:
-            purpose: What kind of thing it is the key of.
+            purpose: The kind of result.
         """
         self._hashed = hashlib.blake2b(digest_size=_SIZE)
         self.add(purpose)
 
     def add(self, *parts: str | bytes) -> "Digest":
-        """Take in parts, in their order."""
+        """Add parts, in order."""
         for part in parts:
             data = part.encode("utf-8", "surrogatepass") if isinstance(part, str) else part
             self._hashed.update(len(data).to_bytes(8, "little"))
@@ -41,7 +41,7 @@ class Digest:
 
 
 def file_digest(path: Path) -> str | None:
-    """Hash of a file's bytes; None where there is no such file, or it cannot be read."""
+    """Hash of a file's bytes; None if the file is missing or unreadable."""
     hashed = hashlib.blake2b(digest_size=_SIZE)
     try:
         with path.open("rb") as file:
@@ -53,7 +53,7 @@ def file_digest(path: Path) -> str | None:
 
 
 def bytes_digest(content: bytes) -> str:
-    """What :func:`file_digest` says of a file with this content."""
+    """:func:`file_digest` of a file with this content."""
     return hashlib.blake2b(content, digest_size=_SIZE).hexdigest()
 
 
@@ -67,9 +67,9 @@ def content_digest(files: Mapping[str, bytes]) -> str:
 
 @cache
 def own_code() -> str:
-    """Hash of stepbot's own code, and what runs it: a result of other code is another result.
+    """Hash of stepbot's own code and its runtime: results of other code are different results.
 
-    The version number alone would not do: it stays while one works on stepbot.
+    The version number would not be sufficient: it does not change during development.
     """
     package = Path(__file__).resolve().parents[2]
     digest = Digest("code")
@@ -81,17 +81,17 @@ def own_code() -> str:
 
 @cache
 def environment() -> str:
-    """Hash of all that stepbot's results come from beside their input: its own code, packages and external programs.
+    """Hash of everything that results depend on besides the input: stepbot's code, packages and external programs.
 
-    Any package counts, whether stepbot uses it itself, another one does, or it is not there yet.
+    Any installed package counts, whether stepbot uses it directly, indirectly or optionally.
     """
     return Digest("environment").add(own_code(), *_packages(), "programs", *program_fingerprints()).key
 
 
 def _packages() -> list[str]:
-    """Names and versions of all packages that can be imported: what pip calls their folders.
+    """Names and versions of all importable packages, from the names of their metadata folders.
 
-    Their metadata says the same, but to import what reads it takes longer than all else before a result is found.
+    Reading the metadata itself would take longer than everything else before a cache hit.
     """
     found: set[str] = set()
     for folder in sys.path:

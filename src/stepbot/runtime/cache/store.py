@@ -1,11 +1,11 @@
-r"""Entries in files: one file each, named by its key, whole or not there.
+"""Cache entries: one file each, named by its key, complete or absent.
 
-    folder/entries-1/ab/cdef...      what is kept: a line that names the format, a hash, the content
-    folder/entries-1/ab/.new-...     what is being written, or was when its process was killed
+folder/entries-1/ab/cdef...      an entry: a line with the format, a hash, the content
+folder/entries-1/ab/.new-...     an entry being written, by a running or a killed process
 
-A file gets its name when it is complete, in one step; the hash covers key and content, so that a file that a full disk
-or a crash left torn is a miss. Reading marks an entry as used; where all of them grow beyond the limit, those that were
-not used for longest go. Runs need not know of each other: whoever comes late finds an entry, or makes the same anew.
+A file is renamed to its final name when it is complete; the hash covers key and content, so that a file truncated by a
+full disk or a crash is a miss. Reading marks an entry as used; above the size limit, the least recently used entries
+are removed. Runs need not coordinate: a later one finds the entry, or computes it again.
 """
 
 import hashlib
@@ -17,27 +17,27 @@ from dataclasses import dataclass
 from pathlib import Path
 
 DEFAULT_LIMIT = 2 * 2**30
-"""Bytes that all entries may take."""
+"""Maximum size [bytes] of all entries."""
 
 _FORMAT = "entries-1"
 _HEAD = b"stepbot cache entry 1\n"
 _DIGEST_SIZE = 32
 _NEW = ".new-"
 _ABANDONED_AFTER = 3600.0
-"""Age [s] from which a file that is being written belongs to a process that was killed."""
+"""Age [s] from which an unfinished file belongs to a killed process."""
 _KEPT_SHARE = 0.8
-"""Share of the limit that is left when entries are removed, so that it is not done for every new one."""
+"""Share of the limit that remains after entries are removed, so that this is not needed for every new one."""
 _SCAN_SHARE = 1.0 / 64.0
-"""Share of the limit that a process adds before it looks again at what all processes have added."""
+"""Share of the limit that a process adds before it checks the total size of all processes' entries again."""
 
 
 @dataclass(frozen=True)
 class Usage:
-    """How much there is."""
+    """Number and size of entries."""
 
     entries: int
     size: int
-    """Bytes."""
+    """[bytes]."""
 
 
 @dataclass(frozen=True)
@@ -51,19 +51,19 @@ class Cache:
     """Bytes by key.
 
     Attributes:
-        folder: Where the entries are; made when there is something to keep.
-        limit: Bytes that all entries may take, about.
-        trouble: Why something could not be kept; empty while all is well. A cache that cannot be written makes runs
-            slow, not wrong: it is for the caller to say so.
+        folder: Folder of the entries; created when the first one is stored.
+        limit: Approximate maximum size [bytes] of all entries.
+        trouble: Why an entry could not be stored; empty without errors. An unwritable cache makes runs slow, not wrong:
+            the caller decides how to report it.
     """
 
     def __init__(self, folder: Path, limit: int = DEFAULT_LIMIT) -> None:
         self.folder, self.limit = folder, limit
         self.trouble = ""
-        self._added = limit  # so that the first entry of a process makes it look
+        self._added = limit  # so that the first entry of a process triggers a check
 
     def get(self, key: str) -> bytes | None:
-        """What is kept under a key; None where there is nothing, or nothing whole."""
+        """The entry under a key; None if it is missing or damaged."""
         path = self._path(key)
         try:
             data = path.read_bytes()
@@ -75,12 +75,12 @@ class Cache:
             return None
         try:
             os.utime(path)
-        except OSError:  # it was removed meanwhile, or belongs to somebody else: its age is no reason to fail
+        except OSError:  # removed meanwhile, or owned by another user: its time stamp is not essential
             return content
         return content
 
     def put(self, key: str, content: bytes) -> None:
-        """Keep something; what is larger than a quarter of the limit is not kept."""
+        """Store an entry, unless it is larger than a quarter of the limit."""
         if len(content) > self.limit // 4:
             return
         path = self._path(key)
@@ -96,7 +96,7 @@ class Cache:
             self.trim()
 
     def trim(self) -> None:
-        """Remove what was not used for longest, where there is more than the limit, and what killed processes left."""
+        """Remove the least recently used entries above the limit, and leftovers of killed processes."""
         entries = sorted(self._entries(), key=lambda entry: (entry.used, entry.path))
         size = sum(entry.size for entry in entries)
         kept = self.limit if size <= self.limit else int(self.limit * _KEPT_SHARE)
@@ -107,12 +107,12 @@ class Cache:
                 size -= entry.size
 
     def usage(self) -> Usage:
-        """How much there is."""
+        """Number and size of all entries."""
         entries = list(self._entries())
         return Usage(len(entries), sum(entry.size for entry in entries))
 
     def clear(self) -> Usage:
-        """Remove all entries, whatever their format; returns how much there was."""
+        """Remove all entries, whatever their format; returns their number and size."""
         removed = [entry for entry in self._entries("entries-*") if _removed(entry.path)]
         return Usage(len(removed), sum(entry.size for entry in removed))
 
@@ -120,11 +120,11 @@ class Cache:
         return self.folder / _FORMAT / key[:2] / key[2:]
 
     def _entries(self, formats: str = _FORMAT) -> Iterator[_Entry]:
-        """All entries; files that nobody goes on writing are removed on the way."""
+        """All entries; abandoned temporary files are removed on the way."""
         for folder in sorted(self.folder.glob(f"{formats}/??")):
             try:
                 files = sorted(folder.iterdir())
-            except OSError:  # removed, or no folder: then there are no entries in it
+            except OSError:  # removed, or not a folder: then it has no entries
                 continue
             for file in files:
                 try:
@@ -138,7 +138,7 @@ class Cache:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Make a file in one step: whoever looks sees all of it or nothing."""
+    """Create a file atomically: readers see all of it or nothing."""
     handle, name = tempfile.mkstemp(prefix=_NEW, dir=path.parent)
     draft = Path(name)
     try:
@@ -155,7 +155,7 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def _removed(path: Path) -> bool:
-    """Remove a file; False where another process was faster, or has it open."""
+    """Remove a file; False if another process removed it or has it open."""
     try:
         path.unlink()
     except OSError:

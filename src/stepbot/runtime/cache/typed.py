@@ -9,13 +9,13 @@ T = TypeVar("T")
 
 
 class TypedCache(Generic[T]):
-    """Takes and gives values where a :class:`Cache` has bytes; without a cache it stays empty."""
+    """A :class:`Cache` of values instead of bytes; without a cache it stays empty."""
 
     def __init__(self, cache: Cache | None, kind: type[T]) -> None:
         self._cache, self._kind = cache, kind
 
     def get(self, key: str) -> T | None:
-        """What is kept under a key; None where there is nothing, or nothing that can be understood."""
+        """The value under a key; None if it is missing or cannot be decoded."""
         data = self._cache.get(key) if self._cache is not None else None
         if data is None:
             return None
@@ -25,6 +25,6 @@ class TypedCache(Generic[T]):
             return None
 
     def put(self, key: str, value: T) -> None:
-        """Keep a value."""
+        """Store a value."""
         if self._cache is not None:
             self._cache.put(key, codec_of(self._kind).encode(value))
