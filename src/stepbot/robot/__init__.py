@@ -1,4 +1,4 @@
-"""The robot as plain data, SI, free of any format, and its mechanics: kinematics, dynamics, loop closures, validity.
+"""The robot as plain data, SI, independent of formats; kinematics, dynamics, loop closures and validity rules.
 
-Anyone above may import it; it imports geometry, runtime and diagnostics alone.
+May be imported by any room above; imports only geometry, runtime and diagnostics.
 """

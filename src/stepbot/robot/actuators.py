@@ -1,4 +1,4 @@
-"""Bounds of an actuator's input and force: its own limits and those of the joint that it drives.
+"""Bounds of an actuator's input and force: its own limits combined with those of its joint.
 
 Limits are given at the joint. A gear multiplies positions and velocities from joint to actuator, and divides forces.
 """
@@ -15,7 +15,7 @@ def actuator_limit(actuator: Actuator, joint: Joint) -> Limit:
 
 
 def joint_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest input as the joint sees it, behind the gear; infinite where there is no limit."""
+    """Lowest and highest input at the joint, after the gear; infinite without a limit."""
     limit = actuator_limit(actuator, joint)
     match actuator.kind:
         case ActuatorKind.POSITION:
@@ -27,13 +27,13 @@ def joint_range(actuator: Actuator, joint: Joint) -> Bounds:
 
 
 def control_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest input at the actuator: position, velocity or effort; infinite where there is no limit."""
+    """Lowest and highest input at the actuator: position, velocity or effort; infinite without a limit."""
     scale = 1.0 / actuator.gear if actuator.kind is ActuatorKind.MOTOR else actuator.gear
     low, high = sorted(scale * bound for bound in joint_range(actuator, joint))
     return low, high
 
 
 def force_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest force at the actuator [N m or N]; infinite where there is no limit."""
+    """Lowest and highest force at the actuator [N m or N]; infinite without a limit."""
     effort = actuator_limit(actuator, joint).effort / abs(actuator.gear)
     return -effort, effort

@@ -1,8 +1,9 @@
-"""Closing the loops of a mechanism: residuals, their Jacobian, Newton's method, and the range that the loops allow.
+"""Loop closures: residuals, their Jacobian, Newton's method, and the range that the loops allow.
 
-A closure holds two frames together up to the freedom of its kind. Its residual is written in the first frame, F of link
-A; it vanishes where the closure closes, and the rank of its Jacobian says how much freedom it takes. Rows that repeat
-each other, as in every planar mechanism, do no harm: steps are least-squares steps of least length.
+A closure constrains two frames up to the degrees of freedom of its kind. Its residual is expressed in the first frame,
+F of link A; it vanishes when the closure is closed, and the rank of its Jacobian is the number of degrees of freedom
+that it removes. Redundant rows, as in every planar mechanism, are harmless: steps are least-squares steps of least
+length.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,16 +19,16 @@ from .model import JointKind, LoopClosure, Robot
 from .multi_dof import unfolded
 
 CLOSED_DISTANCE = 1e-5
-"""How far apart [m] the frames of a closed closure may stay, in a small mechanism: the CAD's mates are bound within
-0.01 mm. In a large one it is what the tolerance of the rank makes over its reach."""
+"""Maximum gap [m] between the frames of a closed closure in a small mechanism: the CAD's mates are accurate to 0.01 mm.
+In a large one, the tolerance of the rank times the reach applies."""
 CLOSED_ANGLE = 2e-3
-"""How far [rad] they may stay turned: pins that should be parallel are bound within 1 mrad."""
+"""Maximum angle [rad] between them: pins that should be parallel are parallel to 1 mrad."""
 RANK_TOLERANCE = 1e-4
-"""Singular values below this share of the largest count as zero: no CAD draws parallel pins exactly parallel."""
+"""Share of the largest singular value below which one counts as zero: CAD models never have exactly parallel pins."""
 LARGEST_STEP = 0.1
-"""Longest way [rad], or share of a sliding joint's range, of a driven joint between two closed configurations."""
+"""Maximum motion [rad], or share of a prismatic joint's range, of a driven joint between two closed configurations."""
 SHORTEST_STEP = 1 / 64
-"""Share of the longest step below which a way has come to its end."""
+"""Share of the largest step below which a path ends."""
 LARGEST_JUMP = 0.7
 """Change [rad or m] of a following joint in one such step beyond which the mechanism has left its branch."""
 WORST_CONDITION = 1e-3
@@ -35,16 +36,16 @@ WORST_CONDITION = 1e-3
 
 
 RANDOM_WAYS = 6
-"""Ways towards random places that mechanisms with several degrees of freedom are sent."""
+"""Number of paths towards random targets for mechanisms with several degrees of freedom."""
 
 
 class DoesNotClose(ValueError):
     """No configuration near the guess closes the loops.
 
     Attributes:
-        closure: The closure that stays open widest.
-        distance: How far apart [m] its frames stay.
-        angle: How far [rad] they stay turned.
+        closure: The closure with the largest gap.
+        distance: Its gap [m].
+        angle: Angle [rad] between its frames.
     """
 
     def __init__(self, closure: str, distance: float, angle: float) -> None:
@@ -53,7 +54,7 @@ class DoesNotClose(ValueError):
 
 
 def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, float]:
-    """How far a closure is from closed: distance [m] and angle [rad] between what it holds together."""
+    """Gap of a closure: distance [m] and angle [rad] between the constrained frames."""
     X_FG = (X_WA @ closure.X_AF).inverse() @ (X_WB @ closure.X_BF)
     axis = np.array(closure.axis)
     distance = float(np.linalg.norm(X_FG.p))
@@ -69,8 +70,8 @@ def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, fl
 def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -> tuple[Array, Array]:
     """Residual (m,) of a closure and its Jacobian (m, n) over all moving joints.
 
-    Rows are positions [m], then orientations [rad], that the closure's kind takes from G, the frame on link B, relative
-    to F, the frame on link A.
+    Rows are the positions [m], then the orientations [rad], of G, the frame on link B, relative to F, the frame on link
+    A, as far as the closure's kind constrains them.
 
     Args:
         closure: The closure.
@@ -83,7 +84,7 @@ def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -
     """
     R, p = X_FG[:3, :3], X_FG[:3, 3]
     w_FG = J_G[:3] - J_F[:3]
-    v_FG = J_G[3:] - J_F[3:] + cross_matrix(p) @ J_F[:3]  # the frame F turns under the arm from F to G
+    v_FG = J_G[3:] - J_F[3:] + cross_matrix(p) @ J_F[:3]  # the frame F rotates under the lever arm from F to G
     across = perpendicular_frame(closure.axis)[:, :2].T
     twist = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     if closure.kind is JointKind.BALL:
@@ -99,7 +100,7 @@ def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -
 
 
 class Loops:
-    """The closures of a robot over its tree: built once, then asked at many configurations."""
+    """The closures of a robot over its tree: built once, evaluated at many configurations."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot, self.tree = unfolded(robot), Tree(robot)
@@ -119,7 +120,7 @@ class Loops:
     def constraints(self, u: Array) -> tuple[Array, Array]:
         """Residual (m,) of all closures and its Jacobian (m, k) over the independent joints, mimics resolved.
 
-        Lengths count in units of the mechanism's own reach, so that they weigh as much as angles do.
+        Lengths are in units of the mechanism's own reach, to weigh them equally with angles.
         """
         X = self.tree.frames(self.tree.follow(u))
         residuals, jacobians = [np.zeros(0)], [np.zeros((0, len(self.tree.joints)))]
@@ -165,7 +166,7 @@ class Loops:
     def _stepped(
         self, u: Array, free: Sequence[int], step: Array, residual: Array
     ) -> tuple[Array, Array, Array] | None:
-        """Where the longest halving of ``step`` leads that makes the residual smaller; None where none does."""
+        """The configuration after the longest halving of ``step`` that reduces the residual; None if none does."""
         for halving in range(8):
             moved = u.copy()
             moved[list(free)] += step * 0.5**halving
@@ -175,7 +176,7 @@ class Loops:
         return None
 
     def singular(self, u: Array, free: Sequence[int]) -> bool:
-        """Whether the joints in ``free`` are about to lose their hold on the loops."""
+        """Whether the joints in ``free`` are close to a singularity of the loops."""
         if not free:
             return False
         sizes = np.linalg.svd(self.constraints(u)[1][:, list(free)], compute_uv=False)
@@ -191,13 +192,13 @@ def rank(J: Array) -> int:
 
 
 def degrees_of_freedom(robot: Robot) -> int:
-    """How many joints can be moved independently in the drawn pose, loops closed and mimics obeyed."""
+    """Number of joints that can be moved independently in the drawn pose, with loops and mimics."""
     loops = Loops(robot)
     return len(loops.tree.independent) - rank(loops.constraints(loops.tree.vector(initial_configuration(robot)))[1])
 
 
 def held_by_a_point(robot: Robot) -> tuple[str, ...]:
-    """Revolute closures that leave no more freedom if only a point of their axis is held, as in planar mechanisms."""
+    """Revolute closures for which constraining one point of the axis is sufficient, as in planar mechanisms."""
     freedom = degrees_of_freedom(robot)
     enough: list[str] = []
     for closure in robot.closures:
@@ -220,7 +221,7 @@ def driven_joints(robot: Robot) -> tuple[str, ...]:
     names = loops.tree.independent
     actuated = {actuator.joint for actuator in robot.actuators}
     followers: list[int] = []
-    # Whoever may least drive is first asked to follow; one that adds no rank cannot follow, so it drives.
+    # Try the least preferred joints as followers first; a joint that adds no rank cannot follow, so it drives.
     for i in sorted(range(len(names)), key=lambda i: (names[i] in actuated, -i)):
         if rank(J[:, [*followers, i]]) > len(followers):
             followers.append(i)
@@ -228,12 +229,12 @@ def driven_joints(robot: Robot) -> tuple[str, ...]:
 
 
 def close_loops(robot: Robot, guess: Configuration, driven: Sequence[str]) -> dict[str, float]:
-    """The closed configuration nearest to ``guess`` in which the driven joints are where the guess has them.
+    """The closed configuration nearest to ``guess``, with the driven joints at their values in the guess.
 
-    Newton's method to a stand-still, with steps halved where they make the residual worse.
+    Newton's method until it converges, with steps halved if they increase the residual.
 
     Raises:
-        DoesNotClose: The residual does not come down to what counts as closed.
+        DoesNotClose: The residual does not fall below the tolerance.
     """
     loops = Loops(robot)
     free = _free(loops.tree, driven)
@@ -241,14 +242,14 @@ def close_loops(robot: Robot, guess: Configuration, driven: Sequence[str]) -> di
 
 
 def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str, float], ...], ...]:
-    """About ``n`` closed configurations over the range that loops and limits leave, in ways from the drawn pose.
+    """About ``n`` closed configurations over the range that loops and limits allow, as paths from the drawn pose.
 
-    The driven joints of the loops go along straight ways: to both ends of each one's range, and, where there are
-    several, towards random places (PCG64, ``seed``). A way ends where a joint meets its limit or the loops become
-    singular. Joints outside the loops stay. Empty for a robot without closures.
+    The driven joints of the loops follow straight paths: to both ends of each one's range, and, if there are several,
+    towards random targets (PCG64, ``seed``). A path ends when a joint reaches its limit or the loops become singular.
+    Joints outside the loops do not move. Empty for a robot without closures.
 
     Returns:
-        Ways, each of them the drawn pose and what follows.
+        Paths, each starting with the drawn pose.
 
     Raises:
         DoesNotClose: The drawn pose is not closed.
@@ -277,7 +278,7 @@ def _free(tree: Tree, driven: Sequence[str]) -> list[int]:
 
 
 def _targets(robot: Robot, driven: Sequence[str], seed: int) -> list[dict[str, float]]:
-    """Where the driven joints of the loops are sent."""
+    """Targets of the driven joints of the loops."""
     ranges = {name: leader_range(robot, name) for name in driven}
     targets = [{name: end} for name in driven for end in ranges[name]]
     if len(driven) > 1:
@@ -289,9 +290,9 @@ def _targets(robot: Robot, driven: Sequence[str], seed: int) -> list[dict[str, f
 
 
 def _walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, float]) -> list[Array]:
-    """Closed configurations on the driven joints' straight way from ``start`` to ``target``, as far as it goes.
+    """Closed configurations on the driven joints' straight path from ``start`` to ``target``, as far as possible.
 
-    Where a step fails, a shorter one is tried, so that the way ends close to the end of the range.
+    If a step fails, a shorter one is tried, so that the path ends close to the end of the range.
     """
     index = {name: loops.tree.independent.index(name) for name in target}
     goal = start.copy()
@@ -306,7 +307,7 @@ def _walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, 
     while gone[-1] < 1.0 and step > longest * SHORTEST_STEP:
         share = min(1.0, gone[-1] + step)
         guess = way[-1].copy()
-        if len(way) > 1:  # go on as before
+        if len(way) > 1:  # continue as before
             guess += (way[-1] - way[-2]) * (share - gone[-1]) / (gone[-1] - gone[-2])
         guess[driven] = start[driven] + share * (goal[driven] - start[driven])
         closed = _next(loops, guess, way[-1], free)
@@ -319,7 +320,7 @@ def _walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, 
 
 
 def _next(loops: Loops, guess: Array, former: Array, free: Sequence[int]) -> Array | None:
-    """The closed configuration at a guess; None where there is none that still belongs to the way."""
+    """The closed configuration at a guess; None if there is none on the same branch."""
     try:
         closed = loops.closed(guess, free)
     except DoesNotClose:
@@ -331,7 +332,7 @@ def _next(loops: Loops, guess: Array, former: Array, free: Sequence[int]) -> Arr
 
 
 def _stride(robot: Robot, name: str) -> float:
-    """Longest way [rad] or [m] of a driven joint between two closed configurations."""
+    """Maximum motion [rad] or [m] of a driven joint between two closed configurations."""
     if robot.joint_by_name[name].kind is not JointKind.PRISMATIC:
         return LARGEST_STEP
     low, high = leader_range(robot, name)

@@ -1,9 +1,9 @@
 """Mass matrix, gravity forces and inverse dynamics of a robot, from the Jacobians of its links: the reference.
 
-The base stands still, loops are open, and a mimicking joint is a coordinate like any other: that is what engines
-compute too. The inertia of actuators (armature) is left out, because URDF and SDFormat cannot express it; it is
-compared as a number of its own. The formulas are the plain sums over links (Murray, Li, Sastry 1994, eq. 4.19 and
-4.24) and not a recursion, so that they share no step with the algorithms of the engines that they judge.
+The base is fixed, loops are open, and a mimicking joint is a coordinate like any other: as in the engines. The inertia
+of actuators (armature) is left out, because URDF and SDFormat cannot express it; it is compared separately. The
+formulas are the plain sums over links (Murray, Li, Sastry 1994, eq. 4.19 and 4.24) and not a recursion, so that they
+share no step with the algorithms of the engines that they verify.
 """
 
 from collections.abc import Mapping
@@ -17,10 +17,10 @@ from .kinematics import Configuration, Tree, complete
 from .model import Robot
 
 GRAVITY: Vector3 = (0.0, 0.0, -9.81)
-"""Acceleration of gravity [m/s^2] that gravity forces are computed and observed with."""
+"""Acceleration of gravity [m/s^2] for computing and observing gravity forces."""
 
 Rates = tuple[Mapping[str, float], Mapping[str, float]]
-"""Velocities and accelerations by name; what is not named is at 0."""
+"""Velocities and accelerations by name; missing ones are 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +30,9 @@ class Equations:
     mass_matrix: Array
     """M(q), shape (n, n) [kg, kg m, kg m^2]."""
     gravity: Array
-    """Efforts (n,) [N m] or [N] that hold the robot still."""
+    """Efforts (n,) [N m] or [N] that hold the robot at rest."""
     inverse: Array
-    """Efforts (n,) [N m] or [N] that move it as asked: M(q) a + C(q, v) v + g(q)."""
+    """Efforts (n,) [N m] or [N] for the given motion: M(q) a + C(q, v) v + g(q)."""
 
 
 def mass_matrix(robot: Robot, q: Configuration) -> Array:
@@ -41,7 +41,7 @@ def mass_matrix(robot: Robot, q: Configuration) -> Array:
 
 
 def gravity_forces(robot: Robot, q: Configuration, gravity: Vector3 = GRAVITY) -> Array:
-    """Efforts (n,) [N m] or [N] that hold the robot still at q against ``gravity`` [m/s^2]."""
+    """Efforts (n,) [N m] or [N] that hold the robot at rest at q against ``gravity`` [m/s^2]."""
     return equations_of_motion(robot, q, gravity=gravity).gravity
 
 
@@ -55,7 +55,7 @@ def equations_of_motion(
         q: Positions [rad] or [m]; completed first.
         rates: Velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2].
         gravity: Acceleration of gravity [m/s^2].
-        tree: The robot's tree, where the caller has it already.
+        tree: The robot's tree, if already computed.
     """
     tree = tree or Tree(robot)
     full = complete(robot, q)

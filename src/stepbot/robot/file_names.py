@@ -1,4 +1,4 @@
-"""Names that no file can have on some system."""
+"""File names that are invalid on some system."""
 
 import re
 
@@ -6,5 +6,5 @@ _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³]) *
 
 
 def is_device(name: str) -> bool:
-    """Whether Windows opens a device under this name, whatever its extension."""
+    """Whether Windows opens a device by this name, whatever its extension."""
     return _DEVICE.fullmatch(name) is not None

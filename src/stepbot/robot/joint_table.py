@@ -1,7 +1,7 @@
-"""What a person must check: where every joint and closure is, and what its place was found by.
+"""The joint table, for review by a person: the position of every joint and closure, and how it was found.
 
-Engines confirm that the files say what the sidecar says. Whether the sidecar names the right axis, only its author can
-tell; the joint table shows what to look at. The records hold plain values, so that a cached table is shown without
+Engines confirm that the files match the sidecar. Only its author can confirm that the sidecar selects the right axes;
+the joint table shows what to review. The records hold plain values, so that a cached table can be displayed without
 loading numpy.
 """
 
@@ -12,39 +12,39 @@ Vector3 = tuple[float, float, float]
 
 
 class Basis(StrEnum):
-    """What gave the frame of a joint; for the line that two sides share, how their faces meet on it."""
+    """How the frame of a joint was found; for a line shared by two sides, how their faces meet on it."""
 
     GIVEN = "given"
-    """Numbers, or the frame or the middle of a component."""
+    """Numbers, or the frame or the centre of a component."""
     AXIS = "axis"
-    """The line of faces of one component that the sidecar names."""
+    """The axis line of a single component."""
     FIT = "fit"
-    """A shaft of one side in a bore of the other whose radius fits."""
+    """A shaft of one side in a bore of the other with a matching radius."""
     FLANGE = "flange"
     """Bores of equal radius, face to face."""
     TOUCH = "touch"
-    """Coaxial faces that overlap or touch along the line, whose radii do not fit."""
+    """Coaxial faces that overlap or touch along the line, with different radii."""
     APART = "apart"
     """Coaxial faces with a gap between them."""
     FILE = "file"
-    """A robot file says so."""
+    """Stated in a robot file."""
 
 
 @dataclass(frozen=True)
 class Side:
-    """A face that lies on a joint's axis."""
+    """A face about a joint's axis."""
 
     component: str
     """Path in the assembly."""
     radius: float
     """[m]."""
     bore: bool
-    """Whether material lies outside (a hole) or inside (a shaft)."""
+    """Whether material is outside (a hole) or inside (a shaft)."""
 
 
 @dataclass(frozen=True)
 class Rival:
-    """Another line that the origin could have meant."""
+    """Another line that matches the origin."""
 
     basis: Basis
     point: Vector3
@@ -53,30 +53,30 @@ class Rival:
     radii: tuple[float, ...]
     """Radii [m] of the faces on it, the widest first."""
     share: float
-    """Its width over that of the line that was taken: 0.5 is half as wide."""
+    """Its width relative to the chosen line's: 0.5 is half as wide."""
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What gave the frame of a joint, closure, named frame or sensor."""
+    """How the frame of a joint, closure, named frame or sensor was found."""
 
     basis: Basis
     text: str = ""
-    """For people, in one phrase: the form of the origin, and the components that it found."""
+    """For messages, in one phrase: the form of the origin, and its components."""
     sides: tuple[Side, ...] = ()
-    """The faces it was found by: one of each side that meets on the line, or those of the component that is named."""
+    """The faces it was found by: one of each side that meets on the line, or those of the single component."""
     overlap: float | None = None
-    """Length [m] along the axis on which the two faces overlap; negative for the gap between them."""
+    """Length [m] along the axis on which the two faces overlap; negative for a gap between them."""
     selected: bool = False
-    """Whether the sidecar chose among several lines, by `radius` or `near`."""
+    """Whether the sidecar selected among several lines, by `radius` or `near`."""
     rivals: tuple[Rival, ...] = ()
     """The other lines, the strongest first."""
     doubt: str = ""
-    """Why the evidence is weak; empty where it is not."""
+    """Why the evidence is weak; empty if it is strong."""
 
     @property
     def clearance(self) -> float | None:
-        """Radius [m] of the bore less that of the shaft in it, for a fit; None for anything else."""
+        """Radius [m] of the bore minus that of the shaft, for a fit; otherwise None."""
         if self.basis is not Basis.FIT or len(self.sides) != 2:
             return None
         a, b = self.sides
@@ -91,13 +91,13 @@ class JointRow:
     kind: str
     """A :class:`stepbot.robot.model.JointKind` value, or an engine's own word."""
     parent: str
-    """The link that carries; of a closure, its first link."""
+    """The parent link; of a closure, its first link."""
     child: str
-    """The link that is moved; of a closure, its second link."""
+    """The child link; of a closure, its second link."""
     origin: Vector3 | None
-    """[m] in the assembly's frame; of a file, in the base's frame at q = 0; None where no engine tells."""
+    """[m] in the assembly's frame; for a file, in the base's frame at q = 0; None if no engine reports it."""
     axis: Vector3 | None
-    """Unit direction in the same frame; None for a joint without one."""
+    """Unit direction in the same frame; None for a joint without an axis."""
     axis2: Vector3 | None = None
     """Second axis of a universal joint."""
     is_closure: bool = False

@@ -1,8 +1,8 @@
-"""Where the links of a robot are, how they move with its joints, and where its joints may be.
+"""Forward kinematics, Jacobians and joint ranges of a robot.
 
 A configuration maps names of coordinates to positions [rad] or [m]. The root link's frame is the world's. A joint of
-one degree of freedom is its own coordinate: revolute and continuous ones turn about their axis, prismatic ones slide
-along it, screws do both. Multi-dof joints have those of the chain that they unfold to
+one degree of freedom is its own coordinate: revolute and continuous joints rotate about their axis, prismatic ones
+translate along it, screws do both. The coordinates of a multi-dof joint are those of its equivalent chain
 (:mod:`stepbot.robot.multi_dof`).
 """
 
@@ -20,32 +20,32 @@ Configuration = Mapping[str, float]
 
 TURNING = frozenset({JointKind.REVOLUTE, JointKind.CONTINUOUS})
 MOVING = TURNING | {JointKind.PRISMATIC, JointKind.SCREW}
-"""Kinds of joints that have one coordinate."""
+"""Types of joints that have one coordinate."""
 
 WIDEST_ANGLE = pi
-"""Angle [rad] to either side within which a turning joint without limits is sampled."""
+"""Angle [rad] to either side in which a rotating joint without limits is sampled."""
 WIDEST_TRAVEL = 1.0
-"""Distance [m] to either side within which a prismatic joint without limits is sampled."""
+"""Distance [m] to either side in which a prismatic joint without limits is sampled."""
 NO_BOUND = 1e6
-"""Limits [rad] or [m] beyond this stand for none: formats that demand a number get one that nobody reaches."""
+"""Limits [rad] or [m] beyond this mean unlimited: formats that require a number get an unreachable one."""
 
 
 def moving_joints(robot: Robot) -> tuple[Joint, ...]:
-    """The coordinates of every Jacobian and mass matrix here, in tree order: joints of one freedom, once unfolded."""
+    """The coordinates of every Jacobian and mass matrix here, in tree order: joints of one degree of freedom."""
     return tuple(joint for joint in unfolded(robot).joints if joint.kind in MOVING)
 
 
 def independent_joints(robot: Robot) -> tuple[Joint, ...]:
-    """The moving joints that mimic no other."""
+    """The moving joints that are not mimics."""
     return tuple(joint for joint in moving_joints(robot) if joint.mimic is None)
 
 
 def mimic_relation(robot: Robot, name: str) -> tuple[str, float, float]:
-    """Leader, multiplier and offset of a joint, through the whole chain of mimics; itself, 1 and 0 if it leads.
+    """Leader, multiplier and offset of a joint, through the whole chain of mimics; itself, 1 and 0 for a leader.
 
     Raises:
-        KeyError: A joint of the chain is not there.
-        ValueError: The chain ends in itself.
+        KeyError: A joint of the chain does not exist.
+        ValueError: The chain is a cycle.
     """
     multiplier, offset = 1.0, 0.0
     if name not in robot.joint_by_name:
@@ -61,10 +61,10 @@ def mimic_relation(robot: Robot, name: str) -> tuple[str, float, float]:
 
 
 def complete(robot: Robot, q: Configuration) -> dict[str, float]:
-    """A position for every moving joint: what ``q`` says, else 0; mimicking joints follow their leader all the same.
+    """A position for every moving joint: from ``q``, else 0; mimicking joints always follow their leader.
 
     Raises:
-        KeyError: ``q`` names something that is not a moving joint.
+        KeyError: ``q`` contains a name that is not a moving joint.
     """
     robot = unfolded(robot)
     joints = moving_joints(robot)
@@ -79,15 +79,15 @@ def complete(robot: Robot, q: Configuration) -> dict[str, float]:
 
 
 def initial_configuration(robot: Robot) -> dict[str, float]:
-    """The pose that the CAD drew: where closures close, and where simulation starts."""
+    """The pose drawn in the CAD: closures are closed, and simulation starts here."""
     return {joint.name: joint.drawn_position for joint in moving_joints(robot)}
 
 
 class Tree:
-    """A robot's tree laid out in arrays: built once, then asked at many configurations.
+    """A robot's tree as arrays: built once, evaluated at many configurations.
 
-    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. Chains that
-    multi-dof joints unfold to have links of their own in :attr:`links`.
+    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. The chains of
+    multi-dof joints have links of their own in :attr:`links`.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -132,7 +132,7 @@ class Tree:
         return self.B @ u + self.c
 
     def vector(self, q: Configuration) -> Array:
-        """Vector u (k,) of a configuration by name; what it does not name is at 0."""
+        """Vector u (k,) of a configuration by name; missing coordinates are 0."""
         return np.array([float(q.get(name, 0.0)) for name in self.independent])
 
     def named(self, u: Array) -> dict[str, float]:
@@ -155,10 +155,10 @@ class Tree:
         return X
 
     def jacobian(self, X: Array, link: int, p_WQ: Array) -> Array:
-        """How a point Q (3,) of a link moves with the joints, mimics not yet resolved.
+        """Jacobian of a point Q (3,) of a link over all joints, mimics not resolved.
 
         Args:
-            X: What :meth:`frames` gave.
+            X: The result of :meth:`frames`.
             link: Index of the link.
             p_WQ: The point [m] in the world.
 
@@ -174,21 +174,21 @@ class Tree:
         return np.asarray(np.where(self._above[link][:, None], rows, 0.0).T)
 
     def bias(self, X: Array, v: Array) -> Callable[[int, Array], tuple[Array, Array]]:
-        """What accelerates links while the speeds of all joints stay as they are: the time derivative of J, times v.
+        """Accelerations of links at constant joint speeds: the time derivative of J, times v.
 
         Args:
-            X: What :meth:`frames` gave.
+            X: The result of :meth:`frames`.
             v: Speed of every joint (n,).
 
         Returns:
             A function of a link's index and a point Q (3,) [m] of it, in the world: angular acceleration (3,) [rad/s^2]
-            of the link, and acceleration (3,) [m/s^2] of Q.
+                of the link, and acceleration (3,) [m/s^2] of Q.
         """
         frames = X[self._child]
         a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
         at_joints = [self.jacobian(X, int(child), X[child, :3, 3]) @ v for child in self._child]
         twists = np.array(at_joints).reshape(-1, 6)
-        turned = cross(twists[:, :3], a_W)  # an axis is carried along by the link that it is fixed in
+        turned = cross(twists[:, :3], a_W)  # an axis moves with the link that it is fixed to
 
         def at(link: int, p_WQ: Array) -> tuple[Array, Array]:
             v_Q = self.jacobian(X, link, p_WQ)[3:] @ v
@@ -201,12 +201,12 @@ class Tree:
 
 
 def advance(joint: Joint) -> float:
-    """How far [m] a joint of one freedom slides along its axis for each unit of its coordinate."""
+    """Translation [m] of a joint of one degree of freedom along its axis per unit of its coordinate."""
     return {JointKind.PRISMATIC: 1.0, JointKind.SCREW: joint.pitch}.get(joint.kind, 0.0)
 
 
 def displacement(joint: Joint, q: float) -> Pose:
-    """Pose of the child link at ``q`` in its own frame at q = 0, for joints of one freedom or none."""
+    """Pose of the child link at ``q`` in its own frame at q = 0, for joints of at most one degree of freedom."""
     if joint.kind not in MOVING:
         return Pose()
     turned = 0.0 if joint.kind is JointKind.PRISMATIC else q
@@ -219,10 +219,10 @@ def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict
     Args:
         robot: The robot.
         q: Positions [rad] or [m].
-        tree: The robot's tree, where the caller has it already.
+        tree: The robot's tree, if already computed.
 
     Raises:
-        KeyError: ``q`` names something that is not a moving joint.
+        KeyError: ``q`` contains a name that is not a moving joint.
     """
     tree = tree or Tree(robot)
     full = complete(robot, q)
@@ -231,7 +231,7 @@ def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict
 
 
 def sampling_range(joint: Joint) -> tuple[float, float]:
-    """Finite bounds [rad] or [m] to sample a joint in: its limits, cut off where they are infinite."""
+    """Finite bounds [rad] or [m] to sample a joint in: its limits, truncated if they are infinite."""
     widest = WIDEST_TRAVEL if joint.kind is JointKind.PRISMATIC else WIDEST_ANGLE
     lower, upper = joint.limit.lower, joint.limit.upper
     open_below, open_above = lower < -NO_BOUND, upper > NO_BOUND
@@ -245,9 +245,9 @@ def sampling_range(joint: Joint) -> tuple[float, float]:
 
 
 def leader_range(robot: Robot, name: str) -> tuple[float, float]:
-    """Bounds of an independent joint that keep those that mimic it within theirs as well.
+    """Bounds of an independent joint that also keep its mimics within their limits.
 
-    Where no position satisfies all of them, the joint's own bounds.
+    If no position satisfies all of them, the joint's own bounds.
     """
     robot = unfolded(robot)
     own = sampling_range(robot.joint_by_name[name])
@@ -264,7 +264,7 @@ def leader_range(robot: Robot, name: str) -> tuple[float, float]:
 def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, float], ...]:
     """``n`` configurations within the limits, uniform and independent, mimicking joints included; loops stay open.
 
-    The numbers are those of numpy's PCG64 with the given seed, so everyone draws the same ones.
+    The random numbers are from numpy's PCG64 with the given seed, the same on every machine.
     """
     robot = unfolded(robot)
     random = np.random.Generator(np.random.PCG64(seed))
@@ -280,9 +280,9 @@ def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, 
 
 
 def rates(robot: Robot, n: int = 32, seed: int = 1) -> tuple[tuple[dict[str, float], dict[str, float]], ...]:
-    """``n`` velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2] of all moving joints, within 1 of 0.
+    """``n`` velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2] of all moving joints, in [-1, 1].
 
-    Mimicking joints are coordinates like any other here. As for :func:`configurations`, everyone draws the same.
+    Mimicking joints are coordinates like any other here. Random numbers as for :func:`configurations`.
     """
     random = np.random.Generator(np.random.PCG64(seed + 1))
     names = [joint.name for joint in moving_joints(robot)]
@@ -298,7 +298,7 @@ def within_limits(robot: Robot, q: Configuration, slack: float = 1e-9) -> bool:
 
 
 def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
-    """Pairs of links that a joint or a closure holds together, across links that are fixed to each other."""
+    """Pairs of links connected by a joint or a closure, where links fixed to each other count as one."""
     rigid = {robot.root.name: robot.root.name}
     for joint in robot.joints:
         rigid[joint.child] = rigid[joint.parent] if joint.kind is JointKind.FIXED else joint.child

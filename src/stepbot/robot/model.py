@@ -1,7 +1,7 @@
-"""The robot that every writer writes and every simulator is compared with: plain data, SI, free of any format.
+"""The robot that every writer writes and every engine is compared with: plain data, SI, independent of formats.
 
-The frame of a link is the frame of the joint above it; the root link's is the base. All of ``X_*`` in here are poses at
-q = 0, notation as in :mod:`stepbot.geometry.spatial`.
+The frame of a link is the frame of the joint above it; the root link's is the base. All ``X_*`` are poses at q = 0, in
+the notation of :mod:`stepbot.geometry.spatial`.
 """
 
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ from .sensors import Sensor
 
 
 class JointKind(StrEnum):
-    """The freedom between two links."""
+    """The type of a joint or closure."""
 
     FIXED = "fixed"
     REVOLUTE = "revolute"
@@ -36,7 +36,7 @@ class JointKind(StrEnum):
 
 
 class Base(StrEnum):
-    """How the root link stands in the world."""
+    """Whether the root link is fixed to the world."""
 
     FIXED = "fixed"
     FLOATING = "floating"
@@ -97,11 +97,11 @@ class MeshAsset:
     """Unique among the robot's assets, valid as a file name and as a name in every format."""
     mesh: TriMesh
     source: str = ""
-    """Path of the component that it was first made for, or name of the link that it is merged from."""
+    """Path of the component that it was first made for, or name of the link whose meshes it merges."""
 
     @property
     def path(self) -> str:
-        """Where it is written, relative to the output folder, with forward slashes."""
+        """Path of the file, relative to the output folder, with forward slashes."""
         return f"meshes/{self.name}.obj"
 
 
@@ -111,7 +111,7 @@ Rgba = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Visual:
-    """What is seen of a link."""
+    """A visual of a link."""
 
     name: str
     """Unique in the robot."""
@@ -123,7 +123,7 @@ class Visual:
 
 @dataclass(frozen=True)
 class Collision:
-    """What is touched of a link."""
+    """A collision of a link."""
 
     name: str
     """Unique in the robot."""
@@ -134,18 +134,18 @@ class Collision:
 
 @dataclass(frozen=True)
 class MassSource:
-    """Where some of a link's mass came from."""
+    """The source of a part of a link's mass."""
 
     component: str
     """Path of the component in the assembly."""
     mass: float
     """Mass [kg] that it adds to the link."""
     density: float
-    """Density [kg/m^3] that it was computed with; 0 where the mass was given."""
+    """Density [kg/m^3] used for the mass; 0 if the mass was given."""
     origin: str
-    """For people: ``parts rule '**/M3*'``, ``STEP``, ``defaults``, ``inertial``."""
+    """For messages: ``parts rule '**/M3*'``, ``STEP``, ``defaults``, ``inertial``."""
     method: str
-    """``mesh`` or ``exact``: whose volume, com and inertia were taken; ``given`` where neither was."""
+    """``mesh`` or ``exact``: the source of volume, com and inertia; ``given`` if neither was used."""
 
 
 @dataclass(frozen=True)
@@ -158,14 +158,14 @@ class Link:
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
     mass_sources: tuple[MassSource, ...] = ()
-    """Where each gram came from."""
+    """Sources of the mass."""
     components: tuple[str, ...] = ()
-    """Paths of the assembly's components that the link is made of."""
+    """Paths of the link's components in the assembly."""
 
 
 @dataclass(frozen=True)
 class Limit:
-    """Bounds of a joint's position, speed and effort; infinite where there is none."""
+    """Bounds of a joint's position, velocity and effort; infinite if there is none."""
 
     lower: float = -inf
     """[rad] or [m]."""
@@ -188,9 +188,9 @@ class JointDynamics:
     stiffness: float = 0.0
     """Spring rate [N m/rad] or [N/m]."""
     spring_reference: float = 0.0
-    """Position [rad] or [m] where the spring is at rest."""
+    """Rest position [rad] or [m] of the spring."""
     armature: float = 0.0
-    """Inertia [kg m^2] or mass [kg] of the actuator, seen at the joint."""
+    """Inertia [kg m^2] or mass [kg] of the actuator, reflected to the joint."""
 
 
 @dataclass(frozen=True)
@@ -224,12 +224,12 @@ class Joint:
     pitch: float = 0.0
     """Advance of a screw joint [m/rad]."""
     drawn_position: float = 0.0
-    """q [rad] or [m] in which the CAD drew the joint, its ``zero``; the initial pose."""
+    """q [rad] or [m] of the joint as drawn in the CAD, its ``zero``; the initial pose."""
 
 
 @dataclass(frozen=True)
 class LoopClosure:
-    """A joint that closes a loop: the two F frames coincide up to the freedom of its kind."""
+    """A joint that closes a loop: the two F frames coincide up to the degrees of freedom of its kind."""
 
     name: str
     kind: JointKind
@@ -249,11 +249,11 @@ class Frame:
     link: str
     X_LF: Pose = IDENTITY
     source: str = ""
-    """What gave it, for people."""
+    """How it was found, for messages."""
 
 
 class ActuatorKind(StrEnum):
-    """What the input of an actuator means."""
+    """The meaning of an actuator's input."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -274,12 +274,12 @@ class Actuator:
     gear: float = 1.0
     """Motor position / joint position."""
     limit: Limit = Limit()
-    """Bounds of its own, at the joint, beside those of the joint."""
+    """Its own bounds, at the joint, in addition to those of the joint."""
 
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot: a tree of links and joints, and the closures that make loops of it."""
+    """A robot: a tree of links and joints, and the closures that form its loops."""
 
     name: str
     links: tuple[Link, ...]
@@ -298,7 +298,7 @@ class Robot:
 
     @property
     def root(self) -> Link:
-        """The link that no joint moves."""
+        """The link without a parent joint."""
         return self.links[0]
 
     @cached_property

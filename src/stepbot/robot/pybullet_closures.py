@@ -1,6 +1,6 @@
 """Loop closures as PyBullet constraints: PyBullet reads closures from no file, so a program adds them after loading.
 
-:func:`loop_constraints` computes what ``report.json`` lists under ``pybullet``; :func:`add_constraints` adds it to a
+:func:`loop_constraints` computes the list ``pybullet`` of ``report.json``; :func:`add_constraints` applies it to a
 loaded body.
 """
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .model import LoopClosure, Robot
 
 SECOND_POINT = 0.05
-"""Distance [m] along the axis of a pin at which a second point is held, where one does not hold the axis."""
+"""Distance [m] along the axis of a pin at which a second point is constrained, if one point is not sufficient."""
 
 Numbers = tuple[float, ...]
 
@@ -24,7 +24,7 @@ class LoopConstraint:
     """One call of ``pybullet.createConstraint``, with frames in the frames of the links."""
 
     closure: str
-    """Name of the closure that it holds; several constraints may hold one."""
+    """Name of its closure; a closure may have several constraints."""
     type: str
     """Name of a PyBullet constant: ``JOINT_POINT2POINT``, ``JOINT_FIXED`` or ``JOINT_PRISMATIC``."""
     link_a: str
@@ -38,9 +38,9 @@ class LoopConstraint:
 
 
 def loop_constraints(robot: "Robot") -> tuple[LoopConstraint, ...]:
-    """The constraints that hold the closures of a robot.
+    """The constraints for the closures of a robot.
 
-    Planar mechanisms are held at one point of each pin: more would jam pins that are not exactly parallel.
+    Planar mechanisms are constrained at one point of each pin: more would jam pins that are not exactly parallel.
     """
     from .closures import held_by_a_point
 
@@ -77,18 +77,18 @@ def _frame(X: "Pose") -> tuple[Numbers, Numbers]:
 
 
 def add_constraints(body: int, constraints: Iterable[Mapping[str, Any]], client: int = 0) -> list[int]:
-    """Add constraints, as ``report.json`` lists them, to a body that PyBullet has loaded.
+    """Add constraints from ``report.json`` to a body loaded by PyBullet.
 
     Args:
-        body: Id that ``pybullet.loadURDF`` returned. Its joints must be at positions that close the loops.
+        body: Id returned by ``pybullet.loadURDF``. Its joints must be at positions that close the loops.
         constraints: The list under ``robot.pybullet`` in ``report.json``.
-        client: Id that ``pybullet.connect`` returned.
+        client: Id returned by ``pybullet.connect``.
 
     Returns:
         Ids of the constraints.
 
     Raises:
-        KeyError: The body has no link of a name that a constraint refers to.
+        KeyError: The body does not have a link that a constraint refers to.
     """
     import pybullet
 

@@ -1,8 +1,8 @@
-"""What measures on a robot: inertial units, force-torque cells, encoders, cameras, lidars, contact switches.
+"""Sensors of a robot: IMUs, force-torque sensors, encoders, cameras, lidars, contact sensors.
 
-The frame of a sensor is x ahead and z up, as REP 103 has it for bodies: a camera looks along x, a lidar scans around z
-with the middle of its range on x. A force-torque sensor tells the wrench that the parent of its joint exerts on the
-child, in its own frame and about its own origin: at rest, what holds the child up.
+The frame of a sensor has x forward and z up, as REP 103 defines for bodies: a camera looks along x, a lidar scans
+around z with the centre of its range on x. A force-torque sensor measures the wrench that the parent of its joint
+exerts on the child, in its own frame and about its own origin: at rest, the supporting force.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from stepbot.geometry.spatial import IDENTITY, Pose
 
 
 class SensorKind(StrEnum):
-    """What a sensor measures."""
+    """The quantity that a sensor measures."""
 
     IMU = "imu"
     FORCE_TORQUE = "force_torque"
@@ -31,18 +31,18 @@ SEEING = (SensorKind.CAMERA, SensorKind.LIDAR)
 
 @dataclass(frozen=True)
 class View:
-    """What a camera or a lidar sees; the rays of a lidar are spread evenly, the outermost at the edges."""
+    """The field of view of a camera or a lidar; the rays of a lidar are evenly spaced, the outermost at the edges."""
 
     fov: float = 0.0
     """Horizontal field of view [rad]."""
     columns: int = 0
-    """Pixels from left to right; rays of a lidar."""
+    """Horizontal number of pixels; rays of a lidar."""
     rows: int = 0
-    """Pixels from top to bottom; 1 for a lidar."""
+    """Vertical number of pixels; 1 for a lidar."""
     nearest: float = 0.0
-    """Shortest distance [m] that it sees; 0 where nothing is too near."""
+    """Minimum distance [m]; 0 without a limit."""
     farthest: float = inf
-    """Longest distance [m] that it sees; infinite where nothing is too far."""
+    """Maximum distance [m]; infinite without a limit."""
 
 
 @dataclass(frozen=True)
@@ -52,14 +52,14 @@ class Sensor:
     name: str
     kind: SensorKind
     link: str
-    """The link that it is mounted on; the child of ``joint``, where there is one."""
+    """The link that it is mounted on; for a sensor on a joint, its child."""
     X_LS: Pose = IDENTITY
     """Pose in the link, for the kinds in :data:`PLACED`."""
     joint: str = ""
-    """The joint that it measures: of joint and force-torque sensors."""
+    """The joint that it measures, for joint and force-torque sensors."""
     rate: float = 0.0
     """Measurements per second [Hz]; 0 for one in every step of a simulation."""
     view: View = View()
-    """Of the kinds in :data:`SEEING`."""
+    """For the kinds in :data:`SEEING`."""
     source: str = ""
-    """What gave its frame, for people; empty where it is that of its link or joint."""
+    """How its frame was found, for messages; empty if it is the frame of its link or joint."""

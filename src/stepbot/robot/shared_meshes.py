@@ -1,7 +1,7 @@
-"""One mesh for what looks alike: assets with the same vertices and faces become the first of them.
+"""Merges identical meshes: assets with the same vertices and faces are replaced by the first of them.
 
-Some CAD programs write a definition of its own for each occurrence of a part; forty equal screws are then forty equal
-files. The names that stay are those that come first in the robot's order, and what nothing refers to is left out.
+Some CAD programs write a separate definition for each occurrence of a part; forty equal screws would become forty equal
+files. The first name in the robot's order is kept, and unused assets are removed.
 """
 
 from dataclasses import replace
@@ -10,7 +10,7 @@ from .model import Geometry, Link, MeshAsset, MeshRef, Robot
 
 
 def share_meshes(robot: Robot) -> Robot:
-    """The same robot with each mesh once."""
+    """The same robot without duplicate meshes."""
     first: dict[tuple[bytes, bytes], str] = {}
     kept = {asset.name: first.setdefault(_content(asset), asset.name) for asset in robot.meshes}
 

@@ -1,8 +1,8 @@
-"""Names that are like no other."""
+"""Unique names."""
 
 
 def free_name(name: str, suffix: str, taken: set[str]) -> str:
-    """``name``, with as many suffixes as it takes to be like no other; it is taken from then on."""
+    """``name``, with as many suffixes as needed to be unique; it is then added to the used names."""
     while name in taken:
         name += suffix
     taken.add(name)

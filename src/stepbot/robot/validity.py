@@ -1,7 +1,7 @@
-"""What must hold of a robot before it is written, whatever it was built from.
+"""Validity rules of a robot before it is written, whatever its source.
 
-Engines repair, ignore or die of what is wrong here, each in its own way; stepbot says it instead. Rules that need sound
-numbers, names and tree run only where these hold, so that one fault is not told ten times.
+Engines repair, ignore or crash on invalid robots, each in its own way; stepbot reports them instead. Rules that require
+valid numbers, names and tree run only if these are valid, so that one fault is not reported many times.
 """
 
 from collections import Counter
@@ -39,13 +39,13 @@ from .model import (
 from .sensors import Sensor, SensorKind
 
 LARGEST = 20.0
-"""Size [m] above which a unit is in doubt."""
+"""Size [m] above which the unit is questionable."""
 LIGHTEST = 1e-3
-"""Mass [kg] below which a unit is in doubt."""
+"""Mass [kg] below which the unit is questionable."""
 CLOSURE_DISTANCE = 1e-6
-"""How far apart [m] a closure may be as drawn."""
+"""Maximum gap [m] of a closure as drawn."""
 CLOSURE_ANGLE = 1e-3
-"""How far turned [rad] a closure may be as drawn; CAD puts parallel pins no better."""
+"""Maximum angle [rad] of a closure as drawn; CAD models align parallel pins no better."""
 
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
@@ -56,13 +56,13 @@ Report = Callable[..., None]
 
 
 def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit: str = "") -> None:
-    """Report whatever no physical robot can have.
+    """Report properties that no physical robot can have.
 
     Args:
-        robot: Any robot, from wherever.
+        robot: Any robot, from any source.
         found: Receives SB410 to SB418, SB420, SB508 to SB510.
-        span: Where the robot is described; its source as a whole, if left out.
-        unit: Length unit of the robot's source, which is in doubt where the robot is very large or very light.
+        span: Where the robot is described; None for its source as a whole.
+        unit: Length unit of the robot's source, which is questionable if the robot is very large or very light.
     """
     place = span if span is not None else Span(robot.source or robot.name)
 
@@ -118,7 +118,7 @@ def _check_references(robot: Robot, report: Report) -> bool:
 
 
 def _check_numbers(robot: Robot, report: Report) -> bool:
-    """Everything but limits is finite; rotations turn and axes have length one."""
+    """Everything but limits is finite; rotations are valid and axes have unit length."""
     sound = _check_poses(robot, report)
     for who, numbers in _numbers(robot):
         if not all(map(isfinite, numbers)):
@@ -139,7 +139,7 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
 
 
 def _check_poses(robot: Robot, report: Report) -> bool:
-    """Poses are finite, and their rotations turn; all at once, since there are thousands."""
+    """Poses are finite and their rotations valid; all at once, since there are thousands."""
     placed = list(_poses(robot))
     if not placed:
         return True
@@ -197,7 +197,7 @@ def _check_limits(robot: Robot, report: Report) -> None:
 
 
 def _check_masses(robot: Robot, report: Report) -> None:
-    """What moves has mass, and every inertia is one that a body can have."""
+    """Moving links have mass, and every inertia is physically possible."""
     for members in _rigid_groups(robot):
         moves = robot.base is Base.FLOATING or members[0] is not robot.root
         if moves and not any(link.mass_properties.mass > 0.0 for link in members):
@@ -224,7 +224,7 @@ def _report_massless(members: list[Link], report: Report) -> None:
 
 
 def inertia_fault(properties: MassProperties) -> str:
-    """Why no body can have such mass properties; empty where one can."""
+    """Why the mass properties are physically impossible; empty if they are possible."""
     moments = np.linalg.eigvalsh(np.array(properties.inertia))
     if properties.mass < 0.0:
         return f"its mass is {properties.mass:g} kg"
@@ -251,7 +251,7 @@ def _check_mimics(robot: Robot, report: Report) -> bool:
 
 
 def _check_closures(robot: Robot, report: Report) -> None:
-    """Both sides of each closure meet in the drawn pose."""
+    """The two sides of each closure coincide in the drawn pose."""
     if not robot.closures:
         return
     poses = link_poses(robot, initial_configuration(robot))
@@ -266,7 +266,7 @@ def _check_closures(robot: Robot, report: Report) -> None:
 
 
 def _check_contacts(robot: Robot, report: Report) -> None:
-    """A contact sensor feels what its link touches with."""
+    """A contact sensor measures contacts of its link's collision geometry."""
     for sensor in robot.sensors:
         if sensor.kind is SensorKind.CONTACT and not robot.link_by_name[sensor.link].collisions:
             message = f"sensor '{sensor.name}': link '{sensor.link}' has no collision geometry"
@@ -274,7 +274,7 @@ def _check_contacts(robot: Robot, report: Report) -> None:
 
 
 def _check_scale(robot: Robot, report: Report, unit: str) -> None:
-    """A robot of thousandths of a gram or of dozens of metres is drawn in another unit than its file says."""
+    """A robot of milligrams or of tens of metres was probably drawn in another unit than its file declares."""
     question = f"is {unit or 'its length unit'} what {robot.source or 'its source'} was drawn in?"
     total = exact_sum(link.mass_properties.mass for link in robot.links)
     if 0.0 < total < LIGHTEST:
@@ -285,7 +285,7 @@ def _check_scale(robot: Robot, report: Report, unit: str) -> None:
 
 
 def _size(robot: Robot) -> float:
-    """Longest edge [m] of the box around the robot as drawn; 0 where nothing is seen."""
+    """Longest edge [m] of the robot's bounding box as drawn; 0 without visuals."""
     poses = link_poses(robot, initial_configuration(robot))
     extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
     boxes = [
@@ -301,7 +301,7 @@ def _size(robot: Robot) -> float:
 
 
 def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:
-    """Links that fixed joints hold together, the one nearest to the root first."""
+    """Links connected by fixed joints, the one nearest to the root first."""
     groups = {robot.root.name: [robot.root]}
     for joint in robot.joints:
         group = groups[joint.parent] if joint.kind is JointKind.FIXED else []
@@ -334,7 +334,7 @@ def _poses(robot: Robot) -> Iterator[tuple[str, Pose]]:
 
 
 def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:
-    """Every number that must be finite, with what it belongs to."""
+    """Every number that must be finite, with its element."""
     for joint in robot.joints:
         d = joint.dynamics
         mimic = [] if joint.mimic is None else [joint.mimic.multiplier, joint.mimic.offset]
@@ -352,7 +352,7 @@ def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:
 
 
 def _extent(geometry: Geometry, of_meshes: Mapping[str, _Extent]) -> _Extent | None:
-    """Lowest and highest corner [m] of a geometry in its own frame; None where it is empty."""
+    """Lowest and highest corner [m] of a geometry in its own frame; None if it is empty."""
     if isinstance(geometry, MeshRef):
         return of_meshes.get(geometry.name)
     if isinstance(geometry, Box):

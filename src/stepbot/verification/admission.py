@@ -1,4 +1,4 @@
-"""Which files engines may read: none that declares entities, includes from elsewhere, or names a pipe or device."""
+"""Rejects files that engines must not read: with entities, includes from other folders, pipes or devices."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,10 +22,10 @@ def admitted(
 
     Args:
         formats: The files and their formats.
-        found: Takes SB820, SB821 and SB822 for those that they must not read.
-        timeout: Seconds that the look at one file may take.
-        memory_limit: Address space [bytes] of the process that looks; None for no limit.
-        start: What starts that process; None to start a new interpreter.
+        found: Receives SB820, SB821 and SB822 for rejected files.
+        timeout: Time limit [s] of the check of one file.
+        memory_limit: Address space [bytes] of the process that checks; None for no limit.
+        start: Starts that process; None to start a new interpreter.
     """
     kept = {}
     for path, written_in in formats.items():

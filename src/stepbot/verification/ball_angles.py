@@ -1,8 +1,8 @@
 """Three angles about axes through one point, as coordinates of a ball joint.
 
-Everything is expressed in the frame of the parent. The axes are given where all angles are 0; the second is carried
-along by the first, and the third by both. They reach every rotation if the second is normal to the other two
-(Davenport), whichever these are: Cardan angles about three axes, Euler angles about two.
+Everything is expressed in the frame of the parent. The axes are given for all angles at 0; the second moves with the
+first, and the third with both. They reach every rotation if the second is perpendicular to the other two (Davenport),
+whichever these are: Cardan angles about three axes, Euler angles about two.
 """
 
 from collections.abc import Sequence
@@ -14,15 +14,15 @@ from stepbot.geometry.spatial import Array, rotation_about
 
 
 class BallAngles:
-    """Rotations, their rates, and the way back from a rotation to the angles."""
+    """Rotations, their rates, and the conversion from a rotation to the angles."""
 
     def __init__(self, axes: Array) -> None:
-        """Take the axes, unit vectors, shape (3, 3), one in each row."""
+        """Store the axes, unit vectors, shape (3, 3), one per row."""
         self.axes = axes
 
     @property
     def slant(self) -> tuple[float, float]:
-        """How far [rad] the second axis is from being normal to the first, and the third from the second."""
+        """Deviation [rad] from perpendicularity of the second axis to the first, and of the third to the second."""
         first, second, third = self.axes
         return abs(float(np.arcsin(first @ second))), abs(float(np.arcsin(second @ third)))
 
@@ -34,7 +34,7 @@ class BallAngles:
         return R
 
     def rates(self, angles: Sequence[float]) -> Array:
-        """Angular velocity [rad/s] per unit speed of each angle, shape (3, 3), one column for each."""
+        """Angular velocity [rad/s] per unit speed of each angle, shape (3, 3), one column per angle."""
         R, columns = np.eye(3), []
         for axis, angle in zip(self.axes, angles, strict=True):
             columns.append(R @ axis)
@@ -42,19 +42,19 @@ class BallAngles:
         return np.column_stack(columns)
 
     def bias(self, angles: Sequence[float], speeds: Sequence[float]) -> Array:
-        """Angular acceleration (3,) [rad/s^2] while the speeds [rad/s] of the angles stay as they are."""
+        """Angular acceleration (3,) [rad/s^2] at constant speeds [rad/s] of the angles."""
         w, bias = np.zeros(3), np.zeros(3)
         for axis, speed in zip(self.rates(angles).T, speeds, strict=True):
-            bias = bias + np.cross(w, axis) * speed  # an axis is carried along by the angles before it
+            bias = bias + np.cross(w, axis) * speed  # an axis moves with the angles before it
             w = w + axis * speed
         return bias
 
     def clearance(self, angles: Sequence[float]) -> float:
-        """How far the axes are from lying in a plane (gimbal lock), where this is 0; at most 1."""
+        """Distance of the axes from gimbal lock, which is at 0; at most 1."""
         return abs(float(np.linalg.det(self.rates(angles))))
 
     def angles(self, R: Array) -> tuple[float, float, float]:
-        """One of the two sets of angles [rad] that make a rotation (3, 3)."""
+        """One of the two sets of angles [rad] of a rotation (3, 3)."""
         first, second, third = self.axes
         normal = np.cross(first, second)
         # The second angle carries the first axis into the third at `offset`, where the two sets of axes meet.

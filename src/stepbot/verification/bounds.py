@@ -1,4 +1,4 @@
-"""Numbers that stand for no limit: formats that want a number where there is none get one that nobody reaches."""
+"""Numbers that mean unlimited: formats that require a number get an unreachable one."""
 
 from dataclasses import replace
 from math import inf
@@ -10,7 +10,7 @@ from stepbot.robot.model import Limit
 
 
 def without_stand_ins(observation: Observation) -> Observation:
-    """The observation with infinite limits where numbers stand for them."""
+    """The observation with infinite limits in place of such numbers."""
     return replace(observation, joints=tuple(_freed(joint) for joint in observation.joints))
 
 

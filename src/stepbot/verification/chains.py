@@ -1,8 +1,8 @@
-"""What moves one link against another, in the words of one file: a joint, or several with bare links between.
+"""The joint between two links as one file represents it: a single joint, or several with massless links in between.
 
-URDF says a ball joint by three joints that turn, with two links between that weigh nothing; MJCF says it by one joint,
-and a universal joint by two in one body. What is between two links that both files have is an *edge* of either file,
-and as a *chain* of single-axis joints it can be compared.
+URDF represents a ball joint by three revolute joints with two massless links in between; MJCF by one joint, and a
+universal joint by two in one body. The connection of two links that both files have is an *edge* of either file, which
+can be compared as a *chain* of single-axis joints.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,26 +17,26 @@ from .naming import Naming, steps_of
 from .twists import direction, twist_of
 
 _SEVERAL = frozenset({"ball", "universal", "screw", "cylindrical", "planar", "floating"})
-"""Kinds of joints that formats say in different ways."""
+"""Types of joints that formats represent differently."""
 _TURNING = ("revolute", "continuous")
 PARALLEL = 1e-9
-"""Largest sine of the angle between directions that count as the same."""
+"""Largest sine of the angle between directions that count as parallel."""
 
 
 @dataclass(frozen=True)
 class Edge:
-    """What is between two links."""
+    """The connection of two links."""
 
     parent: str
     child: str
     joints: tuple[ObservedJoint, ...]
     """From the parent on."""
     between: tuple[str, ...]
-    """Links that are there for the joints' sake."""
+    """Links that exist only because of the joints."""
 
     @property
     def is_plain(self) -> bool:
-        """Whether all formats would say it as it is said."""
+        """Whether all formats represent it in the same way."""
         return len(self.joints) == 1 and self.joints[0].kind not in _SEVERAL
 
 
@@ -49,18 +49,18 @@ class Step:
     names: tuple[str, ...]
     """Its coordinates: one, or three of a ball."""
     twists: Array
-    """What one unit of each coordinate does, in the frame of the chain's parent, at zero; shape (n, 6)."""
+    """Twist of each coordinate at unit speed, in the frame of the chain's parent, at zero; shape (n, 6)."""
     told: ObservedJoint
-    """What the file says of it."""
+    """The joint in the file."""
     named: bool = True
-    """Whether the file gives it its name."""
+    """Whether the file names it."""
     followers: Mapping[str, float] = field(default_factory=dict)
-    """Coordinates that follow, and how many times as far."""
+    """Coordinates that follow, and their multipliers."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """What is between two links, freedom by freedom."""
+    """The connection of two links, one degree of freedom per step."""
 
     edge: Edge
     X_PC: Pose
@@ -69,19 +69,19 @@ class Chain:
 
 
 def is_bare(link: ObservedLink) -> bool:
-    """Whether a link is nothing but a frame."""
+    """Whether a link is only a frame."""
     return not (link.mass or link.has_visuals or link.has_collisions)
 
 
 def edges_said_differently(a: Observation, b: Observation) -> list[tuple[Edge, Edge]]:
-    """The edges between the same two links that at least one side says in a way that others have other words for."""
+    """The edges between the same two links that at least one side represents in a way that other formats do not."""
     ours, theirs = _edges(a, {link.name for link in b.links}), _edges(b, {link.name for link in a.links})
     pairs = [(edge, theirs[child]) for child, edge in ours.items() if child in theirs]
     return [(x, y) for x, y in pairs if x.parent == y.parent and not (x.is_plain and y.is_plain)]
 
 
 def _edges(observation: Observation, others: set[str]) -> dict[str, Edge]:
-    """For each link that has one above, and is not there for the joints' sake alone, what is above it."""
+    """For each link with a parent that does not exist only because of joints, the edge above it."""
     above: dict[str, list[ObservedJoint]] = {}
     for joint in observation.joints:
         above.setdefault(joint.child, []).append(joint)
@@ -108,9 +108,9 @@ def coordinates(edge: Edge, naming: Naming) -> list[str]:
 
 
 def _dofs(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], ObservedJoint, bool]]:
-    """Kind, coordinates, and what the file says of each joint of an edge, and whether it names it.
+    """Kind, coordinates and observed joint of each joint of an edge, and whether it is named.
 
-    Joints that no engine moves by coordinates are left out; see :func:`is_known`.
+    Joints without coordinates in the engines are left out; see :func:`is_known`.
     """
     for joint in (step for whole in edge.joints for step in steps_of(whole)):
         if joint.kind in _TURNING:
@@ -125,7 +125,7 @@ def _dofs(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], Ob
 
 
 def is_known(edge: Edge, naming: Naming) -> bool:
-    """Whether every joint of an edge has coordinates that engines move it by."""
+    """Whether every joint of an edge has coordinates in the engines."""
     moving = [step for joint in edge.joints for step in steps_of(joint) if step.kind != "fixed"]
     single = {*_TURNING, "prismatic", "screw"}
     several = {*naming.balls, *naming.universals}
@@ -133,7 +133,7 @@ def is_known(edge: Edge, naming: Naming) -> bool:
 
 
 def chain(edge: Edge, naming: Naming, poses: Mapping[str, Pose], X_PC: Pose) -> Chain:
-    """The chain that an edge is.
+    """The chain of an edge.
 
     Args:
         edge: The edge.
@@ -150,7 +150,7 @@ def chain(edge: Edge, naming: Naming, poses: Mapping[str, Pose], X_PC: Pose) -> 
 
 
 def _slides_first(steps: Sequence[Step]) -> list[Step]:
-    """Joints that turn about the direction in which their neighbour slides may change places with it."""
+    """Revolute joints about the direction of an adjacent prismatic joint may be swapped with it."""
     ordered = list(steps)
     for _ in ordered:
         for i in range(len(ordered) - 1):
@@ -165,7 +165,7 @@ def _coaxial(a: Step, b: Step) -> bool:
 
 
 def _with_screws(steps: Sequence[Step]) -> Iterator[Step]:
-    """A slide that follows the turn beside it, about the same axis, makes a screw with it."""
+    """A prismatic joint that follows the adjacent revolute joint, about the same axis, forms a screw with it."""
     waiting: Step | None = None
     for step in steps:
         mimic = waiting.told.mimic if waiting is not None and waiting.kind == "slide" else None
@@ -181,7 +181,7 @@ def _with_screws(steps: Sequence[Step]) -> Iterator[Step]:
 
 
 def _screw(slide: Step, turn: Step) -> Step:
-    """One joint for a slide that follows a turn, with the passive forces of both and within the limits of both."""
+    """One joint for a prismatic joint that follows a revolute one, with the passive forces and limits of both."""
     mimic = slide.told.mimic
     assert mimic is not None
     m = mimic.multiplier

@@ -1,4 +1,4 @@
-"""From comparisons to checks of the report and diagnostics."""
+"""Converts comparisons to checks of the report and diagnostics."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,15 +35,15 @@ CODES: Mapping[Quantity, str] = {
     Quantity.INITIAL: "SB816",
     Quantity.SIMULATION: "SB811",
 }
-"""The code of a failed check; warnings have one for files of ours and one for others."""
+"""The code of a failed check; warnings have one for stepbot's files and one for others."""
 
 MOST_NOTES = 8
-"""Deviations beyond the worst that a diagnostic lists."""
+"""Maximum number of deviations, after the worst, that a diagnostic lists."""
 
 
 @dataclass(frozen=True)
 class Subject:
-    """Which file, seen by whom, compared with what."""
+    """The file, the engine, and what the file is compared with."""
 
     file: str
     format: str
@@ -52,12 +52,12 @@ class Subject:
 
     @property
     def words(self) -> str:
-        """For the start of a message."""
+        """Prefix of a message."""
         return self.engine if self.against == "model" else f"{self.engine} against {self.against}"
 
 
 def check_of(subject: Subject, compared: Compared) -> Check:
-    """The check that a comparison makes."""
+    """The check of a comparison."""
     worst, quantity = compared.deviations.worst, compared.quantity.value
     if compared.not_run or worst is None:
         return Check(
@@ -91,7 +91,7 @@ def check_of(subject: Subject, compared: Compared) -> Check:
 
 
 def report_failure(subject: Subject, compared: Compared, warning_code: str, found: Diagnostics) -> None:
-    """A diagnostic for a comparison that failed; its first line is complete, the rest are notes."""
+    """A diagnostic of a failed comparison; its first line is complete, the rest are notes."""
     failures = compared.deviations.failures
     if not failures or compared.not_run:
         return
@@ -106,7 +106,7 @@ def report_failure(subject: Subject, compared: Compared, warning_code: str, foun
 def checks_without_observation(
     subject: Subject, outcome: Outcome, quantities: Sequence[Quantity], found: Diagnostics
 ) -> list[Check]:
-    """Checks for an engine that has nothing to say; a refusal or a death fails ``load``, and is reported."""
+    """Checks for an engine without an observation; a rejection or a crash fails ``load``, and is reported."""
     failed = outcome.fate in (Fate.REFUSED, Fate.DIED, Fate.BROKEN)
     words = {Fate.REFUSED: "refused", Fate.DIED: "died", Fate.BROKEN: "failed"}.get(outcome.fate, "")
     reason = f"{words}: {outcome.reason}" if words else outcome.reason

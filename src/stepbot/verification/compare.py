@@ -1,7 +1,7 @@
-"""One comparison for all formats and engines: two observations of what should be the same robot.
+"""One comparison for all formats and engines: two observations that should be of the same robot.
 
-Links are paired by name, joints by the link below them (MuJoCo has no names for fixed joints). What one side does not
-tell is not compared, and said to be so: never passed.
+Links are paired by name, joints by their child link (MuJoCo has no names for fixed joints). A quantity that one side
+does not report is not compared, and recorded as not run, never as passed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,18 +26,18 @@ Comparison = Callable[[Deviations, Observation, Observation], None]
 
 @dataclass(frozen=True)
 class Compared:
-    """What came of comparing one quantity."""
+    """The result of comparing one quantity."""
 
     quantity: Quantity
     deviations: Deviations
     not_run: str = ""
-    """Why nothing was compared; empty where something was."""
+    """Why nothing was compared; empty if something was."""
 
 
 def compare(reference: Observation, observed: Observation) -> tuple[Compared, ...]:
-    """Compare everything that both sides tell, in the order of the report.
+    """Compare everything that both sides report, in the order of the report.
 
-    Quantities that the robot does not have at all (loops, mimics, frames) are left out.
+    Quantities that the robot does not have (loops, mimics, frames) are left out.
     """
     results = []
     for quantity, comparison in _COMPARISONS.items():
@@ -61,7 +61,7 @@ def _compare_load(deviations: Deviations, _reference: Observation, _observed: Ob
 
 
 def _compare_names(deviations: Deviations, what: str, reference: Sequence[str], observed: Sequence[str]) -> None:
-    """Every name on one side must be on the other, as often."""
+    """Every name on one side must exist on the other, equally often."""
     for name in dict.fromkeys([*reference, *observed]):
         expected, found = reference.count(name), observed.count(name)
         wrong = "is missing" if found < expected else "is not in the robot"
@@ -77,7 +77,7 @@ def _compare_links(deviations: Deviations, reference: Observation, observed: Obs
 
 
 def _kind(joint: ObservedJoint) -> str:
-    """Kind of a joint; a revolute one without limits is continuous, because most engines cannot tell them apart."""
+    """Type of a joint; a revolute one without limits is continuous, because most engines do not distinguish them."""
     unlimited = joint.limit is not None and joint.limit.lower == -inf and joint.limit.upper == inf
     return "continuous" if joint.kind == "revolute" and unlimited else joint.kind
 
@@ -183,14 +183,14 @@ def _compare_mass(deviations: Deviations, reference: Observation, observed: Obse
 
 def _compare_com(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in link_pairs(reference, observed):
-        if a.com is None or b.com is None or not (a.mass or b.mass):  # without mass there is no centre of it
+        if a.com is None or b.com is None or not (a.mass or b.mass):  # without mass there is no centre of mass
             continue
         off = float(np.linalg.norm(np.subtract(b.com, a.com)))
         deviations.off(off, f"centre of mass of link '{a.name}'", "m", max(_gyration(a), float(np.linalg.norm(a.com))))
 
 
 def _gyration(link: ObservedLink) -> float:
-    """Radius of gyration [m]: the size of a link as its inertia shows it."""
+    """Radius of gyration [m]: the size of a link according to its inertia."""
     if not link.mass or link.inertia is None:
         return 0.0
     return float(np.sqrt(max(np.trace(np.array(link.inertia)), 0.0) / (2.0 * link.mass)))
@@ -208,7 +208,7 @@ def _compare_frames(deviations: Deviations, reference: Observation, observed: Ob
     if reference.frames is None or observed.frames is None:
         return
     loops = {closure.name for closure in reference.closures or ()}
-    # MuJoCo's sites mark the ends of closures as well, as <closure>/a.
+    # MuJoCo's sites include the ends of closures, as <closure>/a.
     extra = [name for name in observed.frames if name not in reference.frames and name.split("/")[0] not in loops]
     for name in extra:
         deviations.equal(False, f"frame '{name}' is not in the robot")
@@ -302,7 +302,7 @@ _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.SENSORS: lambda observation: bool(observation.sensors),
     Quantity.INITIAL: lambda observation: observation.initial is not None and any(observation.initial.values()),
 }
-"""Whether a robot has something of the quantity at all; every robot has the others."""
+"""Whether a robot has the quantity; every robot has the others."""
 
 _OPTIONAL = frozenset({Quantity.GRAVITY_SETTINGS, Quantity.INITIAL, Quantity.CONTACTS, Quantity.SHAPES})
-"""What few formats or engines tell; that is a loss of the writer's to report, and no check that an engine left out."""
+"""Quantities that few formats or engines report; their loss is reported by the writer, not as an omitted check."""

@@ -1,4 +1,4 @@
-"""The files that were written, against the robot that they were written from."""
+"""Compares written files with the robot that they were written from."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ from .self_collision import Overlap, available
 
 ENGINE_WARNING = "SB812"
 WIDE_OPEN = 1e-6
-"""How far [m] a loop may open over its range, for what the CAD drew, before that is told."""
+"""Gap [m] of a loop over its range, for the CAD's accuracy, above which it is reported."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,11 @@ class Written:
 
     path: Path
     robot: Robot
-    """What the format makes of the robot, as :func:`stepbot.formats.lowering.lower` gives it."""
+    """The robot as the format expresses it, from :func:`stepbot.formats.lowering.lower`."""
 
 
 class Provers:
-    """The processes that will check the files: started early, so that they import while there is still work to do."""
+    """The processes that will check the files: started early, to import in parallel with the conversion."""
 
     def __init__(
         self, formats: Iterable[str], *, memory_limit: int | None = None, server: ForkServer | None = None
@@ -45,9 +45,9 @@ class Provers:
         """Start them.
 
         Args:
-            formats: What will be checked.
+            formats: The formats to check.
             memory_limit: Address space [bytes] of each; None for no limit.
-            server: What starts them, and ends with them; None to start each on its own.
+            server: Starts them, and ends with them; None to start each separately.
         """
         files = {name: name for name in formats}
         self._server = server
@@ -80,16 +80,16 @@ def verify(
     timeout: float = DEFAULT_TIMEOUT,
     memory: Memory | None = None,
 ) -> Report:
-    """Prove that the written files are the robot; what fails is a diagnostic, and a failed check of the report.
+    """Verify that the written files match the robot; a failure is a diagnostic, and a failed check of the report.
 
     Args:
         robot: The robot.
         written: The main file of each format.
         provers: Processes, started for these formats.
-        found: Takes the diagnostics.
+        found: Receives the diagnostics.
         require: Engines whose absence is an error.
-        timeout: Seconds that each engine may take.
-        memory: What engines saw before.
+        timeout: Time limit [s] of each engine.
+        memory: Cached observations.
     """
     required = tuple(require)
     check_required(required, found)
@@ -103,7 +103,7 @@ def verify(
     provers.engines.submit(asked, memory)
     if provers.collider is not None:
         provers.collider.submit(robot, memory.cache if memory is not None else None)
-    # The reference is computed while the engines are at work.
+    # The reference is computed while the engines are running.
     expected = {name: observe_robot(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
     freedom = degrees_of_freedom(robot)
     _check_loops(robot, freedom, expected.values(), found)
@@ -127,14 +127,14 @@ def verify(
 
 
 def _open_loop(robot: Robot, error: DoesNotClose, found: Diagnostics) -> Report:
-    """The report of a robot whose loops do not close as drawn: there is no mechanism to ask engines about."""
+    """The report of a robot whose loops do not close as drawn: there is no mechanism for engines to check."""
     message = f"{error} in the drawn pose"
     found.add("SB808", message, Span(robot.source or robot.name))
     return Report((Check("", "", "stepbot", Quantity.CLOSURES.value, Status.FAILED, why=message),), robot=robot)
 
 
 def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], found: Diagnostics) -> None:
-    """Warn of loops that cannot move, and of loops that cannot stay closed when they do."""
+    """Warn of loops that cannot move, and of loops that do not stay closed when they do."""
     span = Span(robot.source or robot.name)
     if robot.closures and freedom == 0:
         found.add("SB819", f"{len(robot.closures)} closures leave no degree of freedom in the drawn pose", span)
@@ -148,7 +148,7 @@ def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], fo
 
 
 def _expected(robot: Robot, lowered: Robot) -> Robot:
-    """What the file should say: the lowered robot, and the loops that engines are asked about."""
+    """The expected content of the file: the lowered robot, and the loops that engines close."""
     return replace(mechanism(robot, lowered), actuators=lowered.actuators)
 
 
@@ -165,7 +165,7 @@ def _checks(subject: Subject, expected: Observation, outcome: Outcome, found: Di
 def _self_collision(
     robot: Robot, provers: Provers, timeout: float, found: Diagnostics
 ) -> tuple[tuple[Overlap, ...], Check]:
-    """Overlapping links of the robot itself; they are listed and warned of, and do not fail the files."""
+    """Overlapping links of the robot itself; they are listed with a warning, and do not fail the files."""
     span, engine, quantity = Span(robot.source or robot.name), "python-fcl", Quantity.SELF_COLLISION.value
     if provers.collider is None:
         return (), Check("", "", engine, quantity, Status.NOT_RUN, why=available() or "")

@@ -1,8 +1,8 @@
-"""Two files that say the same joints in different words: how the joints of one move with those of the other.
+"""Corresponding joints of two files that represent the same joints differently.
 
-The first file's coordinates are drawn, and the other's are solved for, so that all links that both have are in the same
-poses, with the same velocities and accelerations. What is seen of the other is then carried over to the first one's
-coordinates, in which it can be compared.
+Configurations of the first file are drawn at random, and the other file's coordinates are solved for, so that all links
+that both have are in the same poses, with the same velocities and accelerations. The observation of the other is then
+converted to the coordinates of the first, in which it can be compared.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,11 +19,12 @@ from .pairing import NotTheSame, Segment, segments
 from .twists import twist_of
 
 _CLEARANCE = 0.1
-"""Least volume that the three axes of a ball joint's angles span where dynamics are compared: gimbal lock is at 0."""
+"""Minimum volume spanned by the three axes of a ball joint's angles for a comparison of dynamics: gimbal lock is at
+0."""
 
 Configuration = Mapping[str, float]
 Carried = list[tuple[str, str, float]]
-"""Coordinate of a file, coordinate of the comparison, and velocity of the one per unit velocity of the other."""
+"""Coordinate of a file, coordinate of the comparison, and velocity of the former per unit velocity of the latter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +35,11 @@ class Match:
     theirs: Chain
     segments: tuple[Segment, ...] = ()
     different: str = ""
-    """Why they are different joints; empty where they are the same."""
+    """Why they are different joints; empty if they are the same."""
 
 
 def match(ours: Chain, theirs: Chain) -> Match:
-    """Find out whether two chains are the same joint."""
+    """Determine whether two chains are the same joint."""
     try:
         return Match(ours, theirs, segments(ours, theirs))
     except NotTheSame as why:
@@ -47,7 +48,7 @@ def match(ours: Chain, theirs: Chain) -> Match:
 
 @dataclass(frozen=True, eq=False)
 class Correspondence:
-    """All edges that two files say differently."""
+    """All edges that two files represent differently."""
 
     matches: tuple[Match, ...]
 
@@ -56,7 +57,7 @@ class Correspondence:
         return [segment for match in self.matches for segment in match.segments]
 
     def following(self, rates: Configuration) -> dict[str, float]:
-        """Rates of the first file, with those that make a screw at its pitch."""
+        """Rates of the first file, with screws constrained to their pitch."""
         followed = dict(rates)
         for segment in self._segments:
             for step in segment.ours:
@@ -64,7 +65,7 @@ class Correspondence:
         return followed
 
     def is_clear(self, q: Configuration) -> bool:
-        """Whether no ball joint of the other file comes near gimbal lock at a configuration of the first."""
+        """Whether no ball joint of the other file is near gimbal lock at a configuration of the first."""
         solved = self.moved(q)
         balls = [(segment, segment.balls) for segment in self._segments if segment.balls is not None]
         return all(balls[1].clearance(_at(segment.theirs, solved)) > _CLEARANCE for segment, balls in balls)
@@ -90,7 +91,7 @@ class Correspondence:
         return solved
 
     def moving(self, q: Configuration, rates: Rates) -> Rates:
-        """The other file's velocities and accelerations for those of the first, which is at ``q``."""
+        """The other file's velocities and accelerations for those of the first, at configuration ``q`` of the first."""
         solved, (v, a) = self.moved(q), (dict(rate) for rate in rates)
         for segment in self._segments:
             if segment.balls is not None:
@@ -111,13 +112,13 @@ class Correspondence:
         return v, a
 
     def ours(self) -> Carried:
-        """Velocities of the first file's coordinates for those of the comparison, in which screws have one."""
+        """Velocities of the first file's coordinates from those of the comparison, in which a screw has one."""
         steps = [step for segment in self._segments for step in segment.ours]
         carried = [(name, name, 1.0) for name in _names(steps)]
         return carried + [(name, step.names[0], m) for step in steps for name, m in step.followers.items()]
 
     def theirs(self, q: Configuration) -> Carried:
-        """Velocities of the other file's coordinates for those of the comparison, where the first is at ``q``."""
+        """Velocities of the other file's coordinates from those of the comparison, at ``q`` of the first file."""
         solved, carried = self.moved(q), list[tuple[str, str, float]]()
         for segment in self._segments:
             if segment.balls is None:
@@ -133,7 +134,7 @@ class Correspondence:
         return carried
 
     def our_start(self, q: Configuration) -> dict[str, float]:
-        """A pose of the first file: for a ball joint the vector [rad] about and by which it is turned."""
+        """A pose of the first file: for a ball joint the rotation vector [rad]."""
         start = dict(q)
         for segment in self._segments:
             for name in [name for step in segment.ours for name in step.followers]:
@@ -144,7 +145,7 @@ class Correspondence:
         return start
 
     def their_start(self, q: Configuration) -> dict[str, float]:
-        """A pose of the other file, in the same terms."""
+        """A pose of the other file, in the same coordinates."""
         start = dict(q)
         for segment in self._segments:
             names = [*_names(segment.theirs), *(name for step in segment.theirs for name in step.followers)]
@@ -158,7 +159,7 @@ class Correspondence:
 
 
 def _turned(R: Array) -> list[float]:
-    """The vector [rad] about and by which a rotation (3, 3) turns."""
+    """The rotation vector [rad] of a rotation (3, 3)."""
     return twist_of(Pose.of(R))[:3].tolist()  # type: ignore[no-any-return]
 
 

@@ -8,7 +8,7 @@ from .tolerances import Tolerance
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far one number is from another."""
+    """Difference of two numbers."""
 
     amount: float
     """In ``unit``."""
@@ -21,14 +21,14 @@ class Deviation:
 
     @property
     def ratio(self) -> float:
-        """Deviation as a multiple of what is allowed."""
+        """Deviation as a multiple of the tolerance."""
         if self.amount == 0.0:
             return 0.0
         return self.amount / self.allowed if self.allowed > 0.0 else inf
 
     @property
     def passed(self) -> bool:
-        """Whether it is allowed; what is not a number never is."""
+        """Whether it is within tolerance; NaN never is."""
         return self.amount <= self.allowed
 
     def __str__(self) -> str:
@@ -51,21 +51,21 @@ class Deviations:
         self.off(0.0 if a == b else abs(a - b), where, unit, scale)
 
     def off(self, amount: float, where: str, unit: str, scale: float = 0.0, tolerance: Tolerance | None = None) -> None:
-        """Take a deviation that was computed elsewhere."""
+        """Add a deviation that was computed elsewhere."""
         amount = inf if isnan(amount) else float(amount)
         self.deviations.append(Deviation(amount, (tolerance or self.tolerance).allowed(scale), unit, where))
 
     def equal(self, same: bool, where: str) -> None:
-        """Take the outcome of a comparison that has no number; ``where`` says what is wrong if it is."""
+        """Add the result of a comparison without a number; ``where`` describes a failure."""
         self.deviations.append(Deviation(0.0 if same else 1.0, 0.0, "", where))
 
     @property
     def worst(self) -> Deviation | None:
-        """The deviation nearest to, or farthest beyond, what is allowed; None where nothing was compared."""
+        """The deviation nearest to, or farthest beyond, its tolerance; None if nothing was compared."""
         return max(self.deviations, key=lambda deviation: deviation.ratio, default=None)
 
     @property
     def failures(self) -> list[Deviation]:
-        """What is not allowed, worst first."""
+        """Deviations beyond tolerance, worst first."""
         failed = [deviation for deviation in self.deviations if not deviation.passed]
         return sorted(failed, key=lambda deviation: -deviation.ratio)

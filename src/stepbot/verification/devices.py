@@ -1,4 +1,4 @@
-"""Compares what drives and measures: actuators and sensors, paired by name, or by joint where they have none."""
+"""Compares actuators and sensors, paired by name, or by joint if they have no names."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,7 +22,7 @@ def compare_actuators(deviations: Deviations, reference: Observation, observed: 
 
 
 def compare_sensors(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Kind, link, joint, pose, rate, and what is seen."""
+    """Kind, link, joint, pose, rate, and field of view."""
     if reference.sensors is not None and observed.sensors is not None:
         _compare_devices(deviations, "sensor", reference.sensors, observed.sensors, _compare_sensor)
 
@@ -34,7 +34,7 @@ def _compare_devices(
     observed: Sequence[Device],
     compare: Callable[[Deviations, Device, Device], None],
 ) -> None:
-    """Compare pairs; whatever is on one side only is wrong."""
+    """Compare pairs; a device on one side only is a failure."""
     ours: list[Device] = _named(reference, observed)
     theirs: list[Device] = _named(observed, reference)
     pairs = {device.name: device for device in ours}
@@ -52,7 +52,7 @@ def _count(devices: Sequence[Device], name: str) -> int:
 
 
 def _named(devices: Sequence[Device], others: Sequence[Device]) -> list[Device]:
-    """The devices, each without a name called like the other side's on the same joint, or else by its joint."""
+    """The devices by name if the other side has the same name on the same joint, or else by joint."""
     free = [other for other in others if other.name and all(other.name != device.name for device in devices)]
     named = []
     for device in devices:
@@ -83,7 +83,7 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
 
 
 def _both_or_none(bounds: tuple[float, float]) -> tuple[float, float]:
-    """A range; one that is open on one side counts as none, and so does the number that stands for none."""
+    """A range; one that is unbounded on one side, or has a number that means unlimited, counts as unlimited."""
     return bounds if all(abs(bound) < UNLIMITED for bound in bounds) else (-inf, inf)
 
 

@@ -1,7 +1,7 @@
-"""What every engine should see in a file, and what it is asked to observe there.
+"""The expected observation of a file, and the requests to the engines.
 
-A format holds the robot as :func:`.lowering.lower` leaves it, so that is what its file is compared with. Loops
-are asked about in every format, also where the file holds only the tree: an engine may stand in for what is missing.
+A format represents the robot as lowered by :func:`.lowering.lower`, so its file is compared with that. Loops are
+included in the requests for every format, even if the file has only the tree: constraints can be added in the engine.
 """
 
 from collections.abc import Mapping
@@ -15,17 +15,17 @@ from stepbot.robot.model import Base, Robot
 from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
 
 CONFIGURATIONS = 32
-"""Random configurations at which poses and dynamics are compared."""
+"""Number of random configurations at which poses and dynamics are compared."""
 CLOSED_CONFIGURATIONS = 24
-"""Closed configurations over the range of a mechanism with loops."""
+"""Number of closed configurations over the range of a mechanism with loops."""
 SEED = 20240229
-"""Seed of all random configurations; any number would do, as long as it stays."""
+"""Seed of all random configurations; arbitrary but constant."""
 SECONDS = 1.0
-"""Length [s] of the passive simulation."""
+"""Duration [s] of the passive simulation."""
 
 
 def mechanism(robot: Robot, lowered: Robot) -> Robot:
-    """The lowered robot with the loops and actuators that its format left out, under the lowered joint names."""
+    """The lowered robot with the loops and actuators that its format lacks, under the lowered joint names."""
     closures = lowered.closures or robot.closures
     renamed = {joint.child: joint.name for joint in lowered.joints}
     name_of = {joint.name: renamed[joint.child] for joint in robot.joints if joint.child in renamed}
@@ -46,12 +46,12 @@ class _Solved:
 
 
 def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Path]) -> dict[str, Request]:
-    """What to ask of the engines, for each format.
+    """The request to the engines, for each format.
 
     Args:
         robot: The robot.
-        lowered: What each format makes of it.
-        files: Where the file of each format is.
+        lowered: The robot as each format expresses it.
+        files: Path of each format's file.
 
     Raises:
         DoesNotClose: The loops do not close in the drawn pose.
@@ -60,7 +60,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
     asked = {}
     for name, file in files.items():
         moved = mechanism(robot, lowered[name])
-        # Formats mostly agree on joints and loops; the range of a mechanism is walked once for all that do.
+        # Most formats have the same joints and loops: their range is computed once.
         known = [one for one in solved if one.robot.joints == moved.joints and one.robot.closures == moved.closures]
         if not known:
             ways = loop_ways(moved, CLOSED_CONFIGURATIONS, SEED)

@@ -1,6 +1,6 @@
-"""Any URDF, SDFormat or MJCF files, ours or not: each as all engines see it, and all of them with each other.
+"""Compares any URDF, SDFormat or MJCF files: the observations of all engines for each file, and all files.
 
-Nobody says what such a file should hold, so engines are compared with engines: within a file with the one that tells
+The expected content is unknown, so engines are compared with each other: within a file with the engine that reports
 most, across files with the first file.
 """
 
@@ -40,7 +40,7 @@ from .restated import normalized_joints
 ENGINE_WARNING = "SB813"
 
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
-"""What an engine says without a second one to compare with."""
+"""Diagnostics of an engine's own result, independent of others."""
 _STILL = frozenset(
     {
         Quantity.GRAVITY_SETTINGS,
@@ -54,7 +54,7 @@ _STILL = frozenset(
         Quantity.INITIAL,
     }
 )
-"""What two files can be compared in wherever the joints of the first file were when the engines were asked."""
+"""Quantities comparable between files whatever the configurations of the first file were."""
 
 
 def verify_files(
@@ -65,13 +65,13 @@ def verify_files(
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
 ) -> Report:
-    """Load every file in every engine that reads it, and compare what they see.
+    """Load every file in every engine that reads it, and compare the observations.
 
     Args:
-        paths: The files; the first is the one that the others are compared with.
-        found: Takes the diagnostics: files that cannot be read, engines that refuse or die, differences.
+        paths: The files; the others are compared with the first.
+        found: Receives the diagnostics: unreadable files, engines that reject a file or crash, differences.
         require: Engines whose absence is an error.
-        timeout: Seconds that each engine may take.
+        timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
     """
     required = tuple(require)
@@ -96,7 +96,7 @@ def verify_files(
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:
-    """Format of a file by its first element; None, and a diagnostic, where it has none."""
+    """Format of a file by its root element; None, and a diagnostic, if it has none."""
     from lxml import etree
 
     span = Span(_key(path))
@@ -119,20 +119,20 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
 
 
 def _key(path: Path) -> str:
-    """What the user called the file, with forward slashes."""
+    """The user's path of the file, with forward slashes."""
     return path.as_posix()
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What engines are asked about all files."""
+    """The requests to the engines for all files."""
 
     requests: Mapping[str, Request]
-    """For each file, by what the user called it."""
+    """For each file, by the user's path."""
     correspondences: Mapping[str, Correspondence]
-    """How each further file corresponds to the first."""
+    """Correspondence of each further file to the first."""
     configurations: Sequence[Mapping[str, float]]
-    """Where the joints of the first file are."""
+    """Configurations of the joints of the first file."""
     joint_table: tuple[JointRow, ...]
     """The joints of the first file that an engine can load."""
 
@@ -140,13 +140,13 @@ class Asked:
 def ask(formats: Mapping[Path, str], probe: Probe, *, count: int = CONFIGURATIONS, seconds: float = SECONDS) -> Asked:
     """The same poses and motions for all files, in the coordinates of each.
 
-    What to ask depends on the joints: one engine per file is asked for them before.
+    The requests depend on the joints, which one engine per file is asked for first.
 
     Args:
-        formats: The files, and what each is written in.
-        probe: Asks that engine.
+        formats: The files and their formats.
+        probe: Runs that engine.
         count: Number of random configurations.
-        seconds: Length [s] of the passive simulation.
+        seconds: Duration [s] of the passive simulation.
     """
     probed = {path: seen for path, name in formats.items() if (seen := probe.look(path, name))}
     by = {path: probe.correspondence(next(iter(probed.values())), other) for path, other in list(probed.items())[1:]}
@@ -171,12 +171,12 @@ def ask(formats: Mapping[Path, str], probe: Probe, *, count: int = CONFIGURATION
 
 
 def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:
-    """Compare what engines saw: within each file, and file with file.
+    """Compare the observations: within each file, and between files.
 
     Args:
-        outcomes: What came of asking, for all files.
-        asked: What was asked.
-        found: Takes the diagnostics.
+        outcomes: The outcomes of all engines, for all files.
+        asked: The requests.
+        found: Receives the diagnostics.
     """
     by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
     checks: list[Check] = []
@@ -196,7 +196,7 @@ def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mappin
 def _clear_of_locks(
     drawn: Iterable[Mapping[str, float]], by: Collection[Correspondence]
 ) -> tuple[Mapping[str, float], ...]:
-    """Configurations in which no angles of a ball joint, in any file, lose a freedom: their speeds would be endless."""
+    """Configurations without gimbal lock of any ball joint in any file: there, speeds of the angles are unbounded."""
     random = np.random.Generator(np.random.PCG64(SEED + 2))
     clear = []
     for q in drawn:
@@ -208,20 +208,20 @@ def _clear_of_locks(
 
 
 def _ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
-    """Those who saw the file, and who tells most first."""
+    """Outcomes with an observation of the file, the engine that reports most first."""
     seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
     return sorted(seen, key=lambda outcome: engine_of(outcome.engine).order)
 
 
 def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """What the engine says that tells most."""
+    """Diagnostics of the engine that reports most."""
     return next(iter(_ranked(outcomes)), None)
 
 
 def _checks_within(
     key: str, outcomes: Sequence[Outcome], reference: Outcome | None, found: Diagnostics
 ) -> Iterator[Check]:
-    """Every engine of a file against the one that tells most; that one only for what it says by itself."""
+    """Every engine of a file against the one that reports most; that one only for its own result."""
     if reference is None and all(outcome.fate in (Fate.ABSENT, Fate.UNREADABLE) for outcome in outcomes):
         reasons = "; ".join(f"{outcome.engine}: {outcome.reason}" for outcome in outcomes)
         found.add("SB815", f"no engine read the file: {reasons}", Span(key))
@@ -240,7 +240,7 @@ def _checks_within(
 
 
 def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
-    """Every further file against the first, and in what the first does not tell against the others before it."""
+    """Every further file against the first, and for quantities that the first lacks against the files before it."""
     for number, theirs in enumerate(gathered):
         compared = set(_OWN)
         for ours in gathered[:number]:

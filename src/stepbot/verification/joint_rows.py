@@ -1,4 +1,4 @@
-"""The joint table of a robot file: where its joints are by what an engine sees."""
+"""The joint table of a robot file: positions of its joints from an observation."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ def joint_rows(seen: Observation) -> tuple[JointRow, ...]:
     """Every joint, then every closure, in the frame of the base.
 
     Args:
-        seen: A file as an engine sees it; its first configuration has all joints at 0.
+        seen: An observation of the file; its first configuration has all joints at 0.
     """
     poses: Mapping[str, Pose] = seen.poses[0] if seen.poses else {}
     rows = []
@@ -39,5 +39,5 @@ def _turned(X_BF: Pose | None, direction: Vector3 | None) -> Vector3 | None:
 
 
 def _tidy(vector: object) -> Vector3:
-    """To a nanometre, without the noise that differs between machines, and without minus zero."""
+    """Rounded to a nanometre, to remove differences between machines, and without minus zero."""
     return vector3(np.round(np.asarray(vector, dtype=np.float64), _DECIMALS) + 0.0)

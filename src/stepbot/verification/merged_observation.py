@@ -1,4 +1,4 @@
-"""All that engines see of one file, in one observation: each engine fills the gaps of those that tell more."""
+"""Merges the observations of one file by all engines: each engine fills the gaps of those that report more."""
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -16,44 +16,44 @@ _WHOLE: Mapping[str, Quantity] = {
     "gravity": Quantity.GRAVITY_SETTINGS,
     "excluded_pairs": Quantity.CONTACTS,
 }
-"""Fields of an observation that one engine tells of as a whole."""
+"""Fields of an observation that an engine reports as a whole."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """What is seen of one file."""
+    """The merged observation of one file."""
 
     key: str
-    """What the user calls the file."""
+    """The user's path of the file."""
     format: str
     observation: Observation
     tellers: Mapping[Quantity, tuple[str, ...]]
-    """Engines that added to a quantity what the first engine does not report."""
+    """Engines that added values to a quantity which the first engine does not report."""
 
     def engine(self, quantity: Quantity) -> str:
-        """The engines that a quantity was read by, for tables and messages."""
+        """The engines that a quantity comes from, for tables and messages."""
         return ", ".join(self.tellers.get(quantity) or (self.observation.engine,))
 
 
 def gather(outcomes: Sequence[Outcome]) -> Gathered:
-    """Merge what engines see of one file.
+    """Merge the observations of one file.
 
     Args:
-        outcomes: Those with an observation, at least one; the engine whose word counts most comes first.
+        outcomes: Outcomes with an observation, at least one; the preferred engine comes first.
     """
     first, *others = [outcome.observation for outcome in outcomes if outcome.observation is not None]
     whole, added = first, dict[Quantity, tuple[str, ...]]()
     for other in others:
         whole, filled = _filled(whole, other)
         for quantity in filled:
-            # What the first engine does not report at all, is the other's alone.
+            # A quantity that the first engine does not report at all comes from the other only.
             before = () if quantity in _WHOLE.values() else added.get(quantity, (first.engine,))
             added[quantity] = (*before, other.engine)
     return Gathered(outcomes[0].key, outcomes[0].format, whole, added)
 
 
 def _filled(whole: Observation, other: Observation) -> tuple[Observation, set[Quantity]]:
-    """The observation with the gaps filled that another fills, and in which quantities."""
+    """The observation with gaps filled from another, and the quantities that were filled."""
     filled = set[Quantity]()
     not_run, changes = dict(whole.not_run), dict[str, Any]()
     for name, quantity in _WHOLE.items():
@@ -76,7 +76,7 @@ def _filled(whole: Observation, other: Observation) -> tuple[Observation, set[Qu
 def _joint(
     joint: ObservedJoint, other: ObservedJoint | None, not_run: Container[Quantity], filled: set[Quantity]
 ) -> ObservedJoint:
-    """A joint with the limits and passive forces that another engine reads beside the first."""
+    """A joint with the limits and passive forces that another engine adds to the first."""
     if other is None or (other.name and joint.name and other.name != joint.name):
         return joint
     if joint.limit is not None and other.limit is not None and Quantity.LIMITS not in not_run:

@@ -1,4 +1,4 @@
-"""Comparison of what moves: poses, equations of motion, closures."""
+"""Compares motion: poses, equations of motion, closures."""
 
 from dataclasses import replace
 
@@ -13,11 +13,11 @@ from .deviation import Deviations
 from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
 
 NO_GRAVITY = 1e-6
-"""Share of weight times reach below which gravity forces count as zero: planar mechanisms feel none."""
+"""Share of weight times reach below which gravity forces count as zero: planar mechanisms have none."""
 
 
 def compare_poses(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Every link at every configuration, with respect to the root link."""
+    """Every link at every configuration, relative to the root link."""
     for number, (ours, theirs) in enumerate(zip(reference.poses, observed.poses, strict=False), start=1):
         for link in (link for link in ours if link in theirs):
             distance, angle = ours[link].distance_to(theirs[link])
@@ -72,7 +72,7 @@ def _compare_efforts(
 
 
 def _order(deviations: Deviations, reference: Observation, observed: Observation) -> list[int] | None:
-    """Where the coordinates of the reference are among the observed ones; None where there is nothing to compare."""
+    """Indices of the reference's coordinates among the observed ones; None if there is nothing to compare."""
     if not reference.dynamics or not observed.dynamics:
         return None
     missing = [name for name in reference.coordinates if name not in observed.coordinates]
@@ -85,19 +85,19 @@ def _order(deviations: Deviations, reference: Observation, observed: Observation
 
 
 def _weight_times_reach(observation: Observation) -> float:
-    """Weight [N] times the largest distance [m] of any link from the root: what gravity could do at most, about."""
+    """Weight [N] times the largest distance [m] of any link from the root: a scale of gravity torques."""
     weight = exact_sum(link.mass or 0.0 for link in observation.links) * float(np.linalg.norm(GRAVITY))
     positions: Array = np.array([X.p for poses in observation.poses for X in poses.values()]).reshape(-1, 3)
     return weight * float(np.linalg.norm(positions, axis=1).max(initial=0.0))
 
 
 def compare_closures(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Closures by name: what they hold together, where, and how far they open over the mechanism's range."""
+    """Closures by name: links, positions, and gaps over the mechanism's range."""
     if reference.closures is None or observed.closures is None:
         return
     theirs = {closure.name: closure for closure in observed.closures}
     known = {closure.name for closure in reference.closures}
-    for name in theirs:  # MuJoCo holds the axis of a closure by a second constraint, <closure>/axis
+    for name in theirs:  # MuJoCo constrains the axis of a closure by a second constraint, <closure>/axis
         if name.split("/")[0] not in known:
             deviations.equal(False, f"closure '{name}' is not in the robot")
     for ours in reference.closures:
@@ -114,7 +114,7 @@ def compare_closures(deviations: Deviations, reference: Observation, observed: O
 
 
 def _turned(closure: ObservedClosure) -> ObservedClosure:
-    """The same closure, told from its other end."""
+    """The same closure with its ends exchanged."""
     return replace(
         closure,
         link_a=closure.link_b,
@@ -139,7 +139,7 @@ def _compare_closure(
     if ours.axis is not None and found.axis is not None:
         deviations.off(float(np.linalg.norm(np.subtract(ours.axis, found.axis))), f"axis of {name}", "rad")
     _compare_held(deviations, name, ours, found)
-    # A loop that the CAD cannot close has no exact answer, and each solver spreads the gap in its own way.
+    # A loop that cannot close exactly has no exact solution, and each solver distributes the gap differently.
     own = ours.residual or 0.0
     reach = max((float(np.linalg.norm(X.p)) for X in (ours.X_AF, ours.X_BF) if X is not None), default=0.0)
     if found.residual is not None:
@@ -151,7 +151,7 @@ def _compare_closure(
 
 
 def _compare_held(deviations: Deviations, name: str, ours: ObservedClosure, found: ObservedClosure) -> None:
-    """The points and the axes that a closure holds together; which way along it an axis points makes no other one."""
+    """The points and the axes of a closure; the sign of an axis has no meaning."""
     if ours.points is None or found.points is None:
         return
     for side, expected, seen in zip("ab", ours.points, found.points, strict=True):

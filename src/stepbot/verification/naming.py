@@ -1,4 +1,4 @@
-"""The coordinates of a file's joints: their own names, or those that stand for a multi-dof joint."""
+"""The coordinates of a file's joints: their own names, or those of a multi-dof joint's chain."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -12,12 +12,12 @@ from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
 from stepbot.robot.unique_names import free_name
 
 _KINDS = frozenset({"revolute", "continuous", "prismatic", "screw", "ball", "universal"})
-"""Kinds of joints that the engines move by coordinates of these names."""
+"""Types of joints with coordinates of these names in the engines."""
 
 
 @dataclass(frozen=True)
 class Naming:
-    """The joints of a file, each on a link of its own: as much of a robot as names of coordinates are made of."""
+    """The joints of a file, each on a link of its own: the minimum robot from which coordinates are named."""
 
     robot: Robot
 
@@ -33,7 +33,7 @@ class Naming:
 
 
 def naming(observation: Observation) -> Naming:
-    """What the coordinates of a file are called."""
+    """Names of the coordinates of a file."""
     known = [step for joint in observation.joints for step in steps_of(joint) if step.name and step.kind in _KINDS]
     taken = {"", *(joint.child for joint in observation.joints)}
     joints = []
@@ -56,12 +56,12 @@ def naming(observation: Observation) -> Naming:
 
 
 def steps_of(joint: ObservedJoint) -> tuple[ObservedJoint, ...]:
-    """The joints that a file says a joint by: itself, as a rule."""
+    """The component joints by which a file represents a joint: usually the joint itself."""
     return joint.steps or (joint,)
 
 
 def moved(namings: Iterable[Naming]) -> Robot:
-    """The coordinates of all files as joints, within the limits of each, to draw configurations of."""
+    """The coordinates of all files as joints, within the limits of each, to draw random configurations."""
     joints: dict[str, Joint] = {}
     for joint in (joint for one in namings for joint in moving_joints(one.robot)):
         limit, known = joint.limit, joints.get(joint.name)

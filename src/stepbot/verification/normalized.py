@@ -1,4 +1,4 @@
-"""Brings what engines see in different formats to the same form, where formats say the same thing in different ways."""
+"""Normalizes observations of formats that represent the same thing differently."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,18 +13,18 @@ from .chains import is_bare
 from .shapes import plain_name
 
 WORLD = "world"
-"""Name of the link that stands for the world in many a URDF."""
+"""Common name in URDF of the link that represents the world."""
 
 
 def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation]:
-    """Both observations, told in the same way as far as they can be.
+    """Both observations, normalized as far as possible.
 
-    A massless link called ``world`` is the world. A link that is nothing but a frame is a frame where the other side
-    has no link of that name. Mimics are resolved to the joint that leads. Only frames and shapes that both name are
-    kept: formats mark different places and cut shapes up in different ways, and that makes no other robot. Nor does
-    what the robot is called, or a colour that one file does not give. Actuators are told at their joints where a format
-    has no gears. A file without any velocity limit is taken to say nothing of them: MJCF has no word for them.
-    Numbers that stand for no limit are none.
+    A massless link called ``world`` is the world. A link that is only a frame becomes a frame if the other side has no
+    link of that name. Mimics refer to the first joint of their chain. Only frames and shapes that both sides name are
+    kept, since formats mark different places and split shapes differently; the name of the robot, and colours that one
+    file lacks, are ignored. Actuators are converted to their joints if a format has no gears. A file without any
+    velocity limit is treated as not reporting them: MJCF has no such attribute. Numbers that mean unlimited become
+    infinite.
     """
     a, b = (without_stand_ins(_without_world(side)) for side in (a, b))
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
@@ -34,7 +34,7 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
 
 
 def _without_world(observation: Observation) -> Observation:
-    """A massless root link called ``world`` on a fixed joint says that the base is fixed."""
+    """A massless root link called ``world`` on a fixed joint means that the base is fixed."""
     joints = [joint for joint in observation.joints if joint.parent == WORLD]
     world = [link for link in observation.links if link.name == WORLD and is_bare(link)]
     if not world or len(joints) != 1 or joints[0].kind != "fixed":
@@ -75,7 +75,7 @@ def _with_frames(observation: Observation, links: set[str]) -> Observation:
 
 
 def _on_link(sensor: ObservedSensor, frames: Mapping[str, tuple[str, Pose]]) -> ObservedSensor:
-    """A sensor with its place on the link that carries the frame which it is on."""
+    """A sensor with its pose on the link that its frame is on."""
     if sensor.link is None or sensor.link not in frames:
         return sensor
     link, X_LF = frames[sensor.link]
@@ -83,7 +83,7 @@ def _on_link(sensor: ObservedSensor, frames: Mapping[str, tuple[str, Pose]]) -> 
 
 
 def _with_leaders(observation: Observation) -> Observation:
-    """Every mimic in terms of a joint that does not mimic itself: not every format and reader follows a chain."""
+    """Every mimic relative to a joint that is not a mimic: not every format and reader supports chains."""
     mimics = {joint.name: joint.mimic for joint in observation.joints if joint.mimic is not None}
 
     def led(mimic: Mimic) -> Mimic:
@@ -93,7 +93,7 @@ def _with_leaders(observation: Observation) -> Observation:
                 return mimic
             offset = mimic.multiplier * above.offset + mimic.offset
             mimic = Mimic(above.joint, mimic.multiplier * above.multiplier, offset)
-        return mimic  # a circle: nothing to resolve it to
+        return mimic  # a cycle: cannot be resolved
 
     joints = tuple(
         joint if joint.mimic is None else replace(joint, mimic=led(joint.mimic)) for joint in observation.joints
@@ -102,9 +102,9 @@ def _with_leaders(observation: Observation) -> Observation:
 
 
 def _with_common_looks(a: Observation, b: Observation) -> tuple[Observation, Observation]:
-    """Both without the name of the robot, and with the shapes only that both name, as far as both give colours.
+    """Both without the name of the robot, with common shapes only, and with colours that both give.
 
-    The colour in the shade is that in the light where a format has but one.
+    The ambient colour is the diffuse one if a format has only one.
     """
     theirs = {link.name: link for link in b.links}
     ours, others = dict[str, ObservedLink](), dict[str, ObservedLink]()
@@ -144,7 +144,7 @@ def _same_looks(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, Obse
 
 
 def _with_common_gears(a: Observation, b: Observation) -> tuple[Observation, Observation]:
-    """Both with actuators at their joints, where one of the formats has no gears."""
+    """Both with actuators at their joints, if one of the formats has no gears."""
     sides = a, b
     if all(drive.gear is not None for side in sides for drive in side.actuators or ()):
         return sides
@@ -156,7 +156,7 @@ def _with_common_gears(a: Observation, b: Observation) -> tuple[Observation, Obs
 
 
 def _with_common_views(a: Observation, b: Observation) -> tuple[Observation, Observation]:
-    """Both without the range of sensors that see without end in one file: some formats want a number there."""
+    """Both without the range of sensors that is unlimited in one file: some formats require a number."""
     endless = {sensor.name for side in (a, b) for sensor in side.sensors or () if sensor.farthest == inf}
     a, b = (
         side
@@ -171,7 +171,7 @@ def _with_common_views(a: Observation, b: Observation) -> tuple[Observation, Obs
 
 
 def _at_joint(drive: ObservedActuator) -> ObservedActuator:
-    """An actuator with its gains and bounds as the joint feels them."""
+    """An actuator with its gains and bounds at the joint."""
     gear = drive.gear
     if gear is None or not gear:
         return drive

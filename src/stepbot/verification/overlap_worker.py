@@ -1,4 +1,4 @@
-"""The process that looks for links that overlap; of a robot that it saw before it is not asked again."""
+"""The process that searches for overlapping links; results for a known robot come from the cache."""
 
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
@@ -19,7 +19,7 @@ class Collider:
         self._known: _Overlaps | None = None
 
     def submit(self, robot: Robot, cache: Cache | None) -> None:
-        """Hand over the robot, unless the cache knows it; returns at once."""
+        """Send the robot, unless the cache has its result; returns at once."""
         subject = without_visuals(robot)
         if cache is not None:
             self._results = TypedCache(cache, _Overlaps)

@@ -1,8 +1,8 @@
-"""Whether two chains are the same joint said in other ways, freedom by freedom; and if not, why not.
+"""Decides whether two chains are the same joint in different representations; and if not, why not.
 
-Single joints must come in the same order and be of the same kinds; their axes are compared later, one by one, as those
-of all joints are. A ball joint is whatever reaches every rotation about its centre: three joints without limits that
-turn about axes through it, of which the second is normal to the first and to the third.
+Single joints must be in the same order and of the same types; their axes are compared later, like those of all joints.
+A ball joint is anything that reaches every rotation about its centre: three revolute joints without limits about axes
+through it, with the second perpendicular to the first and to the third.
 """
 
 from collections.abc import Sequence
@@ -20,34 +20,34 @@ from .tolerances import TOLERANCES
 from .twists import common_point, direction, foot
 
 _ANGLE = TOLERANCES[Quantity.AXES].absolute
-"""How far [rad] axes that should be normal to each other may be off."""
+"""Maximum deviation [rad] of axes that should be perpendicular."""
 _DISTANCE = TOLERANCES[Quantity.POSES].absolute
-"""How far [m] axes may pass from the centre of a ball joint, and one centre from the other."""
+"""Maximum distance [m] of axes from the centre of a ball joint, and of two centres."""
 
 
 class NotTheSame(Exception):
-    """Two chains are different joints; the message says in what."""
+    """Two chains are different joints; the message states the difference."""
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """Steps of one chain and of another that are the same."""
+    """Corresponding steps of two chains."""
 
     ours: tuple[Step, ...]
     theirs: tuple[Step, ...]
     balls: tuple[BallAngles, BallAngles] | None = None
     """The angles of either side of a ball joint; None for a single joint."""
     R_zero: Array = field(default_factory=lambda: np.eye(3))
-    """Where their zero is, seen from ours: zero is anywhere in a ball joint."""
+    """The zero rotation of the other side relative to this one: it is arbitrary for a ball joint."""
 
     @property
     def same_words(self) -> bool:
-        """Whether both sides say it by as many joints."""
+        """Whether both sides represent it by the same number of joints."""
         return len(self.ours) == len(self.theirs)
 
 
 def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
-    """What of a chain is what of another, from the parent on.
+    """Pair the steps of two chains, from the parent on.
 
     Raises:
         NotTheSame: They are different joints.
@@ -73,7 +73,7 @@ def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
 
 
 def _check_place(a: Step, b: Step) -> None:
-    """See that axes that are parallel are one; the angle between others is measured later."""
+    """Check that parallel axes coincide; the angle between others is compared later."""
     (one,), (other,) = a.twists, b.twists
     if a.kind == "slide" or float(np.linalg.norm(np.cross(direction(one), direction(other)))) > _ANGLE:
         return
@@ -83,7 +83,7 @@ def _check_place(a: Step, b: Step) -> None:
 
 
 def _ball(a: Sequence[Step], b: Sequence[Step]) -> Segment:
-    """The ball joint that both chains begin with."""
+    """The ball joint at the beginning of both chains."""
     ours, theirs = _turning_freely(a), _turning_freely(b)
     centres = [_centre(side) for side in (ours, theirs)]
     apart = float(np.linalg.norm(centres[1] - centres[0]))
@@ -93,7 +93,7 @@ def _ball(a: Sequence[Step], b: Sequence[Step]) -> Segment:
 
 
 def _turning_freely(steps: Sequence[Step]) -> tuple[Step, ...]:
-    """The steps that make a ball joint at the beginning of a chain."""
+    """The steps that form a ball joint at the beginning of a chain."""
     taken = tuple(steps[: 1 if steps[0].kind == "ball" else 3])
     names = [step.told.name for step in taken]
     if steps[0].kind != "ball" and [step.kind for step in taken] != ["turn"] * 3:

@@ -1,4 +1,4 @@
-"""Looks at files before they are compared: which joints they have, and how these correspond from file to file."""
+"""Inspects files before they are compared: their joints, and the correspondence between files."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,16 +16,16 @@ from .correspondence import Correspondence, match
 from .naming import Naming, naming
 
 Observe = Callable[[Engine, Request], Observation | None]
-"""Asks an engine; None where it fails: it is asked again later, and its failure reported then."""
+"""Runs an engine; None if it fails: it will be run again later, and its failure reported then."""
 
 
 def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) -> Observe:
-    """Asks engines, each in a process of its own.
+    """Runs engines, each in a separate process.
 
     Args:
-        timeout: Seconds that an engine may take.
+        timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes]; None for no limit.
-        start: What starts the process; None to start a new interpreter.
+        start: Starts the process; None to start a new interpreter.
     """
 
     def observe(engine: Engine, request: Request) -> Observation | None:
@@ -41,10 +41,10 @@ def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) 
 
 @dataclass(frozen=True, eq=False)
 class Probed:
-    """What the first engine sees of a file that can load it; what the others say of it is asked later."""
+    """The observation of the first engine that can load a file; the others run later."""
 
     seen: Observation
-    """With the poses of the links where all joints are at 0."""
+    """With the poses of the links with all joints at 0."""
     asked: Request
     naming: Naming
     engine: Engine
@@ -52,12 +52,12 @@ class Probed:
 
 @dataclass(frozen=True)
 class Probe:
-    """Asks one engine about a file."""
+    """Runs one engine for a file."""
 
     observe: Observe
 
     def look(self, path: Path, written_in: str) -> Probed | None:
-        """What there is in a file; None where no engine can tell."""
+        """The content of a file; None if no engine can load it."""
         asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
         for engine in sorted(engines_for(written_in), key=lambda engine: engine.probing_order):
             if engine.available() is None:
@@ -68,7 +68,7 @@ class Probe:
         return None
 
     def correspondence(self, first: Probed, other: Probed) -> Correspondence:
-        """How the joints of a file correspond to those of another, where the two say them differently."""
+        """Correspondence of the joints of two files, where the files represent them differently."""
         pairs = [
             (a, b)
             for a, b in edges_said_differently(first.seen, other.seen)
@@ -83,7 +83,7 @@ class Probe:
         return Correspondence(tuple(match(a, b) for a, b in zip(ours, theirs, strict=True)))
 
     def _chains(self, probed: Probed, edges: Sequence[Edge]) -> list[Chain] | None:
-        """What the joints of edges do when they are moved one by one, by one unit; None where the engine fails now."""
+        """Motion of the links when joints of edges move one by one, by one unit; None if the engine fails now."""
         names = [name for edge in edges for name in coordinates(edge, probed.naming)]
         request = replace(
             probed.asked,

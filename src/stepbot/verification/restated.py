@@ -1,8 +1,8 @@
-"""Tells what is seen of two files in the same words, where they say the same joints in different ones.
+"""Converts observations of two files that represent the same joints differently to a common representation.
 
-Both sides get as many joints as the side with more of them has, one below the other; a ball joint stands for each of
-those that make it on the other side, so that limits and passive forces are compared one by one. Links that are there
-for the joints' sake are left out, and the equations of motion are carried over to common coordinates.
+Both sides get as many joints as the side with more of them, in series; a ball joint is repeated for each of the joints
+that represent it on the other side, so that limits and passive forces are compared one by one. Links that exist only
+because of the joints are removed, and the equations of motion are converted to common coordinates.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,13 +22,13 @@ from .twists import direction, pitch_of
 def normalized_joints(
     a: Observation, b: Observation, by: Correspondence, configurations: Sequence[Mapping[str, float]]
 ) -> tuple[Observation, Observation]:
-    """Both observations in the same words.
+    """Both observations in the common representation.
 
     Args:
-        a: What is seen of the first file.
-        b: What is seen of the other file.
-        by: How they correspond.
-        configurations: Where the first file was observed; dynamics are told at each.
+        a: Observation of the first file.
+        b: Observation of the other file.
+        by: Their correspondence.
+        configurations: Configurations of the first file; dynamics are given at each.
     """
     ours, theirs = list[ObservedJoint](), list[ObservedJoint]()
     for match in by.matches:
@@ -45,7 +45,7 @@ def normalized_joints(
 
 
 def _with_joints(observation: Observation, edges: Sequence[Edge], joints: Sequence[ObservedJoint]) -> Observation:
-    """The observation with other joints on some edges, and without the links between."""
+    """The observation with other joints on some edges, and without the links in between."""
     between = {link for edge in edges for link in edge.between}
     below = between | {edge.child for edge in edges}
     return replace(
@@ -59,7 +59,7 @@ def _with_joints(observation: Observation, edges: Sequence[Edge], joints: Sequen
 def _in_common(observation: Observation, carried: Sequence[Carried]) -> Observation:
     """The observation with its equations of motion in the coordinates of the comparison.
 
-    One that lacks a coordinate stays as it is.
+    An observation that lacks a coordinate is unchanged.
     """
     if not carried or not {name for name, _, _ in carried[0]} <= set(observation.coordinates):
         return observation
@@ -87,7 +87,7 @@ def _carried_over(dynamics: Dynamics, E: Array) -> Dynamics:
 
 
 def _same(match: Match) -> tuple[list[ObservedJoint], list[ObservedJoint]]:
-    """An edge that both sides say by the same joints."""
+    """An edge that both sides represent by the same joints."""
     ours, theirs = list[ObservedJoint](), list[ObservedJoint]()
     for segment in match.segments:
         for a, b in _steps(segment):
@@ -101,14 +101,14 @@ def _same(match: Match) -> tuple[list[ObservedJoint], list[ObservedJoint]]:
 
 
 def _steps(segment: Segment) -> list[tuple[Step, Step]]:
-    """The steps of both sides in pairs; a ball joint in as many as make it on the other side."""
+    """The steps of both sides in pairs; a ball joint is repeated for each joint of the other side."""
     most = max(len(segment.ours), len(segment.theirs))
     repeated = [steps * most if len(steps) < most else steps for steps in (segment.ours, segment.theirs)]
     return list(zip(*repeated, strict=True))
 
 
 def _names(a: Step, b: Step, segment: Segment) -> tuple[str, str]:
-    """What a step is called on both sides: the same where only one file names it, or names it alone."""
+    """The common name of a step: the same on both sides if only one file names it, or names it alone."""
     ours, theirs = (step.told.name for step in (a, b))
     if not segment.same_words:
         return (ours, ours) if len(segment.ours) > 1 else (theirs, theirs)
@@ -126,7 +126,7 @@ def _told(step: Step, name: str, chain: Chain, *, ball: bool) -> ObservedJoint:
 
 
 def _links(match: Match, joints: int) -> list[str]:
-    """The links on the way down the joints of an edge."""
+    """The links along the joints of an edge."""
     edge = match.ours.edge
     between = [one.edge.between for one in (match.ours, match.theirs) if len(one.edge.between) == joints - 1]
     numbered = tuple(f"{edge.child}/{number}" for number in range(1, joints))
@@ -139,7 +139,7 @@ def _in_line(joints: Sequence[ObservedJoint], links: Sequence[str]) -> list[Obse
 
 
 def _different(match: Match) -> tuple[list[ObservedJoint], list[ObservedJoint]]:
-    """An edge with different joints: one on either side, of a kind that says why they are not the same."""
+    """An edge with different joints: one on each side, with a kind that describes the difference."""
     edges = match.ours.edge, match.theirs.edge
     single = [edge.joints[0].name for edge in edges if len(edge.joints) == 1]
     name = single[0] if single else edges[0].joints[-1].name

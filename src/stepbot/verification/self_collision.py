@@ -1,8 +1,8 @@
-"""Links that overlap in the drawn pose though no joint holds them together, found by python-fcl.
+"""Finds links that overlap in the drawn pose although no joint connects them, with python-fcl.
 
 Convex meshes, as the default hulls are, and primitives count as solids; any other mesh as a surface that may enclose
-the other shape. Touching is no fault: CAD puts faces flush, and vertices lie on a grid of nanometres, so a pair counts
-from a penetration of :data:`TOUCHING` on. https://github.com/BerkeleyAutomation/python-fcl
+the other shape. Contact is not a fault: CAD faces are flush, and vertices are on a grid of nanometres, so a pair counts
+only from a penetration of :data:`TOUCHING`. https://github.com/BerkeleyAutomation/python-fcl
 """
 
 import importlib.util
@@ -23,28 +23,28 @@ TOUCHING = 1e-6
 """Penetration [m] up to which two shapes touch and do not overlap."""
 
 Overlap = tuple[str, str, float | None]
-"""Two links, and how deep [m] they penetrate each other; None between two surfaces, for which there is no depth."""
+"""Two links, and their penetration depth [m]; None between two surfaces, which have none."""
 
 
 def available() -> str | None:
-    """Why self-collision cannot be checked here; None where it can."""
+    """Why self-collision cannot be checked here; None if it can."""
     return None if importlib.util.find_spec("fcl") else "python-fcl is not installed"
 
 
 def prepare() -> None:
-    """Do the slow import, while there is still time."""
+    """Import python-fcl."""
     import fcl  # noqa: F401
 
 
 def without_visuals(robot: Robot) -> Robot:
-    """The robot with nothing but what can collide, to be sent to a worker."""
+    """The robot reduced to its collision geometry, to be sent to a worker."""
     touched = {c.geometry.name for link in robot.links for c in link.collisions if isinstance(c.geometry, MeshRef)}
     links = tuple(replace(link, visuals=()) for link in robot.links)
     return replace(robot, links=links, meshes=tuple(mesh for mesh in robot.meshes if mesh.name in touched))
 
 
 def overlaps(robot: Robot) -> tuple[Overlap, ...]:
-    """The pairs of links that overlap in the drawn pose, neighbours left out, in the order of the links."""
+    """The pairs of links that overlap in the drawn pose, except adjacent ones, in the order of the links."""
     poses = link_poses(robot, initial_configuration(robot))
     convex = {mesh.name for mesh in robot.meshes if _is_convex(mesh.mesh)}
     shapes = {link.name: [_solid(robot, c, poses[link.name], convex) for c in link.collisions] for link in robot.links}
@@ -73,7 +73,7 @@ class _Solid:
     high: Array
     """Corners [m] of its box."""
     mesh: TriMesh | None
-    """In the world, of a shape that is a surface for python-fcl; None of a solid one."""
+    """In the world, for a shape that is a surface for python-fcl; None for a solid one."""
     inside: Array
     """A point (3,) of the shape, in the world."""
 
@@ -98,7 +98,7 @@ def _solid(robot: Robot, collision: Collision, X_WL: Pose, convex: Set[str]) -> 
 
 
 def _reach(geometry: Geometry) -> float:
-    """Largest distance [m] of a primitive from its middle."""
+    """Largest distance [m] of a primitive from its centre."""
     match geometry:
         case Box(size):
             return float(np.linalg.norm(size)) / 2
@@ -146,7 +146,7 @@ def _surface(mesh: TriMesh) -> Any:
 
 
 def _penetration(a: _Solid, b: _Solid) -> float | None:
-    """How deep [m] two shapes penetrate; infinite where they do without a depth, None where they do not."""
+    """Penetration depth [m] of two shapes; infinite if they overlap without a depth, None if they do not overlap."""
     import fcl
 
     result = fcl.CollisionResult()
@@ -167,7 +167,7 @@ def _corners(mesh: TriMesh) -> tuple[Array, Array, Array]:
 
 
 def _is_convex(mesh: TriMesh) -> bool:
-    """Whether no vertex lies outside a face, but for what the grid of the vertices does to the plane of a thin face."""
+    """Whether no vertex is outside a face, within the effect of the vertex grid on the plane of a thin face."""
     a, b, c = _corners(mesh)
     normals = np.cross(b - a, c - a)
     longest = np.max([np.linalg.norm(edge, axis=1) for edge in (b - a, c - b, a - c)], axis=0)
@@ -186,7 +186,7 @@ def _is_convex(mesh: TriMesh) -> bool:
 
 
 def _is_closed(mesh: TriMesh) -> bool:
-    """Whether every edge, by the places of its ends, joins two faces."""
+    """Whether every edge, by the positions of its ends, joins two faces."""
     _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
     faces = places.reshape(-1)[mesh.faces]
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
@@ -195,7 +195,7 @@ def _is_closed(mesh: TriMesh) -> bool:
 
 
 def _shrunk(mesh: TriMesh) -> TriMesh:
-    """The surface moved inwards by what counts as touching, so that flush faces of two surfaces part."""
+    """The surface offset inwards by the contact tolerance, to separate flush faces of two surfaces."""
     a, b, c = _corners(mesh)
     weighted = np.cross(b - a, c - a)
     _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
@@ -208,7 +208,7 @@ def _shrunk(mesh: TriMesh) -> TriMesh:
 
 
 def _encloses(mesh: TriMesh, point: Array) -> bool:
-    """Whether a point lies inside a closed surface: the solid angle that it fills (van Oosterom, Strackee 1983)."""
+    """Whether a point is inside a closed surface, by its solid angle (van Oosterom, Strackee 1983)."""
     a, b, c = (corner - point for corner in _corners(mesh))
     la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c))

@@ -1,4 +1,4 @@
-"""Comparison of what links show and touch with: its extent, its names and colours, and which links touch."""
+"""Compares visuals and collisions of links: extents, names and colours, and excluded contacts."""
 
 import re
 from collections.abc import Sequence
@@ -12,16 +12,16 @@ from .links import link_pairs
 from .tolerances import COLOR
 
 _RENAMED = re.compile(r"_geom(_\d+)?$")
-"""What a name ends in where a format wants visuals and collisions named apart."""
+"""Suffixes of formats that require different names of visuals and collisions."""
 
 
 def plain_name(name: str) -> str:
-    """The name of a shape, without what a format adds to it."""
+    """The name of a shape, without the format's suffix."""
     return _RENAMED.sub("", name)
 
 
 def compare_meshes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Every mesh is there, and the boxes around what each link shows and touches with are equal."""
+    """All meshes exist, and the bounding boxes of each link's visuals and collisions are equal."""
     for uri in observed.missing_meshes:
         deviations.equal(False, f"mesh '{uri}' is missing")
     for a, b in link_pairs(reference, observed):
@@ -45,7 +45,7 @@ def _compare_boxes(
     expected: Sequence[ObservedShape] | None,
     found: Sequence[ObservedShape] | None,
 ) -> None:
-    """The box around each shape, where both sides have as many; the number of shapes is compared with their names."""
+    """The bounding box of each shape, if both sides have as many; the number is compared with their names."""
     if expected is None or found is None or len(expected) != len(found):
         return
     for number, (a, b) in enumerate(zip(expected, found, strict=True), start=1):
@@ -60,7 +60,7 @@ def _called(shape: ObservedShape, number: int) -> str:
 
 
 def _compare_presence(deviations: Deviations, a: ObservedLink, b: ObservedLink, side: str) -> None:
-    """Whether there is anything to see, or to touch, must agree even where its extent is not told."""
+    """Whether there are visuals, or collisions, must agree even if their extent is not reported."""
     expected, found = getattr(a, f"has_{side}s"), getattr(b, f"has_{side}s")
     if expected is not None and found is not None:
         wrong = (
@@ -70,11 +70,11 @@ def _compare_presence(deviations: Deviations, a: ObservedLink, b: ObservedLink, 
 
 
 def compare_shapes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Names and colours of everything that is seen or touched, one by one, in the order of the files."""
+    """Names and colours of all visuals or collisions, one by one, in the order of the files."""
     for a, b in link_pairs(reference, observed):
         for side in ("visual", "collision"):
             expected, found = getattr(a, f"{side}s"), getattr(b, f"{side}s")
-            # Where has_visuals is not told, the engine shows something else in place of what is not there.
+            # If has_visuals is not reported, the engine displays something else in place of missing visuals.
             if expected is None or found is None or (not expected and getattr(b, f"has_{side}s") is None):
                 continue
             _compare_series(deviations, f"{side} {{}} of link '{a.name}'", expected, found)
@@ -105,7 +105,7 @@ def _compare_colors(deviations: Deviations, where: str, ours: tuple[float, ...],
 
 
 def compare_contacts(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Pairs of links that never touch each other."""
+    """Pairs of links whose contacts are excluded."""
     if reference.excluded_pairs is None or observed.excluded_pairs is None:
         return
     deviations.equal(True, "")

@@ -1,7 +1,7 @@
-"""How far an engine may be off before it counts as another robot.
+"""Tolerances of the comparison.
 
-A deviation passes if it is at most ``absolute + relative * scale``, where the scale is the size of what is compared:
-the mass, the largest entry of a matrix, the diagonal of a box.
+A deviation passes if it is at most ``absolute + relative * scale``, where the scale is the size of the compared
+quantity: the mass, the largest entry of a matrix, the diagonal of a box.
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,7 +12,7 @@ from stepbot.engines.observation import Quantity
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What is allowed."""
+    """The tolerance of a quantity."""
 
     absolute: float = 0.0
     relative: float = 0.0
@@ -54,34 +54,34 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
 }
 
 ENGINE_TOLERANCES: Mapping[tuple[str, Quantity], Tolerance] = {
-    # PyBullet turns every inertia into principal axes, by an iteration that stops at products below 1e-6 of the trace,
+    # PyBullet converts every inertia to principal axes, by an iteration that stops at products below 1e-6 of the trace,
     # which is up to three times the largest entry.
     ("pybullet", Quantity.INERTIA): Tolerance(relative=3e-6),
     ("pybullet", Quantity.POSES): Tolerance(absolute=1e-6),
     ("pybullet", Quantity.MASS_MATRIX): Tolerance(relative=1e-6),
     ("pybullet", Quantity.GRAVITY): Tolerance(relative=1e-6),
     ("pybullet", Quantity.INVERSE_DYNAMICS): Tolerance(relative=1e-6),
-    # It holds loops by constraints of a simulation with steps of 1 ms, which open by 2e-6 of the lengths of the links.
+    # It closes loops by constraints of a simulation with steps of 1 ms, with gaps of 2e-6 of the lengths of the links.
     ("pybullet", Quantity.CLOSURES): Tolerance(absolute=1e-5, relative=5e-6),
-    # It makes hulls of collision meshes on a grid of 1/10216 of their extent.
+    # It computes hulls of collision meshes on a grid of 1/10216 of their extent.
     ("pybullet", Quantity.MESHES): Tolerance(absolute=1e-6, relative=2e-4),
 }
 
 COLOR = Tolerance(absolute=1e-6)
-"""Engines hold colours as floats."""
+"""Engines store colours in single precision."""
 
 SEVERAL_LOOPS: Mapping[str, Tolerance] = {
-    # Its solver goes round the constraints of a step one by one: 1.3e-4 m stay open in a Stewart platform.
+    # Its solver handles the constraints of a step one by one: gaps of 1.3e-4 m remain in a Stewart platform.
     "pybullet": Tolerance(absolute=3e-4),
 }
-"""What the loops of a robot with several may stay open over its range, for engines that do not solve them at once."""
+"""Gap of coupled loops over their range, for engines that do not solve them simultaneously."""
 
 DRIVEN_ANGLE = {"pybullet": 1e-3}
-"""Deviation [rad] or [m] of following joints that an engine's simulation may have; others have that of the closures."""
+"""Deviation [rad] or [m] of following joints in an engine's simulation; for others, that of the closures."""
 
 
 def tolerance(engines: Iterable[str], quantity: Quantity) -> Tolerance:
-    """What is allowed between engines: the loosest that one of them has, else what the quantity has."""
+    """Tolerance between engines: the loosest of theirs, else the default of the quantity."""
     own = [ENGINE_TOLERANCES[engine, quantity] for engine in engines if (engine, quantity) in ENGINE_TOLERANCES]
     own = own or [TOLERANCES[quantity]]
     return Tolerance(max(one.absolute for one in own), max(one.relative for one in own))

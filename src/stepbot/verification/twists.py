@@ -1,8 +1,8 @@
-"""Twists: how a body moves at an instant, and the screw motions that they make when they last.
+"""Twists: instantaneous motions of a body, and the screw motions that they generate.
 
-A twist is (w, v): angular velocity [rad/s], then velocity [m/s] of the point that is at the origin. Where a joint is
-moved by one unit of its coordinate, its twist is what the logarithm of the motion says; poses are then products of
-exponentials (Brockett 1984; Lynch and Park, Modern Robotics, ch. 4).
+A twist is (w, v): angular velocity [rad/s], then velocity [m/s] of the point at the origin. The twist of a joint is the
+logarithm of its motion by one unit of its coordinate; poses are then products of exponentials (Brockett 1984; Lynch and
+Park, Modern Robotics, ch. 4).
 """
 
 import numpy as np
@@ -10,11 +10,11 @@ import numpy as np
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_angle, vector3
 
 _SMALL = 1e-12
-"""Angle [rad] below which a motion is a mere slide."""
+"""Angle [rad] below which a motion is a pure translation."""
 
 
 def twist_of(motion: Pose) -> Array:
-    """The twist (6,) that makes a motion in one second; rotations are below half a turn."""
+    """The twist (6,) that generates a motion in one second; rotations are below half a turn."""
     R = motion.R
     angle = rotation_angle(R)
     if angle < _SMALL:
@@ -27,19 +27,19 @@ def twist_of(motion: Pose) -> Array:
 
 
 def pitch_of(twist: Array) -> float:
-    """Advance [m/rad] of a twist that turns."""
+    """Advance [m/rad] of a rotating twist."""
     w, v = twist[:3], twist[3:]
     return float(w @ v) / float(w @ w)
 
 
 def foot(twist: Array) -> Array:
-    """The point (3,) [m] of a turning twist's axis that is nearest to the origin."""
+    """The point (3,) [m] on a rotating twist's axis that is nearest to the origin."""
     w, v = twist[:3], twist[3:]
     return np.asarray(np.cross(w, v)) / float(w @ w)
 
 
 def common_point(twists: Array) -> tuple[Array, float]:
-    """The point (3,) [m] nearest to the axes of twists (n, 6), and how far [m/s] they are from turning about it."""
+    """The point (3,) [m] nearest to the axes of twists (n, 6), and their largest velocity [m/s] at it."""
     A = np.vstack([-cross_matrix(twist[:3]) for twist in twists])
     b = np.concatenate([twist[3:] for twist in twists])
     p: Array = np.linalg.lstsq(A, b, rcond=None)[0]
@@ -47,6 +47,6 @@ def common_point(twists: Array) -> tuple[Array, float]:
 
 
 def direction(twist: Array) -> tuple[float, float, float]:
-    """Unit direction of a twist's axis; of its slide where it does not turn."""
+    """Unit direction of a twist's axis; of its translation if it does not rotate."""
     w = twist[:3] if np.linalg.norm(twist[:3]) > _SMALL else twist[3:]
     return vector3(w / np.linalg.norm(w))

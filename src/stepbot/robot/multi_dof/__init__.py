@@ -1,8 +1,7 @@
-"""Multi-dof joints as chains of joints that have one each, with links between that weigh nothing.
+"""Multi-dof joints as chains of joints of one degree of freedom each, with massless links in between.
 
-One file for each kind, and one function in it: Robot to Robot. The names of the joints in a chain are the names of the
-coordinates of the joint that it stands for, so that a configuration of a robot reads the same whether a format can say
-the joint or not.
+One file with one function, Robot to Robot, per kind. The joints of a chain are named like the coordinates of the joint
+that it represents, so that a configuration is the same whether a format supports the joint or not.
 
 | kind | chain, from the parent on |
 | --- | --- |
@@ -31,7 +30,7 @@ MULTI_DOF = frozenset(
 
 
 def unfolded(robot: Robot) -> Robot:
-    """The robot with joints of one freedom only: fixed, revolute, continuous, prismatic and screw."""
+    """The robot with joints of at most one degree of freedom: fixed, revolute, continuous, prismatic and screw."""
     if not any(joint.kind in MULTI_DOF for joint in robot.joints):
         return robot
     robot = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
@@ -39,7 +38,7 @@ def unfolded(robot: Robot) -> Robot:
 
 
 def ball_coordinates(robot: Robot) -> dict[str, tuple[str, str, str]]:
-    """For each ball joint, those within floating joints too, the names of its coordinates: yaw, pitch, roll."""
+    """For each ball joint, including those of floating joints, the names of its coordinates: yaw, pitch, roll."""
     folded = floating_to_slides_and_ball(robot)
     names = iter(joint.name for joint in ball_to_revolutes(folded).joints if joint.name not in folded.joint_by_name)
     balls = [joint.name for joint in folded.joints if joint.kind is JointKind.BALL]
@@ -47,15 +46,15 @@ def ball_coordinates(robot: Robot) -> dict[str, tuple[str, str, str]]:
 
 
 def universal_coordinates(robot: Robot) -> dict[str, tuple[str, str]]:
-    """For each universal joint the names of its coordinates: about the first axis, about the second."""
+    """For each universal joint, the names of its coordinates: about the first axis, about the second."""
     names = iter(joint.name for joint in universal_to_revolutes(robot).joints if joint.name not in robot.joint_by_name)
     return {joint.name: (next(names), next(names)) for joint in robot.joints if joint.kind is JointKind.UNIVERSAL}
 
 
 def steps_by_child(robot: Robot) -> dict[str, tuple[Joint, ...]]:
-    """For each link but the root what is between it and its parent: joints of one freedom, or balls, one by one.
+    """For each link but the root, the joints between it and its parent: joints of one degree of freedom, or balls.
 
-    What follows a screw has no limits of its own: the screw's turning joint has them.
+    The prismatic joint of a screw has no limits of its own: the screw's revolute joint has them.
     """
     split = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
     split = screw_to_mimic(floating_to_slides_and_ball(split))

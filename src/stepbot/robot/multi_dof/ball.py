@@ -1,6 +1,6 @@
 """A ball joint as three revolute joints: yaw, pitch, roll.
 
-The chain loses a freedom where pitch is +-90 deg (gimbal lock), which a ball joint does not.
+The chain loses a degree of freedom at a pitch of +-90 deg (gimbal lock), which a ball joint does not.
 """
 
 from ..model import Joint, JointKind, Robot

@@ -1,4 +1,4 @@
-"""Replaces joints by chains of joints, which is what all multi-dof kinds have in common."""
+"""Replaces joints by chains of joints, common to all multi-dof kinds."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -10,15 +10,15 @@ from ..sensors import Sensor, SensorKind
 from ..unique_names import free_name
 
 Steps = Mapping[str, Joint]
-"""What is added to the joint's name for each joint of the chain, from the parent on, and that joint's own fields."""
+"""For each joint of the chain, from the parent on, the suffix of its name and its own fields."""
 
 
 def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -> Robot:
     """The robot with a chain in place of every joint of a kind; the links between have neither mass nor shape.
 
     All frames of a chain coincide at q = 0: the first joint is placed where the joint was, the others in that frame.
-    A joint sensor becomes one for each joint of the chain that moves by itself; the force in a joint is that in the
-    last of its chain, which carries the same child.
+    A joint sensor becomes one per independent joint of the chain; a force-torque sensor moves to the last joint, which
+    has the same child.
     """
     if not any(joint.kind is kind for joint in robot.joints):
         return robot
@@ -38,7 +38,7 @@ def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -
 
 
 def _sensors(sensor: Sensor, chain: list[Joint]) -> list[Sensor]:
-    """What measures a chain in place of a sensor on the joint that it stands for."""
+    """The sensors of a chain in place of a sensor on the joint that it represents."""
     if len(chain) < 2:
         return [sensor]
     if sensor.kind is not SensorKind.JOINT:
@@ -54,13 +54,13 @@ def _sensors(sensor: Sensor, chain: list[Joint]) -> list[Sensor]:
 
 
 def turn(joint: Joint, axis: Vector3) -> Joint:
-    """A joint that turns without end, with the velocity, effort and passive forces of the one that it is part of."""
+    """A continuous joint with the velocity, effort and passive forces of the joint that it is part of."""
     limit = Limit(velocity=joint.limit.velocity, effort=joint.limit.effort)
     return replace(joint, kind=JointKind.CONTINUOUS, axis=axis, limit=limit)
 
 
 def slide(joint: Joint, axis: Vector3) -> Joint:
-    """A joint that slides without end or force."""
+    """A prismatic joint without limits and forces."""
     return Joint(joint.name, JointKind.PRISMATIC, joint.parent, joint.child, axis=axis)
 
 

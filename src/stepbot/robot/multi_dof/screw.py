@@ -1,4 +1,4 @@
-"""A screw joint as a revolute joint, under its own name, and a prismatic one that follows it by the pitch."""
+"""A screw joint as a revolute joint of the same name, and a prismatic one that follows it by the pitch."""
 
 from dataclasses import replace
 from math import isinf
@@ -8,7 +8,7 @@ from .chain import Steps, chained, slide
 
 
 def screw_to_mimic(robot: Robot) -> Robot:
-    """The robot with a prismatic joint, which follows, and a revolute joint in place of every screw joint."""
+    """The robot with a following prismatic joint and a revolute joint in place of every screw joint."""
     return chained(robot, JointKind.SCREW, _steps)
 
 
