@@ -7,6 +7,7 @@ import numpy as np
 from stepbot.runtime.light_import import import_lightly
 
 from .mesh import TriMesh
+from .predicates import is_watertight
 from .volume import VolumeProperties
 
 _UNUSED = (
@@ -31,14 +32,9 @@ def measured(mesh: TriMesh) -> VolumeProperties | None:
 
     The integrals are taken about the centre of the mesh: about a distant origin they would lose digits.
     """
-    from trimesh.geometry import faces_to_edges
-    from trimesh.graph import is_watertight
     from trimesh.triangles import mass_properties
 
-    if not len(mesh.faces):
-        return None
-    watertight, wound = is_watertight(faces_to_edges(mesh.faces))
-    if not (watertight and wound):
+    if not is_watertight(mesh.faces):
         return None
     low, high = (np.array(corner) for corner in mesh.bounds)
     middle = 0.5 * (low + high)

@@ -59,15 +59,6 @@ class TriMesh:
         used, renumbered = np.unique(faces, return_inverse=True)
         return TriMesh.of(self.vertices[used], renumbered.reshape(-1, 3))
 
-    def encloses(self, point: ArrayLike) -> bool:
-        """Whether a point (3,) is inside a closed mesh, by its solid angle (van Oosterom, Strackee 1983)."""
-        a, b, c = (self.vertices[self.faces[:, corner]] - np.asarray(point) for corner in range(3))
-        la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
-        ab, bc, ca = (np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a)))
-        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-        angle = 2.0 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb).sum()
-        return bool(abs(angle) > 2.0 * np.pi)
-
 
 def joined(meshes: list[TriMesh]) -> TriMesh:
     """One mesh of several, with concatenated vertices and faces; nothing is merged."""

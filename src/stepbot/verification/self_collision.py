@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.mesh import GRID_PER_METRE, TriMesh
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.predicates import encloses, is_convex
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.kinematics import initial_configuration, link_poses, neighbours
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere
 
 TOUCHING = 1e-6
 """Penetration [m] up to which two shapes touch and do not overlap."""
+_DENT = 0.1 * TOUCHING
 
 Overlap = tuple[str, str, float | None]
 """Two links, and their penetration depth [m]; None between two surfaces, which have none."""
@@ -46,7 +48,7 @@ def without_visuals(robot: Robot) -> Robot:
 def overlaps(robot: Robot) -> tuple[Overlap, ...]:
     """The pairs of links that overlap in the drawn pose, except adjacent ones, in the order of the links."""
     poses = link_poses(robot, initial_configuration(robot))
-    convex = {mesh.name for mesh in robot.meshes if _is_convex(mesh.mesh)}
+    convex = {mesh.name for mesh in robot.meshes if is_convex(mesh.mesh, _DENT)}
     shapes = {link.name: [_solid(robot, c, poses[link.name], convex) for c in link.collisions] for link in robot.links}
     close = neighbours(robot)
     names = list(shapes)
@@ -153,50 +155,17 @@ def _penetration(a: _Solid, b: _Solid) -> float | None:
     fcl.collide(a.shape, b.shape, fcl.CollisionRequest(num_max_contacts=1000, enable_contact=True), result)
     depths = [contact.penetration_depth for contact in result.contacts]
     if a.mesh is not None and b.mesh is not None:
-        return np.inf if depths or _encloses(a.mesh, b.inside) or _encloses(b.mesh, a.inside) else None
+        return np.inf if depths or encloses(a.mesh, b.inside) or encloses(b.mesh, a.inside) else None
     deepest = max(depths, default=0.0)
     if deepest > TOUCHING:
         return float(deepest)
-    enclosed = any(one.mesh is not None and _encloses(one.mesh, other.inside) for one, other in ((a, b), (b, a)))
+    enclosed = any(one.mesh is not None and encloses(one.mesh, other.inside) for one, other in ((a, b), (b, a)))
     return np.inf if enclosed else None
-
-
-def _corners(mesh: TriMesh) -> tuple[Array, Array, Array]:
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    return a, b, c
-
-
-def _is_convex(mesh: TriMesh) -> bool:
-    """Whether no vertex is outside a face, within the effect of the vertex grid on the plane of a thin face."""
-    a, b, c = _corners(mesh)
-    normals = np.cross(b - a, c - a)
-    longest = np.max([np.linalg.norm(edge, axis=1) for edge in (b - a, c - b, a - c)], axis=0)
-    double_area = np.linalg.norm(normals, axis=1)
-    thin = double_area <= 0.0
-    height = double_area / np.where(longest > 0.0, longest, 1.0)
-    size = float(np.linalg.norm(np.subtract(*mesh.bounds)))
-    allowed = 0.1 * TOUCHING + 4.0 / GRID_PER_METRE * size / np.where(thin, 1.0, height)
-    normals = normals / np.where(thin, 1.0, double_area)[:, None]
-    for start in range(0, len(a), 256):
-        part = slice(start, start + 256)
-        out = mesh.vertices @ normals[part].T - np.einsum("ij,ij->i", normals[part], a[part])
-        if bool((out.max(axis=0) > allowed[part])[~thin[part]].any()):
-            return False
-    return _is_closed(mesh)
-
-
-def _is_closed(mesh: TriMesh) -> bool:
-    """Whether every edge, by the positions of its ends, joins two faces."""
-    _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    faces = places.reshape(-1)[mesh.faces]
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    _, counts = np.unique(edges, axis=0, return_counts=True)
-    return bool(len(counts)) and bool((counts == 2).all())
 
 
 def _shrunk(mesh: TriMesh) -> TriMesh:
     """The surface offset inwards by the contact tolerance, to separate flush faces of two surfaces."""
-    a, b, c = _corners(mesh)
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
     weighted = np.cross(b - a, c - a)
     _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
     normals: NDArray[np.float64] = np.zeros((int(places.max()) + 1, 3))
@@ -205,13 +174,3 @@ def _shrunk(mesh: TriMesh) -> TriMesh:
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     units = normals / np.where(lengths > 0.0, lengths, 1.0)
     return TriMesh.of(mesh.vertices - TOUCHING * units[places.reshape(-1)], mesh.faces)
-
-
-def _encloses(mesh: TriMesh, point: Array) -> bool:
-    """Whether a point is inside a closed surface, by its solid angle (van Oosterom, Strackee 1983)."""
-    a, b, c = (corner - point for corner in _corners(mesh))
-    la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-    dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
-    angle = 2.0 * np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
-    return bool(abs(angle.sum()) > 2.0 * np.pi)

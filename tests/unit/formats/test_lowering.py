@@ -12,12 +12,9 @@ from stepbot.diagnostics.codes import CODES
 from stepbot.formats import FORMATS, lowering
 from stepbot.formats.lowering import UNLIMITED, Feature, Level, lower
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
-from stepbot.formats.lowering.shapes import is_convex
 from stepbot.formats.mapping import mapping_page
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import Pose
 from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses
 from stepbot.robot.model import (
@@ -38,6 +35,7 @@ from stepbot.robot.validity import check_robot
 from tests.closed_mechanisms import sliding_closure
 from tests.conftest import ReadDiagnostics
 from tests.devices import equipped
+from tests.meshes import trough
 from tests.robots import (
     ROBOTS,
     four_bar,
@@ -326,46 +324,12 @@ def test_floating_base_is_said_where_it_can_be(found: ReadDiagnostics) -> None:
     assert [(d.span.file, d.severity) for d in found if d.code == "SB707"] == [("pendulum.urdf", "note")]
 
 
-def shape_mesh(kind: str) -> TriMesh:
-    """A mesh of trimesh's own making."""
-    import trimesh
-
-    made = {
-        "ball": lambda: trimesh.creation.icosphere(subdivisions=3),
-        "box": lambda: trimesh.creation.box((1, 2, 3)),
-        "rod": lambda: trimesh.creation.cylinder(0.1, 2.0),
-        "ring": lambda: trimesh.creation.annulus(0.5, 1.0, 0.3),
-        "open box": lambda: trimesh.creation.box((1, 1, 1)).slice_plane((0, 0, 0), (0, 0, 1)),
-        "two balls": lambda: trimesh.util.concatenate(
-            [trimesh.creation.icosphere(), trimesh.creation.icosphere().apply_translation((3, 0, 0))]
-        ),
-        "dented ball": lambda: trimesh.creation.icosphere(subdivisions=2),
-        "hull of noise": lambda: trimesh.convex.convex_hull(np.random.default_rng(3).normal(size=(2000, 3))),
-    }[kind]()
-    vertices = np.array(made.vertices)
-    if kind == "dented ball":
-        vertices[7] *= 0.9
-    return TriMesh.of(vertices, made.faces)
-
-
-@pytest.mark.parametrize(
-    "kind", ["ball", "box", "rod", "ring", "open box", "two balls", "dented ball", "hull of noise"]
-)
-def test_convex_meshes_are_told_from_others(kind: str) -> None:
-    """As trimesh sees it, in any pose and size; inside out is not convex."""
-    mesh = shape_mesh(kind)
-    expected = kind in ("ball", "box", "rod", "hull of noise")
-    for scale in (1e-3, 1.0, 30.0):
-        moved = TriMesh.of(mesh.vertices * scale, mesh.faces).moved(Pose.from_xyz_rpy((1, 2, 3), (0.1, 0.2, 0.3)))
-        assert is_convex(moved) == expected
-        assert not is_convex(TriMesh.of(moved.vertices, moved.faces[:, ::-1]))
-
-
-def test_concave_collisions_are_named_for_mujoco() -> None:
-    """MuJoCo collides with hulls, so that a ring that something should go through is reported."""
+@pytest.mark.parametrize("facets", [20, 2000])
+def test_concave_collisions_are_named_for_mujoco(facets: int) -> None:
+    """MuJoCo collides with hulls: a trough that something should lie in is reported, however fine its mesh."""
     robot = one_link()
-    ring = MeshAsset("ring", shape_mesh("ring"))
-    link = replace(robot.root, collisions=(Collision("touched", MeshRef("ring")),))
-    robot = replace(robot, links=(link,), meshes=(*robot.meshes, ring))
+    asset = MeshAsset("trough", trough(facets))
+    link = replace(robot.root, collisions=(Collision("touched", MeshRef("trough")),))
+    robot = replace(robot, links=(link,), meshes=(*robot.meshes, asset))
     assert lowered(robot, "mjcf", "SB717") == robot
     assert lowered(robot, "urdf") == robot

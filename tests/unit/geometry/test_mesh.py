@@ -88,13 +88,3 @@ def test_moved_subset_and_joined() -> None:
     both = joined([TETRAHEDRON, turned])
     np.testing.assert_array_equal(both.vertices[both.faces[4:]], turned.vertices[turned.faces])
     assert both.bounds == ((0.0, 0.0, 0.0), (1.0, 3.0, 4.0))
-
-
-def test_encloses() -> None:
-    """Points in a tetrahedron are told from those beside it, however near; a mesh inside out encloses the same."""
-    for mesh in (TETRAHEDRON, TriMesh.of(TETRAHEDRON.vertices, TETRAHEDRON.faces[:, ::-1])):
-        assert mesh.encloses((0.25, 0.25, 0.25))
-        assert mesh.encloses((0.3333, 0.3333, 0.3333))
-        assert not mesh.encloses((0.3334, 0.3334, 0.3334))
-        assert not mesh.encloses((-1e-6, 0.2, 0.2))
-        assert not mesh.encloses((5, 5, 5))

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import trimesh
 
@@ -23,7 +22,7 @@ from stepbot.robot.model import (
     Robot,
     Sphere,
 )
-from stepbot.verification.self_collision import TOUCHING, _is_convex, overlaps, without_visuals
+from stepbot.verification.self_collision import TOUCHING, overlaps, without_visuals
 from tests.robots import ROBOTS, primitives
 
 
@@ -128,21 +127,6 @@ def test_the_deepest_of_several_shapes_is_told() -> None:
     links = (*pair.links[:2], replace(pair.links[2], collisions=more))
     ((_, _, depth),) = overlaps(replace(pair, links=links))
     assert depth == pytest.approx(0.3, abs=1e-9)
-
-
-def test_convex_meshes_are_known() -> None:
-    """Also turned and on the grid of nanometres, with thin faces; hollow, open or apart they are not."""
-    rod = trimesh.creation.cylinder(radius=0.003, height=0.4, sections=64)
-    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.05)
-    turned = Pose.from_xyz_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
-    for mesh in (rod, ball, trimesh.creation.box(extents=(0.3, 0.001, 0.2))):
-        assert _is_convex(TriMesh.of(mesh.vertices, mesh.faces).moved(turned))
-    assert not _is_convex(HOLLOW)
-    assert not _is_convex(ELL)
-    assert not _is_convex(TriMesh.of(box().vertices, box().faces[:-1]))
-    dented = np.array(trimesh.creation.icosphere(subdivisions=3).vertices)
-    dented[0] *= 0.95
-    assert not _is_convex(TriMesh.of(dented, trimesh.creation.icosphere(subdivisions=3).faces))
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import initial_configuration, neighbours
 from stepbot.robot.model import (
@@ -38,7 +39,7 @@ from stepbot.robot.multi_dof import steps_by_child
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, geometries, lowered, refused, reported
-from ..lowering.shapes import is_flat, upright
+from ..lowering.shapes import upright
 from ..xml import Element, Value, document, element, root
 from . import devices
 from .devices import mjcf_pose

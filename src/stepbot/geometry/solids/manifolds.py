@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh import TriMesh
+from ..predicates import encloses
 from ..spatial import Array, Pose
 from .box_pairs import moved_boxes
 
@@ -115,7 +116,7 @@ class Solid:
         reaches = (lows[0] < high[0]) & (highs[0] > low[0])
         for axis in (1, 2):
             reaches &= (lows[axis] < high[axis]) & (highs[axis] > low[axis])
-        return bool(reaches.any()) or self._mesh.encloses(0.5 * (low + high))
+        return bool(reaches.any()) or encloses(self._mesh, 0.5 * (low + high))
 
 
 @dataclass(frozen=True, eq=False)

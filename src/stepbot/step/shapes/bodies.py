@@ -10,6 +10,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Rgba
 
@@ -26,7 +27,7 @@ from .measuring import Refinement, refine
 from .self_intersection import share_within
 from .sewing import sewn
 from .splitting import split
-from .stitching import Stitched, is_watertight, merged_by_position
+from .stitching import Stitched, merged_by_position
 from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted
 from .triangles import faceted_faces
 

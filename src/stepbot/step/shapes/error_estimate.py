@@ -26,6 +26,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS
 
+from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
 
@@ -33,7 +34,7 @@ from ..assembly import CERTAIN
 from ..kernel import MILLIMETRES_PER_METRE
 from ..quadrature.solids import Boundary, properties_of
 from ..topology import faces_of
-from .stitching import Stitched, is_watertight
+from .stitching import Stitched
 from .tessellation import Tessellation, tessellated
 
 _SAME = 1e-9

@@ -99,16 +99,6 @@ def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
     return _assembled(nodes, first[inverse.reshape(-1)][triangles], places, 0)
 
 
-def is_watertight(faces: NDArray[np.int32]) -> bool:
-    """Whether every edge joins exactly two faces that agree on the outside: it runs once each way."""
-    if not len(faces):
-        return False
-    start, end = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
-    span = int(faces.max()) + 1
-    forward, backward = np.sort(start * span + end), np.sort(end * span + start)
-    return bool((forward[1:] != forward[:-1]).all() and (forward == backward).all())
-
-
 def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
     """For each of ``count`` elements the lowest that pairs (left, right) join it to, itself included."""
     labels = np.arange(count, dtype=np.int64)

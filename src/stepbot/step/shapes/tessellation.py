@@ -16,11 +16,13 @@ from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepTools import BRepTools
 from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
 
+from stepbot.geometry.predicates import is_watertight
+
 from ..assembly import MeshTolerance
 from ..kernel import MILLIMETRES_PER_METRE
 from ..topology import faces_of
 from .splitting import split
-from .stitching import Stitched, is_watertight, stitched
+from .stitching import Stitched, stitched
 from .straightening import straighten
 from .triangles import edge_uses, faceted_faces
 

@@ -5,10 +5,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stepbot.geometry.predicates import is_watertight
 from stepbot.step.shapes.stitching import (
     EdgeUse,
     FacetedFace,
-    is_watertight,
     merged_by_position,
     merged_labels,
     stitched,
