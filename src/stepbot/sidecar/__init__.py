@@ -1,4 +1,7 @@
-"""The YAML sidecar: what STEP does not carry. The only package that imports pydantic and ruamel.yaml."""
+"""Reads the YAML sidecar, which states what STEP lacks; the only package that imports pydantic and ruamel.yaml.
+
+May be called by ``assemble`` and everything above it.
+"""
 
 VERSION = 1
-"""The version of the sidecar that this stepbot reads."""
+"""The version of the sidecar format that this stepbot reads."""

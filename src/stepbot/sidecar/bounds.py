@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 
 MOST_FAULTS = 100
-"""Diagnostics that are reported for one sidecar."""
+"""Maximum number of diagnostics reported for one sidecar."""
 
 
 class TooManyFaultsError(Exception):
@@ -13,14 +13,14 @@ class TooManyFaultsError(Exception):
 
 
 class BoundedDiagnostics(Diagnostics):
-    """Collects up to :data:`MOST_FAULTS` findings.
+    """Collects up to :data:`MOST_FAULTS` diagnostics.
 
     Raises:
         TooManyFaultsError: One more was added.
     """
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
-        """Take over findings, up to the bound."""
+        """Add diagnostics, up to the limit."""
         taken = list(diagnostics)
         super().extend(taken[: MOST_FAULTS + 1 - len(self)])
         if len(self) > MOST_FAULTS:

@@ -1,4 +1,4 @@
-"""Checks all of a sidecar that takes two places of the file, and no STEP, to judge."""
+"""Checks a sidecar for contradictions between its parts, without the STEP."""
 
 from stepbot.diagnostics import Diagnostics
 
@@ -30,7 +30,7 @@ _CHECKS = (
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report what does not fit together: SB126, SB128, SB130 to SB141, SB143 and SB450 to SB463."""
+    """Report contradictions: SB126, SB128, SB130 to SB141, SB143 and SB450 to SB463."""
     local, complete = BoundedDiagnostics(), True
     try:
         for check in _CHECKS:

@@ -1,4 +1,4 @@
-"""Code pages by name: what the bytes of a text mean that does not say so itself."""
+"""Code pages by name: encodings of text that does not declare its own."""
 
 import codecs
 from encodings.aliases import aliases
@@ -6,15 +6,15 @@ from encodings.aliases import aliases
 from stepbot.diagnostics import did_you_mean
 
 _ASCII = b"\t\r\n" + bytes(range(32, 92)) + bytes(range(93, 127)) + rb"\n\x41" + b"\x1b$B!!\x1b(B"
-"""Text that encodings which are no supersets of ASCII read as another text: escapes, shifts, other letters."""
+"""Text that encodings which are not supersets of ASCII decode differently: escapes, shifts, other letters."""
 _COMMON = ("cp1250", "cp1251", "cp1252", "gbk", "gb18030", "cp932", "big5", "cp949", "koi8-r", "latin1", "utf-8")
 
 
 class UnknownCodePage(ValueError):
-    """No code page has this name, or none that a text of ASCII and other characters can be in.
+    """No code page has this name, or it is not a superset of ASCII.
 
     Attributes:
-        hints: What to write instead.
+        hints: Suggestions.
     """
 
     def __init__(self, message: str, *hints: str) -> None:
@@ -26,7 +26,7 @@ def code_page(name: str) -> str:
     """The usual name of a code page: ``windows-1251`` is ``cp1251``.
 
     Raises:
-        UnknownCodePage: There is none of this name, or it writes ASCII otherwise.
+        UnknownCodePage: There is none of this name, or it is not a superset of ASCII.
     """
     possible = f"examples: {', '.join(_COMMON)}"
     try:
@@ -36,7 +36,7 @@ def code_page(name: str) -> str:
         raise UnknownCodePage(f"unknown code page '{name}'", *near, possible) from None
     try:
         is_superset = _ASCII.decode(found.name) == _ASCII.decode("ascii")
-    except (LookupError, ValueError):  # LookupError: no encoding of texts, such as base64
+    except (LookupError, ValueError):  # LookupError: not a text encoding, such as base64
         is_superset = False
     if not is_superset:
         raise UnknownCodePage(f"code page '{name}' is not ASCII-compatible, but STEP files are", possible)

@@ -33,7 +33,7 @@ DEEPEST = 24
 """Maximum nesting depth; a sidecar needs eight."""
 
 STAR = "\ue000"
-"""Stands for the first ``*`` of a key whose missing quotes have been reported."""
+"""Placeholder for the first ``*`` of a key whose missing quotes have been reported."""
 
 _TEXT_TAGS = ("!", "tag:yaml.org,2002:str")
 _INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
@@ -170,14 +170,14 @@ class _Composer:
                 entries[key] = Entry(key_span, self._filled(value, key_span))
             self._keys.pop()
         own = list(entries.values())
-        for source in merged:  # own keys beat merged ones, earlier sources beat later ones
+        for source in merged:  # own keys override merged ones, earlier sources override later ones
             entries.update({key: entry for key, entry in source.entries.items() if key not in entries})
         size = 1 + sum(entry.value.size for entry in own) + sum(source.size for source in merged)
         depth = 1 + max((entry.value.depth for entry in entries.values()), default=0)
         return Mapping(self._span(event, item), entries, size, depth)
 
     def _key(self, event: Any) -> tuple[str | None, Span]:
-        """A key as it is written, so that ``1`` and ``on`` can be names; None where it cannot be one."""
+        """A key verbatim, so that ``1`` and ``on`` can be names; None if it cannot be a key."""
         key = self._value(event)
         if isinstance(key, Scalar) and not key.faulty:
             return key.text.replace(STAR, "*"), self._span(event)
@@ -222,7 +222,7 @@ class _Composer:
         )
 
     def _filled(self, value: Tree, key_span: Span | None = None) -> Tree:
-        """The value, unless it is empty or null, which no key takes."""
+        """The value, unless it is empty or null, which no key allows."""
         if not isinstance(value, Scalar) or value.value is not None or value.faulty:
             return value
         start = key_span or value.span
@@ -239,7 +239,7 @@ class _Composer:
         return Scalar(value.span, None, value.text, faulty=True)
 
     def _decimal_comma_before(self, key: Span) -> str:
-        """The number, with its unit, that a decimal comma in braces has cut: ``1,5 N*m`` is a value 1 and a key."""
+        """The number, with its unit, split by a decimal comma in braces: ``1,5 N*m`` becomes a value 1 and a key."""
         line = self._lines[key.line - 1]
         whole, rest = re.search(r"[-+]?\d+,$", line[: key.column - 1]), str(self._keys[-1])
         return f"{whole[0][:-1]}.{rest}" if whole and rest[:1].isdigit() else ""
@@ -273,7 +273,7 @@ def _events(text: str) -> Iterator[Any]:
 
 
 def _core_value(text: str) -> str | int | float | bool | None:
-    """What a plain scalar is by the core schema."""
+    """The type of a plain scalar by the core schema."""
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text) and len(text) < 19:

@@ -55,7 +55,7 @@ def rings(successor: Mapping[str, str]) -> list[list[str]]:
 
 def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], found: Diagnostics) -> None:
     order = list(sidecar.document.joints)
-    last = max((above[link] for link in cycle), key=order.index)  # the one that was written last most likely closes it
+    last = max((above[link] for link in cycle), key=order.index)  # the last one in the file most likely closes it
     child = sidecar.document.joints[last].child
     at = cycle.index(child)
     ring = " -> ".join([*cycle[at:], *cycle[:at], child])
@@ -73,7 +73,7 @@ def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], f
         help = [f"the root of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
         found.add("SB454", message, sidecar.span("root", "link"), help=help)
     misspelt = any(joint.child not in document.links for joint in document.joints.values())
-    if len(roots) < 2 or misspelt:  # the link that a misspelt child means is no root
+    if len(roots) < 2 or misspelt:  # a link that a misspelt child refers to is not a root
         return
     if root not in roots:
         counts = _counts_below(sidecar, roots)
@@ -98,7 +98,7 @@ def _ways_to_connect(sidecar: Sidecar, link: str, root: str) -> list[str]:
 
 
 def _tops(sidecar: Sidecar, above: dict[str, str], link: str) -> list[str]:
-    """The link at the top of a link's tree; nothing where the way up ends in a cycle."""
+    """The root of a link's tree; empty if the path upwards ends in a cycle."""
     passed = set()
     while link in above and link not in passed:
         passed.add(link)
@@ -107,7 +107,7 @@ def _tops(sidecar: Sidecar, above: dict[str, str], link: str) -> list[str]:
 
 
 def _counts_below(sidecar: Sidecar, roots: list[str]) -> dict[str, int]:
-    """How many links hang on each of the roots, directly or not."""
+    """Number of links below each of the roots."""
     below: dict[str, list[str]] = {}
     for joint in sidecar.document.joints.values():
         below.setdefault(joint.parent, []).append(joint.child)

@@ -1,8 +1,8 @@
 """The sidecar, version 1, as typed data; its JSON Schema is generated from these classes.
 
-A document is valid here when each value has the right type and unit. What needs two places of the file (limits that are
-swapped, a mimic of a joint that is not there) is checked in :mod:`stepbot.sidecar.check`; what needs the STEP, in
-:mod:`stepbot.assemble`. The docstring below a field is what an editor shows for its key.
+A document is valid here if each value has the right type and unit. Contradictions between values (swapped limits, a
+mimic of a missing joint) are checked in :mod:`stepbot.sidecar.check`; everything that requires the STEP, in
+:mod:`stepbot.assemble`. Editors show the docstring below a field as the description of its key.
 """
 
 from enum import StrEnum
@@ -45,7 +45,7 @@ from .shapes import (
 
 
 class MassMode(StrEnum):
-    """Whose volume, com and inertia become mass properties."""
+    """Source of volume, centre of mass and inertia."""
 
     AUTO = "auto"
     MESH = "mesh"
@@ -53,7 +53,7 @@ class MassMode(StrEnum):
 
 
 class StepDensity(StrEnum):
-    """Whether densities in the STEP count."""
+    """Whether to use densities in the STEP."""
 
     USE = "use"
     IGNORE = "ignore"
@@ -65,48 +65,48 @@ class MaterialSection(Section):
     density: Density | None = None
     """Density [kg/m^3]."""
     color: Color | None = None
-    """Colour of what is made of it."""
+    """Colour of parts made of it."""
 
 
 class Defaults(Section):
-    """What has no density or colour of its own."""
+    """Defaults for components without a density or colour."""
 
     material: MaterialName | None = None
     """One of `materials`."""
     density: Density | None = None
     """Density [kg/m^3]."""
     color: Color | None = None
-    """Colour of what the STEP leaves without one."""
+    """Colour of components without a colour in the STEP."""
 
 
 class MeshSection(Section):
-    """How closely written meshes follow their solids."""
+    """Tolerance of the written meshes."""
 
     tolerance: RelativeOrLength | None = None
-    """Distance between mesh and solid: a share of each solid's diagonal, or a length [m]."""
+    """Maximum distance between mesh and solid: a fraction of each solid's diagonal, or a length [m]."""
     angle: Angle | None = None
-    """Angle [rad] between neighbouring facets; it decides how round things look."""
+    """Maximum angle [rad] between adjacent facets; it determines how smooth curved surfaces look."""
 
 
 class PartRule(Section):
-    """What the components that match are made of, weigh and look like."""
+    """Material, mass, colour and geometry of the matching components."""
 
     ignore: StrictBool = False
-    """No link, no mass, no geometry; the component can still be named in `origin` and `frames`."""
+    """Exclude the components: no link, no mass, no geometry. They can still be used in `origin` and `frames`."""
     mass: Mass | None = None
-    """Measured mass [kg] of each component that matches; of a subassembly, the total of all below it."""
+    """Measured mass [kg] of each matching component; for a subassembly, the total of everything below it."""
     density: Density | None = None
     """Density [kg/m^3]."""
     material: MaterialName | None = None
     """One of `materials`."""
     color: Color | None = None
-    """Colour, in place of the STEP's."""
+    """Colour, overrides the STEP's."""
     visual: StrictBool | None = None
-    """Whether it is drawn."""
+    """Whether the components have visual geometry."""
     collision: CollisionShape | None = None
-    """How its collision geometry is made; beats the link's."""
+    """Type of collision geometry; overrides the link's."""
     ignore_findings: IgnoredFindings = ()
-    """Codes of warnings and notes about these components that are not reported."""
+    """Codes of warnings and notes about these components to suppress."""
 
 
 class InertiaSection(Section):
@@ -127,7 +127,7 @@ class InertiaSection(Section):
 
 
 class InertialSection(Section):
-    """Mass properties that overrule the computed ones; `mass` alone scales the computed inertia."""
+    """Mass properties that override the computed ones; `mass` alone scales the computed inertia."""
 
     mass: Mass
     """Mass [kg] of the link."""
@@ -138,78 +138,78 @@ class InertialSection(Section):
 
 
 class LinkSection(Section):
-    """A link and the components that it is made of."""
+    """A link and its components."""
 
     parts: tuple[ComponentPath, ...] = ()
-    """Component paths or globs; a subassembly brings all below it that no other link claims more closely."""
+    """Component paths or globs; a subassembly includes everything below it that no other link claims more closely."""
     rest: StrictBool = False
-    """Whether the link takes every component that no link claims; one link may."""
+    """Whether the link takes all components that no link claims; at most one link may."""
     inertial: InertialSection | None = None
-    """Mass properties that overrule the computed ones."""
+    """Mass properties that override the computed ones."""
     collision: Collision | None = None
-    """How collision geometry is made: a word for each component, `{merge: ...}` for one shape, or a list of shapes."""
+    """Collision geometry: a type for each component, `{merge: ...}` for a single shape, or a list of shapes."""
     visual: StrictBool | None = None
-    """Whether the link is drawn."""
+    """Whether the link has visual geometry."""
     mesh: MeshSection | None = None
-    """How closely this link's meshes follow their solids."""
+    """Tolerance of this link's meshes."""
     ignore_findings: IgnoredFindings = ()
-    """Codes of warnings and notes about this link that are not reported."""
+    """Codes of warnings and notes about this link to suppress."""
 
 
 class RootSection(Section):
     """The root link, and the frame of the robot's base."""
 
     link: Name
-    """The link that no joint moves."""
+    """The root link: the link without a parent joint."""
     frame: Origin | None = None
-    """Frame of the root link; the assembly's frame when left out."""
+    """Frame of the root link; by default the assembly's frame."""
 
 
 class MimicSection(Section):
     """q = multiplier * q of `joint` + offset."""
 
     joint: Name
-    """The joint that leads."""
+    """The joint to follow."""
     multiplier: Number = 1.0
-    """How far this joint moves for each unit of the other, in SI."""
+    """Ratio of this joint's motion to the other's, in SI units."""
     offset: JointPosition = JointValue(0.0)
-    """Position [rad or m] of this joint where the other is at zero."""
+    """Position [rad or m] of this joint when the other is at zero."""
 
 
 class JointSection(Section):
     """A joint of the tree."""
 
     type: JointKind
-    """The freedom between the two links."""
+    """Type of the joint."""
     parent: Name
-    """The link that it is mounted on."""
+    """The parent link."""
     child: Name
-    """The link that it moves."""
+    """The child link."""
     origin: Origin = "auto"
-    """Where the joint is; `auto` finds the line that carries cylinders of both links."""
+    """Pose of the joint; `auto` finds the line with cylindrical faces of both links."""
     axis: AxisVector = (0.0, 0.0, 1.0)
-    """Axis in the joint's frame, `z` when left out; the normal of a planar joint."""
+    """Axis in the joint's frame, `z` by default; for a planar joint, its normal."""
     axis2: AxisVector | None = None
     """Second axis of a universal joint, in the joint's frame."""
     limits: JointLimits = LimitsSection()
-    """Bounds of position, speed and effort; `todo` while they are unknown: no bounds, and a warning."""
+    """Limits of position, velocity and effort; `todo` if they are not known yet: unlimited, with a warning."""
     dynamics: DynamicsSection = DynamicsSection()
     """Damping, friction, spring and armature."""
     mimic: MimicSection | None = None
-    """Makes this joint follow another."""
+    """Makes this joint follow another one."""
     zero: JointPosition = JointValue(0.0)
-    """Position [rad or m] in which the CAD drew the joint."""
+    """Position [rad or m] of the joint as drawn in the CAD."""
     pitch: Pitch | None = None
     """Advance [m/rad] of a screw joint."""
     ignore_findings: IgnoredFindings = ()
-    """Codes of warnings and notes about this joint that are not reported."""
+    """Codes of warnings and notes about this joint to suppress."""
 
 
 class JointDefaults(Section):
-    """Limits and dynamics of the joints whose name matches, where they say nothing themselves."""
+    """Default limits and dynamics of the joints whose names match the pattern."""
 
     limits: LimitsSection = LimitsSection()
-    """Bounds of position, speed and effort."""
+    """Limits of position, velocity and effort."""
     dynamics: DynamicsSection = DynamicsSection()
     """Damping, friction, spring and armature."""
 
@@ -218,60 +218,61 @@ class ClosureSection(Section):
     """A joint that closes a loop."""
 
     type: JointKind
-    """The freedom between the two links: revolute, prismatic, ball or fixed."""
+    """Type of the closure: revolute, prismatic, ball or fixed."""
     link_a: Name
     """One link."""
     link_b: Name
     """The other link."""
     origin: Origin = "auto"
-    """Where the two meet; `auto` finds the line that carries cylinders of both links."""
+    """Pose of the closure; `auto` finds the line with cylindrical faces of both links."""
     axis: AxisVector = (0.0, 0.0, 1.0)
-    """Axis in the closure's frame, `z` when left out."""
+    """Axis in the closure's frame, `z` by default."""
 
 
 class Document(Section):
-    """A robot's sidecar for stepbot: what its STEP file does not say."""
+    """A stepbot sidecar: the robot data that a STEP file lacks."""
 
     version: Literal[1]
     """Version of this format."""
     robot: RobotName
-    """Name of the robot, and of the files that are written."""
+    """Name of the robot, and of the written files."""
     step: Annotated[str, Field(min_length=1, max_length=4000)]
     """Path of the STEP file, relative to the sidecar."""
     base: Base = Base.FIXED
     """Whether the root link is fixed to the world or floats."""
     root: RootSection | None = None
-    """The root link and its frame; found from the joints when left out."""
+    """The root link and its frame; by default determined by the joints."""
     materials: dict[MaterialName, MaterialSection] = Field(default_factory=dict)
-    """Materials by name; parts without a density have that of the material which the STEP names."""
+    """Materials by name. A part without a density uses the material named in the STEP, if it is listed here."""
     defaults: Defaults = Defaults()
-    """What counts where neither `parts` nor the STEP says anything."""
+    """Defaults for values that neither `parts` nor the STEP sets."""
     step_encoding: CodePage | None = None
-    """Code page of the names in the STEP, such as `cp1251` or `gbk`, where they are neither ASCII nor UTF-8."""
+    """Code page of the names in the STEP, such as `cp1251` or `gbk`, if they are neither ASCII nor UTF-8."""
     step_density: StepDensity = StepDensity.USE
-    """Whether densities in the STEP count. A CAD program's default density on every part is no measurement."""
+    """Whether to use densities in the STEP. A CAD program's default density on every part is not a measurement."""
     mass: MassMode = MassMode.AUTO
-    """Whose volume, com and inertia are written: the mesh's where it agrees with the exact solid, or always one's."""
+    """Source of volume, centre of mass and inertia: the mesh if it agrees with the exact solid (auto), or always
+    one."""
     mesh: MeshSection = MeshSection()
-    """How closely written meshes follow their solids."""
+    """Tolerance of the written meshes."""
     parts: dict[ComponentPath, PartRule] = Field(default_factory=dict)
-    """What components are made of or weigh, by path or glob. The first rule that sets a field counts."""
+    """Material, mass and geometry of components, by path or glob. For each field, the first matching rule applies."""
     links: Annotated[dict[Name, LinkSection], Field(min_length=1)]
-    """The links by name, and the components that each is made of."""
+    """The links by name, with their components."""
     joint_defaults: dict[Name, JointDefaults] = Field(default_factory=dict)
-    """Limits and dynamics by a pattern of joint names, for joints that do not set them."""
+    """Default limits and dynamics by a pattern of joint names."""
     joints: dict[Name, JointSection] = Field(default_factory=dict)
     """The joints of the tree by name."""
     closures: dict[Name, ClosureSection] = Field(default_factory=dict)
-    """The joints that close loops, by name."""
+    """The loop-closing joints by name."""
     frames: dict[Name, FrameSection] = Field(default_factory=dict)
-    """Named frames: tool centre points, flanges."""
+    """Named frames, such as tool centre points and flanges."""
     actuators: dict[Name, ActuatorSection] = Field(default_factory=dict)
-    """Drives by name."""
+    """Actuators by name."""
     sensors: dict[Name, SensorSection] = Field(default_factory=dict)
     """Sensors by name."""
     ignore_findings: IgnoredFindings = ()
-    """Codes of warnings and notes that are not reported, wherever they are found."""
+    """Codes of warnings and notes to suppress everywhere."""
 
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""The sidecar's classes looked at from outside: which keys a section has, what they mean, where else a key exists."""
+"""Reflection on the sidecar's classes: the keys of a section, their descriptions, other sections with a key."""
 
 import ast
 import inspect
@@ -15,11 +15,11 @@ from .document import Document, Section
 from .origins import Origin
 
 Loc = tuple[str | int, ...]
-"""A place as pydantic tells it: keys, indices, and the tags of unions."""
+"""A place as reported by pydantic: keys, indices, and the tags of unions."""
 
 
 def sections_at(loc: Loc) -> tuple[type[Section], ...]:
-    """The sections that can stand at a place; several for a union whose form is not told by ``loc``."""
+    """The sections possible at a place; several for a union whose form is not determined by ``loc``."""
     annotation: Any = Document
     for part in loc:
         annotation = _step(annotation, part)
@@ -27,7 +27,7 @@ def sections_at(loc: Loc) -> tuple[type[Section], ...]:
 
 
 def section_classes() -> tuple[type[Section], ...]:
-    """Every kind of section of the document, the document first, each once."""
+    """Every type of section in the document, the document first."""
     found: dict[type[Section], None] = {Document: None}
     waiting: list[type[Section]] = [Document]
     while waiting:
@@ -39,7 +39,7 @@ def section_classes() -> tuple[type[Section], ...]:
 
 
 def keys_of(sections: tuple[type[Section], ...]) -> tuple[str, ...]:
-    """The keys of one section, or of all forms of an origin, whichever of them it is."""
+    """The keys of one section, or of all forms of an origin for any of them."""
     if is_origin(sections):
         sections = tuple(_sections(Origin))
     return tuple(dict.fromkeys(key for section in sections for key in section.model_fields))
@@ -76,7 +76,7 @@ def top_level_keys_with(key: str) -> tuple[str, ...]:
 
 @cache
 def descriptions(section: type[Section]) -> dict[str, str]:
-    """What each key of a section means: the docstrings below its fields."""
+    """Descriptions of a section's keys: the docstrings below its fields."""
     classes = ast.parse(inspect.getsource(sys.modules[section.__module__])).body
     body = next(c.body for c in classes if isinstance(c, ast.ClassDef) and c.name == section.__name__)
     found = {}
@@ -88,7 +88,7 @@ def descriptions(section: type[Section]) -> dict[str, str]:
 
 
 def _step(annotation: Any, part: str | int) -> Any:
-    """The annotation one step further down."""
+    """The annotation one level down."""
     for member in _members(annotation):
         if any(isinstance(extra, Tag) and extra.tag == part for extra in _extras(member)):
             return member
@@ -103,7 +103,7 @@ def _step(annotation: Any, part: str | int) -> Any:
 
 
 def _members(annotation: Any) -> Iterator[Any]:
-    """The members of a union, of unions in it too; anything else is its own only member."""
+    """The members of a union, including nested unions; anything else is its own only member."""
     plain = _plain(annotation)
     if get_origin(plain) in (Union, UnionType):
         for member in get_args(plain):
@@ -120,7 +120,7 @@ def _sections(annotation: Any) -> Iterator[type[Section]]:
 
 
 def _all_sections(annotation: Any) -> Iterator[type[Section]]:
-    """The sections of a type, also those of the values that it holds."""
+    """The sections of a type, including those of its values."""
     for member in _members(annotation):
         plain = _plain(member)
         if isinstance(plain, type) and issubclass(plain, Section):

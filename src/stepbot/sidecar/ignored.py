@@ -1,4 +1,4 @@
-"""Findings that the sidecar's author has looked at and does not want to see again."""
+"""Diagnostics that the sidecar suppresses."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any
@@ -17,12 +17,12 @@ FindingCode = Annotated[str, Field(max_length=20, json_schema_extra={"pattern": 
 
 
 class IgnoredFinding(Section):
-    """Findings of one code that are not reported, and why."""
+    """Suppresses diagnostics of one code, with a reason."""
 
     code: FindingCode
     """Code of a warning or a note, such as `SB305`."""
     reason: Annotated[str, Field(max_length=1000)] = ""
-    """Why the finding does not matter here."""
+    """Why the diagnostic does not matter here."""
 
 
 def _form(value: Any) -> str:
@@ -38,11 +38,11 @@ IgnoredFindings = tuple[
 
 KEY = "ignore_findings"
 _SECTIONS = ("parts", "links", "joints")
-"""Keys at the top whose entries have the key too."""
+"""Top-level keys whose entries have the key too."""
 
 
 def check_ignored(root: Tree, found: Diagnostics) -> None:
-    """Report codes that do not exist or that are errors, SB141."""
+    """Report unknown codes and codes of errors (SB141)."""
     for _, code, place in _entries(root):
         known = CODES.get(code)
         if known is None:
@@ -54,7 +54,7 @@ def check_ignored(root: Tree, found: Diagnostics) -> None:
 
 
 def ignores(root: Tree) -> Iterator[Ignore]:
-    """What the sidecar asks to ignore, at the top and in its sections."""
+    """The ignore rules of the sidecar, at the top level and in its sections."""
     for keys, code, place in _entries(root):
         if not keys:
             yield Ignore(code, place)

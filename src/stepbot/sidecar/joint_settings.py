@@ -1,9 +1,9 @@
-"""Limits and dynamics of a joint, after ``joint_defaults`` have filled what the joint leaves open.
+"""Limits and dynamics of a joint, including the defaults from ``joint_defaults``.
 
-A default applies to the joints whose name matches its pattern (``*`` any run of characters, ``?`` one, ``[ab]`` one of
-these; upper and lower case differ). For each field the joint's own value counts first, then the first pattern in file
-order that sets it. A default gives a joint only what its type can have: ``"*": {limits: {lower: ..., upper: ...}}``
-leaves fixed and continuous joints alone.
+A default applies to the joints whose names match its pattern (``*`` any characters, ``?`` one, ``[ab]`` one of these;
+case-sensitive). For each field the joint's own value takes precedence, then the first pattern in file order that sets
+it. A default only sets fields of the joint's type: ``"*": {limits: {lower: ..., upper: ...}}`` does not affect fixed
+and continuous joints.
 """
 
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ from .units import (
 )
 
 ONE_FREEDOM = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC, JointKind.SCREW)
-"""Kinds with a single coordinate: what can mimic, be mimicked, be driven, and has a drawn position."""
+"""Types with a single coordinate, which can mimic, be mimicked, be driven, and have a `zero`."""
 
 _TURNING = {
     "lower": ANGLE,
@@ -61,7 +61,7 @@ _SETTINGS_OF: dict[JointKind, Mapping[str, Dimension]] = {
     JointKind.SCREW: _TURNING,
     JointKind.CONTINUOUS: {field: d for field, d in _TURNING.items() if field not in ("lower", "upper")},
     JointKind.PRISMATIC: _SLIDING,
-    # Several turning freedoms: what is the same for each of them, but no position, which is not one number.
+    # Several rotations: the fields that they share, without positions, which are not single numbers.
     JointKind.BALL: {field: d for field, d in _TURNING.items() if d is not ANGLE},
     JointKind.UNIVERSAL: {field: d for field, d in _TURNING.items() if d is not ANGLE},
 }
@@ -69,14 +69,14 @@ _SETTINGS_OF: dict[JointKind, Mapping[str, Dimension]] = {
 
 @dataclass(frozen=True)
 class Setting:
-    """One number of a joint, and where the sidecar says it."""
+    """One number of a joint, and its place in the sidecar."""
 
     value: float
     """[SI]."""
     dimension: Dimension | None
-    """The dimension of the unit that was written; None for a plain number."""
+    """The dimension of the given unit; None for a plain number."""
     keys: Keys
-    """Where it stands in the sidecar: ``("joints", name, "limits", "lower")`` or below ``joint_defaults``."""
+    """Its keys in the sidecar: ``("joints", name, "limits", "lower")`` or below ``joint_defaults``."""
 
 
 def settings_of(kind: JointKind) -> Mapping[str, Dimension]:
@@ -85,14 +85,14 @@ def settings_of(kind: JointKind) -> Mapping[str, Dimension]:
 
 
 def position_dimension(kind: JointKind) -> Dimension | None:
-    """What the position of such a joint is measured in; None where it is not one number."""
+    """The dimension of the joint's position; None if it is not a single number."""
     return settings_of(kind).get("spring_reference")
 
 
 def joint_settings(document: Document, name: str) -> dict[str, Setting]:
-    """Every field of limits and dynamics that is set for a joint, by its own words or by a default.
+    """Every field of limits and dynamics that is set for a joint, by itself or by a default.
 
-    What the joint itself says is in the result even where its type does not know the field: the check reports it.
+    The joint's own values are included even if its type does not support the field: the check reports it.
 
     Raises:
         KeyError: There is no such joint.
@@ -107,12 +107,12 @@ def joint_settings(document: Document, name: str) -> dict[str, Setting]:
 
 
 def joint_limits(document: Document, name: str) -> Limit:
-    """The bounds of a joint in SI, defaults applied; infinite where the sidecar sets none."""
+    """The limits of a joint in SI, defaults applied; infinite if not set."""
     return Limit(**_numbers(document, name, LimitsSection))
 
 
 def joint_dynamics(document: Document, name: str) -> JointDynamics:
-    """The passive forces of a joint in SI, defaults applied; zero where the sidecar sets none."""
+    """The passive forces of a joint in SI, defaults applied; zero if not set."""
     return JointDynamics(**_numbers(document, name, DynamicsSection))
 
 
@@ -124,7 +124,7 @@ def _numbers(document: Document, name: str, section: type[LimitsSection | Dynami
 def _take(
     found: dict[str, Setting], source: JointSection | JointDefaults, keys: Keys, known: Mapping[str, Dimension] | None
 ) -> None:
-    """Add what ``source`` sets and ``found`` has not; only fields in ``known``, where that is given."""
+    """Add values of ``source`` that ``found`` lacks; only fields in ``known``, if given."""
     for key, section in (("limits", source.limits), ("dynamics", source.dynamics)):
         if section == "todo":
             continue

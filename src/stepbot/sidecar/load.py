@@ -70,7 +70,7 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
 
 
 def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) -> bool:
-    """Whether the version is supported; keys may have another meaning in other versions.
+    """Whether the version is supported; keys may differ in other versions.
 
     A version that is not a number is reported and then replaced by the current one.
     """

@@ -1,4 +1,4 @@
-"""A sidecar's values, and where in its text they stand."""
+"""The values of a sidecar with their places in the text."""
 
 import re
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class Sidecar:
 
     document: Document
     path: Path
-    """As the user gave it."""
+    """The user's path."""
     text: str
     """With line feeds at line ends."""
     root: Tree
@@ -24,19 +24,19 @@ class Sidecar:
 
     @property
     def step_path(self) -> Path:
-        """The STEP file that it names."""
+        """The STEP file that it refers to."""
         return self.path.parent / self.document.step
 
     def span(self, *keys: str | int) -> Span:
-        """Place of the value at ``keys``, or of the nearest key above it that exists."""
+        """Span of the value at ``keys``, or of the nearest existing value above it."""
         return span(self.root, keys)
 
     def key_span(self, *keys: str | int) -> Span:
-        """Place of the last of ``keys`` itself, or of the nearest above it that exists."""
+        """Span of the last of ``keys`` itself, or of the nearest existing one above it."""
         return key_span(self.root, keys)
 
     def written(self, *keys: str | int) -> str:
-        """A single value as the file writes it, without quotes; empty where there is none."""
+        """A scalar as written in the file, without quotes; empty if there is none."""
         value = self._scalar(keys)
         return value.text if value is not None else ""
 
@@ -59,7 +59,7 @@ class Sidecar:
         return ()
 
     def plain_number(self, *keys: str | int) -> float | None:
-        """A value that is written as a number without a unit; None where it is anything else."""
+        """A value that is written as a number without a unit; None for anything else."""
         value = self._scalar(keys)
         if value is None or isinstance(value.value, bool) or not isinstance(value.value, int | float):
             return None
@@ -72,7 +72,7 @@ class Sidecar:
 
 
 def _cut_at_commas(line: str, value: Scalar) -> str:
-    """The text around a value of a list, up to the blanks and brackets on both sides: ``XL,XC-330`` around ``XL``."""
+    """The text around a value of a list, up to the spaces and brackets on both sides: ``XL,XC-330`` around ``XL``."""
     return next(
         run[0].strip()
         for run in re.finditer(r"(?:[^\[\],]|,(?=\S))+", line)

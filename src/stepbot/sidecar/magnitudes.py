@@ -16,7 +16,7 @@ from .units import DENSITY, FORCE, TORQUE, UnitError, read_quantity
 _MOST_RADIANS = 20.0
 """Three turns: beyond the limits of joints other than winches."""
 _MOST_ROTATION = 6.5
-"""A turn: no roll, pitch or yaw is written as more."""
+"""One turn: roll, pitch and yaw are never larger."""
 _MOST_METRES = 10.0
 _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
@@ -28,7 +28,7 @@ _LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
 
 
 def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB139 for numbers that were written without a unit and are far from what robots have."""
+    """Report SB139 for numbers without a unit that are implausible for robots."""
     for name, joint in sidecar.document.joints.items():
         for field, setting in joint_settings(sidecar.document, name).items():
             if field in ("lower", "upper", "spring_reference") and field in settings_of(joint.type):
@@ -46,7 +46,7 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
 
 
 def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB140 for torques that a mass was written for, as data sheets of servos do: ``20 kg.cm``."""
+    """Report SB140 for torques with a unit of mass, as in data sheets of servos: ``20 kg.cm``."""
     for keys, text in _texts(sidecar.root, ()):
         if not isinstance(keys[-1], str) or keys[-1] not in _EFFORTS:
             continue
@@ -61,7 +61,7 @@ def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
 
 
 def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB143 for densities beyond those of all materials, such as 2700 g/cm^3."""
+    """Report SB143 for densities outside the range of all materials, such as 2700 g/cm^3."""
     for keys, scalar in _scalars(sidecar.root, ()):
         if keys[-1] != "density" or isinstance(scalar.value, bool) or scalar.value is None:
             continue
@@ -111,7 +111,7 @@ def _plain_numbers(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, float]]:
 
 
 def _texts(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, str]]:
-    """Every value at and below a place that is written as a text."""
+    """Every value at and below a place that is written as a string."""
     for place, scalar in _scalars(tree, keys):
         if isinstance(scalar.value, str):
             yield place, scalar.value

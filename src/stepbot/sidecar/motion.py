@@ -1,4 +1,4 @@
-"""How a joint moves: its bounds, and the passive forces in it."""
+"""Limits and passive forces of a joint."""
 
 from typing import Annotated, Any, Literal
 
@@ -18,16 +18,16 @@ from .section import Section
 
 
 class LimitsSection(Section):
-    """Bounds of a joint; the units are those of its type."""
+    """Limits of a joint; the units depend on its type."""
 
     lower: JointBound | None = None
-    """Lowest position [rad or m]; `-inf` for none."""
+    """Lowest position [rad or m]; `-inf` for unlimited."""
     upper: JointBound | None = None
-    """Highest position [rad or m]; `inf` for none."""
+    """Highest position [rad or m]; `inf` for unlimited."""
     effort: JointEffort | None = None
-    """Highest torque or force [N m or N]."""
+    """Maximum torque or force [N m or N]."""
     velocity: JointSpeed | None = None
-    """Highest speed [rad/s or m/s]."""
+    """Maximum velocity [rad/s or m/s]."""
 
 
 def _limits_form(value: Any) -> str:
@@ -39,19 +39,19 @@ JointLimits = Annotated[
     Annotated[Literal["todo"], Tag("<word>")] | Annotated[LimitsSection, Tag("<limits>")],
     Discriminator(_limits_form),
 ]
-"""The limits of a joint, or `todo` as long as they are not known."""
+"""The limits of a joint, or `todo` if they are not known yet."""
 
 
 class DynamicsSection(Section):
-    """Passive forces of a joint; the units are those of its type."""
+    """Passive forces of a joint; the units depend on its type."""
 
     damping: JointDamping | None = None
     """Viscous damping [N m s/rad or N s/m]."""
     friction: JointFriction | None = None
     """Coulomb friction [N m or N]."""
     stiffness: JointStiffness | None = None
-    """Rate of a spring in the joint [N m/rad or N/m]."""
+    """Stiffness of a spring in the joint [N m/rad or N/m]."""
     spring_reference: JointPosition | None = None
-    """Position [rad or m] where the spring is at rest."""
+    """Rest position [rad or m] of the spring."""
     armature: JointInertia | None = None
-    """Inertia [kg m^2] or mass [kg] of the drive, seen at the joint."""
+    """Inertia [kg m^2] or mass [kg] of the actuator, reflected to the joint."""

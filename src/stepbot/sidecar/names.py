@@ -11,7 +11,7 @@ from .located import Sidecar
 from .subjects import subject
 
 _BIDI = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
-"""Bidirectional control characters, which make a name look like another one."""
+"""Bidirectional control characters, which can make different names look the same."""
 Named = tuple[str, str]
 """A top-level key and a name below it."""
 
@@ -34,7 +34,7 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
 
 
 def _shared_names(document: Document) -> Iterator[Named]:
-    """What has one set of names in SDFormat."""
+    """Sections that share one namespace in SDFormat."""
     for section, names in (
         ("links", document.links),
         ("joints", document.joints),
@@ -51,7 +51,7 @@ def _all_names(document: Document) -> Iterator[Named]:
 
 
 def _reserved(section: str, name: str) -> str:
-    """Why a name cannot be used, or nothing."""
+    """Why a name cannot be used, or an empty string."""
     if name == "world":
         return "'world' is reserved for the world in SDFormat and MJCF"
     if name == "assembly" and section == "links":
@@ -62,12 +62,12 @@ def _reserved(section: str, name: str) -> str:
 
 
 def _not_a_file(robot: str) -> str:
-    """Why no files can be named after a robot, or nothing."""
+    """Why files cannot be named after a robot, or an empty string."""
     return f"'{robot}' is a device name on Windows" if is_device(robot) else _direction_changes(robot)
 
 
 def _direction_changes(name: str) -> str:
-    """The bidirectional control characters of a name, or nothing."""
+    """The bidirectional control characters of a name, or an empty string."""
     characters = sorted({f"U+{ord(character):04X}" for character in _BIDI.findall(name)})
     return (
         f"'{name}' contains characters that change the direction of text: {', '.join(characters)}" if characters else ""

@@ -29,10 +29,10 @@ class JointValue(float):
     __slots__ = ("dimension",)
 
     dimension: Dimension | None
-    """The dimension of the unit that was written; None for a plain number."""
+    """The dimension of the given unit; None for a plain number."""
 
     def __new__(cls, value: float, dimension: Dimension | None = None) -> Self:
-        """The number, and the dimension of the unit that was written."""
+        """The number, and the dimension of the given unit."""
         self = super().__new__(cls, value)
         self.dimension = dimension
         return self
@@ -51,7 +51,7 @@ class ToleranceValue(NamedTuple):
 
     relative: float
     absolute: float
-    """[m]; 0 where ``relative`` counts."""
+    """[m]; 0 if ``relative`` applies."""
 
 
 def fault(code: str, text: str, *help: str) -> PydanticCustomError:
@@ -60,7 +60,7 @@ def fault(code: str, text: str, *help: str) -> PydanticCustomError:
 
 
 def described(value: Any) -> str:
-    """A YAML value in words."""
+    """A YAML value, described for messages."""
     match value:
         case bool():
             return "true" if value else "false"
@@ -77,7 +77,7 @@ def described(value: Any) -> str:
 
 
 def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
-    """A number, or a number with a unit of one of the dimensions; infinity is a number, NaN is not.
+    """A number, or a number with a unit of one of the dimensions; infinity is allowed, NaN is not.
 
     Raises:
         PydanticCustomError: SB122 wrong type, SB124 not a quantity of these dimensions, SB125 NaN.
@@ -124,7 +124,7 @@ def _finite(
 def _joint_value(
     *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float | None = None
 ) -> Callable[[Any], JointValue]:
-    """Parser of a value that has one of several dimensions, remembered for the check against the joint's type.
+    """Parser of a value with one of several dimensions, stored for the check against the joint's type.
 
     ``above`` excludes limits of 0, which formats and engines interpret as unlimited.
     """
@@ -231,7 +231,7 @@ def _two(value: Any) -> Any:
 
 
 def _distance(value: Any) -> float:
-    """A length that is not negative, perhaps infinite."""
+    """A length that is not negative; may be infinite."""
     number = float(_quantity(value, units.LENGTH))
     if number < 0.0:
         raise fault("SB125", f"{number:g} m is out of range: length must be at least 0")
@@ -239,7 +239,7 @@ def _distance(value: Any) -> float:
 
 
 def _json(*dimensions: Dimension, **bounds: float) -> WithJsonSchema:
-    """JSON Schema of a quantity: a number in SI, or a text with the unit."""
+    """JSON Schema of a quantity: a number in SI, or a string with the unit."""
     examples = [d.example for d in dimensions]
     return WithJsonSchema(
         {

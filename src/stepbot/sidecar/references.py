@@ -135,7 +135,7 @@ def _origins_of_one_link(document: Document) -> list[tuple[Keys, Origin | None]]
 
 
 def _user(keys: Keys) -> str:
-    """Who names something; which of two links it is, where it has two."""
+    """The subject of a message about a reference; names which of its two links is meant, if it has two."""
     return subject(keys if keys[0] in ("joints", "closures", "root", "defaults") else keys[:2])
 
 

@@ -1,4 +1,4 @@
-"""Snippets to paste in the place of a value that has the wrong form, made of what the file says there."""
+"""Suggested replacements for values of the wrong form, made from the values in the file."""
 
 import json
 import re
@@ -9,7 +9,7 @@ from .tree import Keys, Listing, Mapping, Scalar, Tree
 _NUMBERS = re.compile(r"[\s,;]+")
 _POINT = ("xyz", "rpy", "axis", "axis2", "com", "near", "size", "center")
 _SHORTEST_NAMES = 3
-"""How many list items a snippet shows before it breaks off."""
+"""Maximum number of list items in a snippet."""
 
 
 def written(value: Tree) -> str:
@@ -22,7 +22,7 @@ def written(value: Tree) -> str:
 
 
 def quoted(text: str) -> str:
-    """A text in double quotes, or in single quotes where a backslash is in it."""
+    """A string in double quotes, or in single quotes if it contains a backslash."""
     return f"'{text}'" if "\\" in text and "'" not in text else json.dumps(text, ensure_ascii=False)
 
 
@@ -40,7 +40,7 @@ def remedy(keys: Keys, value: Tree) -> str:
 
 
 def _triple(value: Tree, name: str) -> str:
-    """``[0, 0, 0.1]`` for ``0 0 0.1``, as URDF and SDFormat have it; empty where that is not what is written."""
+    """``[0, 0, 0.1]`` for ``0 0 0.1``, the notation of URDF and SDFormat; empty for other values."""
     only = value.values[0] if isinstance(value, Listing) and len(value.values) == 1 else value
     if not isinstance(only, Scalar) or name not in _POINT:
         return ""
@@ -62,7 +62,7 @@ def _for_list(keys: Keys, name: str, value: Listing) -> str:
 
 
 def _named_items(values: Sequence[Tree]) -> list[str]:
-    """``base: {...}`` for each item that has a key ``name``; empty unless all have."""
+    """``base: {...}`` for each item with a key ``name``; empty unless all have one."""
     snippets = []
     for value in values:
         entry = value.entries.get("name") if isinstance(value, Mapping) else None
@@ -73,7 +73,7 @@ def _named_items(values: Sequence[Tree]) -> list[str]:
 
 
 def _for_text(keys: Keys, name: str, value: Scalar) -> str:
-    if missing := re.fullmatch(r"([^:\s]+):([\[{].*)", name):  # a colon without a blank made it one key
+    if missing := re.fullmatch(r"([^:\s]+):([\[{].*)", name):  # a colon without a space made it one key
         return f"add a space after the colon: `{missing[1]}: {missing[2]}: {value.text}`"
     if len(keys) == 2 and keys[0] == "links":
         return f"write `{name}: {{parts: [{quoted(value.text)}]}}`"

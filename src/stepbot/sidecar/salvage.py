@@ -1,7 +1,7 @@
 """Checks the valid parts of a sidecar with errors, so that all errors are reported in one run.
 
-Faulty values are cut out until the rest is a document; then it is checked like any other, and only what does not follow
-from the cuts is reported.
+Invalid values are removed until the rest is a valid document; then it is checked like any other, and diagnostics that
+may be caused by the removal are dropped.
 """
 
 from difflib import get_close_matches
@@ -28,9 +28,9 @@ _FOLLOWS_FROM_CUT: dict[str, tuple[str, ...]] = {
     "joint_defaults": ("SB455",),
     "materials": ("SB132",),
 }
-"""Codes that cutting a section, or a name in it, may cause elsewhere."""
+"""Codes that removing a section, or a name in it, may cause elsewhere."""
 _FOLLOWS_FROM_POSITION = ("SB460", "SB461")
-"""Codes that cutting a position or a limit of a joint may cause on the joints that follow it."""
+"""Codes that removing a position or a limit of a joint may cause on the joints that follow it."""
 _STANDS_ALONE = (
     "SB126",
     "SB128",
@@ -47,7 +47,7 @@ _STANDS_ALONE = (
     "SB452",
     "SB454",
 )
-"""Codes that a cut elsewhere in the same joint, link or frame cannot cause."""
+"""Codes that a removal elsewhere in the same joint, link or frame cannot cause."""
 
 
 def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, found: Diagnostics) -> None:
@@ -55,10 +55,10 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
 
     Args:
         root: The tree of the file.
-        faults: The places that the schema found fault with.
-        path: The file, as the user gave it.
+        faults: The places of the schema errors.
+        path: The user's path of the file.
         text: Its text.
-        found: Where to report.
+        found: Receives the diagnostics.
     """
     data = _copy(root)
     cuts: list[Keys] = []
@@ -114,16 +114,16 @@ def _consequences(section: str) -> tuple[str, ...]:
 
 
 def _cut(data: dict[str, Any], keys: Keys) -> Keys:
-    """Remove the value at ``keys``, or what lacks it; returns what was removed, ``()`` for all."""
+    """Remove the value at ``keys``, or the mapping that lacks it; returns its keys, ``()`` for the whole document."""
     if keys[0] in _STAND_INS:
         data[str(keys[0])] = _STAND_INS[str(keys[0])]
         return keys[:1]
     indices = [n for n, key in enumerate(keys) if isinstance(key, int)]
-    keys = keys[: indices[0]] if indices else keys  # a list is cut as a whole: its indices would shift
+    keys = keys[: indices[0]] if indices else keys  # a list is removed as a whole: its indices would shift
     above: Any = data
     for key in keys[:-1]:
         above = above[key]
-    if keys[-1] not in above:  # the fault is that it is missing, so what lacks it goes
+    if keys[-1] not in above:  # a missing key: remove the mapping that lacks it
         return _cut(data, keys[:-1]) if len(keys) > 1 else ()
     del above[keys[-1]]
     return keys
@@ -141,7 +141,7 @@ def _without_tags(loc: tuple[str | int, ...], data: Any) -> Keys:
 
 
 def _copy(tree: Tree) -> Any:
-    """The tree as data in which no two values are the same object, so that cutting one leaves the other."""
+    """The tree as data without shared objects, so that removing one leaves the other."""
     if isinstance(tree, Scalar):
         return tree.value
     if isinstance(tree, Listing):

@@ -1,6 +1,6 @@
 """The JSON Schema of the sidecar, for editors and other programs: ``python -m stepbot.sidecar.schema [FILE]``.
 
-Generated from :mod:`stepbot.sidecar.document`; what an editor shows for a key is the docstring below its field.
+Generated from :mod:`stepbot.sidecar.document`; editors show the docstring below a field as its description.
 https://json-schema.org/draft/2020-12
 """
 
@@ -24,7 +24,7 @@ _SHARED: dict[str, Json] = {
     "Name": {"type": "string", "minLength": 1, "maxLength": 200, "pattern": NAME_PATTERN},
     "Quantity": {"type": "string", "pattern": QUANTITY_PATTERN},
 }
-"""Schemas that stand in so many places that they are written once."""
+"""Definitions that are used in so many places that they are written once."""
 _SHARED_DESCRIPTIONS = {
     "Name": "A name that is valid in every output format.",
     "Quantity": "A number with a unit, such as `45 deg`, `12 mm`, `1.5 N*m`.",
@@ -32,7 +32,7 @@ _SHARED_DESCRIPTIONS = {
 
 
 class _Generator(GenerateJsonSchema):
-    """Writes the default of a joint's number as a number."""
+    """Serializes the default of a joint's number as a number."""
 
     def encode_default(self, dft: Any) -> Any:
         return dft.value if isinstance(dft, JointValue) else super().encode_default(dft)
@@ -67,12 +67,12 @@ def json_schema() -> Json:
 
 
 def schema_text() -> str:
-    """The schema as it stands in ``schemas/robot-1.schema.json``."""
+    """The content of ``schemas/robot-1.schema.json``."""
     return json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
 def _describe(definition: Json, meanings: dict[str, str]) -> None:
-    """Put the meaning of each key before how its value is written."""
+    """Move the description of each key before the description of its value."""
     for key, schema in definition["properties"].items():
         how = _optional(schema).get("description", "")
         how = how[:1].upper() + how[1:]
@@ -81,13 +81,13 @@ def _describe(definition: Json, meanings: dict[str, str]) -> None:
 
 
 def _optional(schema: Json) -> Json:
-    """What may be written where a key may also be left out, which pydantic takes for null."""
+    """The schema of an optional key's value, without the null that pydantic adds."""
     members = [member for member in schema.get("anyOf", []) if member != {"type": "null"}]
     return members[0] if len(members) == 1 and len(members) < len(schema["anyOf"]) else schema
 
 
 def _simplified(schema: Any) -> Any:
-    """The schema without nulls, which no key takes, without empty defaults, and with what is shared written once."""
+    """The schema without nulls and empty defaults, and with shared definitions."""
     if isinstance(schema, list):
         return [_simplified(member) for member in schema]
     if not isinstance(schema, dict):

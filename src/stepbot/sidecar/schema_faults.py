@@ -25,7 +25,7 @@ _FIRST_LINES = {
 }
 """Remedies for missing top-level keys."""
 _LONGEST_SNIPPET = 60
-"""Characters of a value that a snippet repeats."""
+"""Maximum length of a value in a snippet."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def _missing_key(loc: tuple[str | int, ...], keys: Keys, root: Tree) -> _Fault |
     if isinstance(above, Mapping):
         known = keys_of(sections)
         if any(likely_meant(name, known) == key for name in above.entries if name not in known):
-            return None  # it is there, under another name: reported as an unknown key
+            return None  # it exists under another name: reported as an unknown key
     meaning = descriptions(sections[0]).get(key, "")
     help = _FIRST_LINES.get(key, "") if len(keys) == 1 else ""
     return _Fault("SB121", f"missing key '{key}'", (help or f"{key}: {meaning}",), of_key=True, above=True)

@@ -1,4 +1,4 @@
-"""What every mapping of the sidecar is, and the kinds of names in it."""
+"""Base class of the sidecar's sections, and the types of names in them."""
 
 from typing import Annotated
 
@@ -6,9 +6,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 def _name_pattern(excluded: str, at_ends: str) -> str:
-    """Of texts that hold none of some characters, and neither start nor end with some others.
+    """Pattern of strings without some characters, and without some others at their start and end.
 
-    Written so that Rust, Python and ECMA 262 with its ``u`` flag read the same: editors use it too.
+    Valid for Rust, Python and ECMA 262 with its ``u`` flag, since editors use it too.
     """
     inner, outer = rf"[^{excluded}\x00-\x1f\x7f]", rf"[^\s{at_ends}{excluded}\x00-\x1f\x7f]"
     return f"^{outer}({inner}*{outer})?$"
@@ -21,17 +21,17 @@ NAME_PATTERN = _name_pattern(NOT_IN_NAMES, "")
 ROBOT_NAME_PATTERN = _name_pattern(NOT_IN_FILE_NAMES.replace("\\", r"\\"), ".")
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=NAME_PATTERN)]
-"""A name that every output format can carry as it is."""
+"""A name that every output format can represent."""
 MaterialName = Annotated[str, Field(min_length=1, max_length=200, pattern=_name_pattern("", ""))]
-"""A name that CAD programs give to a material: `Steel, 1.4301 / X5CrNi18-10`; it goes into no output."""
+"""A material's name in a CAD program: `Steel, 1.4301 / X5CrNi18-10`; it is not written to any output."""
 RobotName = Annotated[str, Field(min_length=1, max_length=100, pattern=ROBOT_NAME_PATTERN)]
-"""A name that is also the name of a file, on every system."""
+"""A name that is also a valid file name on every system."""
 ComponentPath = Annotated[str, Field(min_length=1, max_length=2000)]
 """A component path or glob; the grammar is in :mod:`stepbot.step.structure.paths`."""
 
 
 class Section(BaseModel):
-    """Base of every mapping in the sidecar: no unknown keys, no change after loading."""
+    """Base of every mapping in the sidecar: no unknown keys, immutable."""
 
-    # Deferred: only the document as a whole is ever validated, and building each section's validator takes longer.
+    # Deferred: only the document as a whole is validated, and building a validator per section takes longer.
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)

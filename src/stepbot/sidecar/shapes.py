@@ -1,4 +1,4 @@
-"""Collision geometry: made from the mesh in one of several ways, or given as primitive shapes."""
+"""Collision geometry: derived from the mesh in one of several ways, or given as primitive shapes."""
 
 from enum import StrEnum
 from typing import Annotated, Any, Literal
@@ -11,7 +11,7 @@ from .section import Section
 
 
 class CollisionShape(StrEnum):
-    """How collision geometry is made from a component's mesh."""
+    """Type of collision geometry derived from a component's mesh."""
 
     NONE = "none"
     MESH = "mesh"
@@ -27,7 +27,7 @@ class BoxShape(Section):
     """A box around its origin."""
 
     type: Literal["box"]
-    """The shape."""
+    """Type of the shape."""
     size: SizeVector
     """Full edge lengths [m]."""
     origin: Offset = Offset()
@@ -38,7 +38,7 @@ class CylinderShape(Section):
     """A cylinder along z around its origin."""
 
     type: Literal["cylinder"]
-    """The shape."""
+    """Type of the shape."""
     radius: Length
     """Radius [m]."""
     length: Length
@@ -51,7 +51,7 @@ class SphereShape(Section):
     """A sphere around its origin."""
 
     type: Literal["sphere"]
-    """The shape."""
+    """Type of the shape."""
     radius: Length
     """Radius [m]."""
     origin: Offset = Offset()
@@ -62,7 +62,7 @@ class CapsuleShape(Section):
     """A cylinder along z with half spheres on both ends, around its origin."""
 
     type: Literal["capsule"]
-    """The shape."""
+    """Type of the shape."""
     radius: Length
     """Radius [m]."""
     length: Length
@@ -72,7 +72,7 @@ class CapsuleShape(Section):
 
 
 def _shape_type(value: Any) -> str | None:
-    """The type of a primitive shape; None where it does not say."""
+    """The type of a primitive shape; None if it is missing."""
     kind = value.get("type") if isinstance(value, dict) else getattr(value, "type", None)
     return f"<{kind}>" if kind in ("box", "cylinder", "sphere", "capsule") else None
 
@@ -90,7 +90,7 @@ class MergedCollision(Section):
     """One collision shape for the whole link."""
 
     merge: CollisionShape
-    """How it is made from all of the link's components together."""
+    """Type of collision geometry derived from all of the link's components together."""
 
 
 def _collision_form(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""How messages name a place of the sidecar: ``joint 'elbow': limits``."""
+"""Subjects of messages about places in the sidecar: ``joint 'elbow': limits``."""
 
 from .tree import Keys
 
@@ -16,7 +16,7 @@ _SUBJECTS = {
 
 
 def subject(keys: Keys) -> str:
-    """What the value at ``keys`` belongs to, and the way down to it: ``link 'jaw': inertial.com[1]``."""
+    """The subject of the value at ``keys``, with the path to the value: ``link 'jaw': inertial.com[1]``."""
     if not keys:
         return "sidecar"
     if len(keys) > 1 and keys[0] in _SUBJECTS and isinstance(keys[1], str):

@@ -31,13 +31,13 @@ class Composed:
 
     tree: Tree | None
     whole: bool
-    """Whether all of the text is in the tree; False where sections around syntax faults are missing."""
+    """Whether all of the text is in the tree; False if sections with syntax errors are missing."""
 
 
 def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
-    """The tree of all sections that are YAML; every syntax fault is reported.
+    """The tree of all valid sections; every syntax error is reported.
 
-    Reports SB104 syntax, SB105 tabs, SB106 unquoted paths, and what :func:`stepbot.sidecar.compose.compose` reports.
+    Reports SB104 syntax, SB105 tabs, SB106 unquoted paths, and the errors of :func:`stepbot.sidecar.compose.compose`.
     """
     lines = text.split("\n")
     _quote_starred_keys(lines, file, found)
@@ -59,7 +59,7 @@ def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
             fault = _Fault(failure, lines, file)
             section = fault.section()
             found.extend(d for d in attempt if d.span.line - 1 in section)
-            # A path without quotes is reported where it stands, with what the parser makes of it on the same line.
+            # An unquoted path is reported at its position, together with the parser's error on the same line.
             if spoiled.isdisjoint(section) and (fault.line, "SB106") not in {(d.span.line, d.code) for d in found}:
                 fault.report(found)
             if budget < len(text) or fault.ends_document or not _blank(lines, section):
@@ -88,15 +88,15 @@ def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None
 
 
 _TAB_BETWEEN = re.compile(r"[^'\"#\t{\[]*[^'\"#\s{\[] *(\t+)")
-"""A line up to a tab that is not in its indentation, in a text, in a comment, or in brackets, where it is a blank."""
+"""A line up to a tab that is not in its indentation, in a string, in a comment, or in brackets, where it is a space."""
 
 
 def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagnostics) -> set[int]:
-    """Report the tabs that stand for blanks, put blanks in their places, and tell which lines they were in.
+    """Report tabs used as indentation, replace them by spaces, and return their lines.
 
     Args:
         lines: The text; changed in place.
-        mark: The tab that the parser refused.
+        mark: The tab that the parser rejected.
         file: The name of the file.
         found: Receives SB105 for each line.
     """
@@ -109,7 +109,7 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
         if "\t" in indent:
             column, end, what = indent.index("\t"), len(indent), "tab in indentation"
             help = f"indent with spaces, two per level: `{indent.replace(chr(9), '  ')}{body}`"
-            # One blank for a tab: lines that are indented with tabs alone keep their order, and columns stay.
+            # One space per tab: lines that are indented with tabs only keep their order, and columns stay.
             lines[number] = line.replace("\t", " ", indent.count("\t"))
         elif refused := _refused_tab(line, mark if mark is not None and mark.line == number else None):
             (column, end), what = refused, "tab used as a separator"
@@ -123,7 +123,7 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
 
 
 def _refused_tab(line: str, mark: StringMark | None) -> tuple[int, int] | None:
-    """First column of the tab that a parser refuses in a line, and the one after it."""
+    """First column of the tab that a parser rejects in a line, and the one after it."""
     if mark is not None and line[mark.column : mark.column + 1] == "\t":
         return mark.column, mark.column + 1
     between = _TAB_BETWEEN.match(line)
@@ -131,7 +131,7 @@ def _refused_tab(line: str, mark: StringMark | None) -> tuple[int, int] | None:
 
 
 def _blank(lines: list[str], section: Iterable[int]) -> bool:
-    """Empty the lines of a section; False where they are empty already."""
+    """Blank the lines of a section; False if they are blank already."""
     full = [number for number in section if lines[number].strip()]
     for number in full:
         lines[number] = ""
@@ -150,7 +150,7 @@ class _Fault:
         self.ends_document = "<document start>" in self._problem
 
     def section(self) -> range:
-        """Lines, from 0, of the top-level section that the fault spoils."""
+        """Lines, from 0, of the top-level section that the error is in."""
         spoiled = self._start[0] if self._is_unclosed() else self._mark[0]
         starts = [n for n, line in enumerate(self._lines) if _TOP_LEVEL_KEY.match(line)]
         first = max((n for n in starts if n <= spoiled), default=0)
@@ -173,7 +173,7 @@ class _Fault:
         return ("flow" in self._context and "expected ','" in self._problem) or "quoted scalar" in self._context
 
     def _unquoted_path(self) -> str | None:
-        """The glob without quotes that the fault is about, if it is."""
+        """The unquoted glob that caused the error, if any."""
         line = self._lines[self._mark[0]]
         match = re.search(r"(?:^|[\s\[{,:-])(\*[^\s,\]}]*?):?(?=[\s,\]}]|$)", line)
         return match[1] if match and "<alias>" in self._problem else None
@@ -214,13 +214,13 @@ class _Fault:
         return f"invalid YAML: {problem or self._context}", ["quote text that contains special characters"]
 
     def _cut_off_by_comment(self) -> Iterator[str]:
-        """The text with a # in it, if the line ends in a comment that takes the closing bracket with it."""
+        """The text with a # in it, if the line ends in a comment that swallows the closing bracket."""
         line = self._lines[self._start[0]]
         if comment := re.search(r"(?P<before>[\[{,:]| \S*)\s+(?P<text>#[^\s,\]}#]+)[^#]*[\]}]", line[self._start[1] :]):
             yield f'# after a space starts a comment; quote the text: "{comment["text"]}"'
 
     def _missing_comma(self) -> Iterator[str]:
-        """The pair of values with the comma that the parser missed between them."""
+        """The pair of values with the comma that is missing between them."""
         line, column = self._lines[self._mark[0]], self._mark[1]
         before = re.search(r"(?P<value>[^\s,:{}\[\]]+)\s+(?P<key>[\w-]+)$", line[:column])
         if before and line[column : column + 1] == ":" and self._mark[0] == self._start[0]:
@@ -231,7 +231,7 @@ class _Fault:
 
 
 def _backslash_remedy(line: str, column: int) -> str:
-    """The text in double quotes around a column, in single quotes."""
+    """The string in double or single quotes around a column."""
     for text in re.finditer(r'"(?P<text>[^"]*)"', line):
         if text.start() <= column < text.end() and "'" not in text["text"]:
             return f"escape the backslash as \\\\, or use single quotes: '{text['text']}'"

@@ -1,4 +1,4 @@
-"""The text of a sidecar: read from the disk, bounded, as UTF-8."""
+"""Reads the text of a sidecar: bounded, as UTF-8."""
 
 import re
 from pathlib import Path
@@ -6,9 +6,9 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
 LARGEST_FILE = 1 << 20
-"""Bytes of the largest file that is read."""
+"""Maximum size [bytes] of a file."""
 
-# What YAML allows, but for three rare characters that it takes for line ends and editors do not.
+# The characters that YAML allows, except three rare ones that it treats as line ends and editors do not.
 _NO_TEXT = re.compile("[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
@@ -21,7 +21,7 @@ def file_name(path: Path) -> str:
 def read_text(path: Path, found: Diagnostics) -> str | None:
     """The text of a file with line feeds at line ends, or None if it cannot be read.
 
-    Reports SB001 not found, SB101 too large, SB102 not UTF-8, SB103 empty, SB109 a STEP file in place of a sidecar.
+    Reports SB001 not found, SB101 too large, SB102 not UTF-8, SB103 empty, SB109 a STEP file instead of a sidecar.
     """
     whole = Span(file_name(path))
     try:

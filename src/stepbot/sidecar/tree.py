@@ -1,4 +1,4 @@
-"""A YAML file as a tree of values that know their places."""
+"""A YAML file as a tree of values with their positions."""
 
 from collections.abc import Mapping as MappingType
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import Any
 from stepbot.diagnostics import Span
 
 Keys = tuple[str | int, ...]
-"""The way from the root to a value: keys of mappings, indices of lists."""
+"""The path from the root to a value: keys of mappings, indices of lists."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,11 +18,11 @@ class Scalar:
     span: Span
     value: str | int | float | bool | None
     text: str
-    """As it is written, without quotes."""
+    """Verbatim, without quotes."""
     plain: bool = True
     """Whether it is written without quotes."""
     faulty: bool = False
-    """Whether a fault has been reported for it: what follows from it is not reported again."""
+    """Whether an error has been reported for it: its consequences are not reported again."""
     size = 1
     depth = 1
 
@@ -34,9 +34,9 @@ class Listing:
     span: Span
     values: Sequence["Tree"]
     size: int
-    """Number of values in it, itself and what its aliases stand for included."""
+    """Number of values in it, including itself and expanded aliases."""
     depth: int
-    """Levels of values in it, itself included."""
+    """Depth of values in it, including itself."""
     flow: bool = False
     """Whether it is written in brackets."""
     faulty = False
@@ -57,9 +57,9 @@ class Mapping:
     span: Span
     entries: MappingType[str, Entry]
     size: int
-    """Number of values in it, itself and what its aliases stand for included."""
+    """Number of values in it, including itself and expanded aliases."""
     depth: int
-    """Levels of values in it, itself included."""
+    """Depth of values in it, including itself."""
     faulty = False
 
 
@@ -77,7 +77,7 @@ def child(tree: Tree, key: str | int) -> Tree | None:
 
 
 def way(root: Tree, keys: Keys) -> list[Tree]:
-    """The values from the root along ``keys``, as far as there are any; the root first."""
+    """The values from the root along ``keys``, as far as they exist; the root first."""
     values = [root]
     for key in keys:
         value = child(values[-1], key)
@@ -88,7 +88,7 @@ def way(root: Tree, keys: Keys) -> list[Tree]:
 
 
 def key_span(root: Tree, keys: Keys) -> Span:
-    """The place of the last key of ``keys``, or of the nearest above it that exists."""
+    """The span of the last key of ``keys``, or of the nearest existing one above it."""
     values = way(root, keys)
     for depth in range(len(values) - 1, 0, -1):
         above, key = values[depth - 1], keys[depth - 1]
@@ -98,13 +98,13 @@ def key_span(root: Tree, keys: Keys) -> Span:
 
 
 def span(root: Tree, keys: Keys) -> Span:
-    """The place of the value at ``keys``, or of the nearest key above it that exists."""
+    """The span of the value at ``keys``, or of the nearest existing key above it."""
     values = way(root, keys)
     return values[-1].span if len(values) == len(keys) + 1 else key_span(root, keys)
 
 
 def plain_data(tree: Tree) -> Any:
-    """The tree as dictionaries, lists and scalars; what an alias repeats is the same object."""
+    """The tree as dictionaries, lists and scalars; aliases become the same object."""
     return _plain_data(tree, {})
 
 

@@ -1,10 +1,10 @@
 """Units of measure: the only scale factors in stepbot.
 
-Inside, everything is SI: m, kg, s, rad. Values are converted where they enter, in ``step/`` and ``sidecar/``. A
-quantity is written as a number, which is SI already, or as a number with its unit: ``45 deg``, ``1.04 g/cm^3``,
-``1.5 N*m``, also as catalogues print them: ``1.04 g/cm3``, ``1.5 N.m``, ``20 kg.cm``, ``80 oz-in``. Scales are exact
-fractions, so that ``57.2 g`` is 0.0572 kg and not 0.057200000000000004. (A table of our own, because importing a units
-library costs every run more than half a second.)
+Inside, everything is SI: m, kg, s, rad. Values are converted on input, in ``step/`` and ``sidecar/``. A quantity is
+written as a number in SI units, or as a number with its unit: ``45 deg``, ``1.04 g/cm^3``, ``1.5 N*m``, also in the
+notations of catalogues: ``1.04 g/cm3``, ``1.5 N.m``, ``20 kg.cm``, ``80 oz-in``. Scales are exact fractions, so that
+``57.2 g`` is 0.0572 kg and not 0.057200000000000004. (The table is stepbot's own because importing a units library
+would cost every run more than half a second.)
 """
 
 import math
@@ -27,7 +27,7 @@ class Dimension:
     unit: str
     """The SI unit, as printed."""
     powers: tuple[Powers, ...]
-    """Exponents that are accepted; several where radians may be written or left out."""
+    """Accepted exponents; several if radians may be omitted."""
     example: str
 
 
@@ -63,7 +63,7 @@ class Quantity(NamedTuple):
     value: float
     """[SI]."""
     dimension: Dimension | None
-    """The dimension of the unit that was written; None for a plain number."""
+    """The dimension of the given unit; None for a plain number."""
     taken_as: str = ""
     """The interpretation of a mass as a force, ``20 kgf*cm`` for ``20 kg.cm``; else empty."""
 
@@ -81,7 +81,7 @@ class UnitError(ValueError):
 
 
 def parse_quantity(text: str, dimension: Dimension) -> float:
-    """The SI value of ``text``: a number alone is SI already, a unit must be of the dimension.
+    """The SI value of ``text``: a plain number is SI, a unit must have the dimension.
 
     Raises:
         UnitError: No number, an unknown unit, or a unit of another dimension.
@@ -90,7 +90,7 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
 
 
 def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
-    """The SI value of ``text``, and whether a unit of one of ``dimensions`` was written.
+    """The SI value of ``text``, and whether it has a unit of one of ``dimensions``.
 
     Raises:
         UnitError: No number, an unknown unit, or a unit of none of the dimensions.
@@ -106,7 +106,7 @@ def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
     for dimension in dimensions:
         if unit.powers in dimension.powers:
             return Quantity(_scaled(match["number"], unit), dimension)
-    if unit.powers == _MASS_TIMES_LENGTH and TORQUE in dimensions:  # as data sheets of servos print torques
+    if unit.powers == _MASS_TIMES_LENGTH and TORQUE in dimensions:  # the notation of torques in data sheets of servos
         weight = UnitOfMeasure(unit.scale * _G0, unit.turns, _TORQUE_POWERS)
         return Quantity(_scaled(match["number"], weight), TORQUE, f"{match['number']} {_with_forces(match['unit'])}")
     message = f"wrong unit '{match['unit']}': expected {described(*dimensions)}"
@@ -122,7 +122,7 @@ def described(*dimensions: Dimension) -> str:
 
 
 def known_units() -> tuple[str, ...]:
-    """Every symbol that can be written, in the order of the table."""
+    """Every unit symbol, in the order of the table."""
     return tuple(_UNITS)
 
 
@@ -137,7 +137,7 @@ _MASS_TIMES_LENGTH: Powers = (1, 1, 0, 0)
 _INCH = Fraction("0.0254")
 _POUND = Fraction("0.45359237")
 _G0 = Fraction("9.80665")
-"""Standard gravity [m/s^2], which makes a force of a kilogram or a pound."""
+"""Standard gravity [m/s^2], which converts a kilogram or a pound to a force."""
 
 
 def _unit(scale: Fraction | str | int, powers: Powers, turns: int = 0) -> UnitOfMeasure:
@@ -188,7 +188,7 @@ _UNITS: dict[str, UnitOfMeasure] = {
 }
 
 _LONGEST = 100
-"""Characters of the longest quantity; longer texts are refused unread, so that none takes long."""
+"""Maximum length of a quantity; longer texts are rejected without parsing, to bound the time."""
 _NUMBER = r"[+-]?(?:(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][+-]?\d+)?|\.?inf)"
 _QUANTITY = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>[^\s\d_.,+*/^-].*?)?\s*", re.ASCII)
 _FACTOR = re.compile(
@@ -200,7 +200,7 @@ _FACTOR = re.compile(
 _SUPERSCRIPTS = {"\N{SUPERSCRIPT TWO}": 2, "\N{SUPERSCRIPT THREE}": 3}
 
 QUANTITY_PATTERN = rf"^\s*{_NUMBER.replace('(?:', '(')}(\s*[^\s\d_.,+*/^-].*)?\s*$"
-"""For JSON Schema (ECMA 262): a number, then perhaps a unit; whether it fits, only :func:`read_quantity` knows."""
+"""For JSON Schema (ECMA 262): a number and an optional unit; the dimension is checked by :func:`read_quantity`."""
 
 
 def _float(number: str) -> float:
@@ -208,7 +208,7 @@ def _float(number: str) -> float:
 
 
 def _scaled(number: str, unit: UnitOfMeasure) -> float:
-    """The number times the unit, rounded once where no turns are in it."""
+    """The number times the unit, rounded once unless it involves turns."""
     plain = _float(number)
     if not math.isfinite(plain) or plain == 0.0:
         return plain
@@ -240,11 +240,11 @@ def _parse_unit(text: str) -> UnitOfMeasure:
 
 
 _FORCE_OF = {"kg": "kgf", "g": "gf", "lb": "lbf", "oz": "ozf"}
-"""The force that each mass is the name of, where a data sheet leaves its `f` out."""
+"""The force that a unit of mass stands for, if a data sheet omits its `f`."""
 
 
 def _with_forces(text: str) -> str:
-    """A unit with forces in the place of masses: ``kgf*cm`` for ``kg.cm``."""
+    """A unit with forces in place of masses: ``kgf*cm`` for ``kg.cm``."""
     symbols = re.findall(r"[A-Za-z\N{MICRO SIGN}]+", text)
     return "*".join(_FORCE_OF.get(symbol, symbol) for symbol in symbols)
 
@@ -295,7 +295,7 @@ def _spelling_hints(symbol: str) -> tuple[str, ...]:
 
 
 def _dimension_hints(number: str, text: str, unit: UnitOfMeasure, dimensions: tuple[Dimension, ...]) -> tuple[str, ...]:
-    if text == "nm":  # a nanometre where a torque belongs
+    if text == "nm":  # nm is a nanometre, not a torque
         return ("did you mean 'N*m'?",)
     hints = []
     if unit.powers == _MASS_POWERS and text in _FORCE_OF:
