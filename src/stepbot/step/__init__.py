@@ -1,4 +1,7 @@
-"""STEP -> Assembly: the only package that imports the geometry kernel, and only in a worker process."""
+"""Reads STEP files; the only package that imports the geometry kernel, and only in a worker process.
+
+May be called by ``assemble``, ``authoring`` and everything above them.
+"""
 
 KERNEL = "stepbot.step.worker:read"
 """The function that runs in the kernel's process."""

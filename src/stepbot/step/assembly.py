@@ -1,7 +1,7 @@
-"""What a STEP file holds, as plain data in SI: the tree, each body once, the axes that joints can bind to.
+"""The content of a STEP file as plain data in SI: the tree, each body once, the axes that joints can bind to.
 
-Nothing in here knows the geometry kernel. Frames: W is the assembly (the STEP's own frame), C a component, D the
-definition that a component is an occurrence of; C and D coincide, so a body's coordinates in D are coordinates in C.
+Independent of the geometry kernel. Frames: W is the assembly (the STEP's own frame), C a component, D the definition
+that a component is an occurrence of; C and D coincide, so a body's coordinates in D are coordinates in C.
 """
 
 from dataclasses import dataclass, field
@@ -20,21 +20,21 @@ from stepbot.robot.model import Rgba
 from .faces import Face
 
 CERTAIN = 1e-3
-"""Relative error of mass properties up to which they are known."""
+"""Relative error of mass properties up to which they are reliable."""
 ROOT_PATH = "."
 """Path of the root of the assembly."""
 
 
 @dataclass(frozen=True)
 class MeshTolerance:
-    """How closely a mesh follows its solid."""
+    """Tolerance of a mesh."""
 
     relative: float = 0.002
-    """Chordal deviation as a share of the solid's diagonal; used where ``absolute`` is 0."""
+    """Chordal deviation as a share of the solid's diagonal; used if ``absolute`` is 0."""
     absolute: float = 0.0
     """Chordal deviation [m]."""
     angle: float = 0.2617993877991494
-    """Angular deviation [rad] between neighbouring facets; 15 degrees."""
+    """Angular deviation [rad] between adjacent facets; 15 degrees."""
 
 
 @dataclass(frozen=True)
@@ -43,19 +43,19 @@ class ReadOptions:
 
     tolerance: MeshTolerance = MeshTolerance()
     tolerance_of: tuple[tuple[str, MeshTolerance], ...] = ()
-    """Component path or glob (see :mod:`.structure.paths`) and its own tolerance; the nearest claim wins."""
+    """Component path or glob (see :mod:`.structure.paths`) and its own tolerance; the nearest match wins."""
     refine_mass_to: float = 0.0
     """Relative deviation from the exact mass properties to refine a measuring mesh to; 0 for no such mesh."""
     encoding: str = ""
-    """Code page that names are declared to be in, where they are neither ASCII nor UTF-8; empty for none."""
+    """Declared code page of names, if they are neither ASCII nor UTF-8; empty for none."""
     geometry: bool = True
-    """Whether bodies are meshed and measured; False gives the tree alone."""
+    """Whether bodies are meshed and measured; False reads only the tree."""
     faces: bool = False
-    """Whether to keep every face of each body (:attr:`Body.faces`); only inference needs them."""
+    """Whether to keep every face of each body (:attr:`Body.faces`), which only inference needs."""
 
 
 class BodyKind(StrEnum):
-    """What a body is made of."""
+    """The type of geometry of a body."""
 
     SOLID = "solid"
     SURFACE = "surface"
@@ -63,7 +63,7 @@ class BodyKind(StrEnum):
     TESSELLATED = "tessellated"
     """Triangles without exact geometry; a closed one has a volume."""
     WIRE = "wire"
-    """Curves and points only; nothing to see or to weigh."""
+    """Curves and points only, without surface or volume."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +71,9 @@ class AxisFace:
     """A cylindrical or conical face: a line that a joint can turn about or slide along."""
 
     point: Vector3
-    """A point of the axis [m], in the frame that the face is given in."""
+    """A point of the axis [m], in the frame of the face."""
     direction: Vector3
-    """Unit direction; its sign means nothing."""
+    """Unit direction; its sign has no meaning."""
     radius: float
     """Radius [m]; of a cone, the larger one."""
     low: float
@@ -81,7 +81,7 @@ class AxisFace:
     high: float
     """End of the face along ``direction`` from ``point`` [m]."""
     bore: bool
-    """Whether material lies outside (a hole) or inside (a shaft)."""
+    """Whether material is outside (a hole) or inside (a shaft)."""
     cone: bool = False
 
     def moved(self, X_AB: Pose) -> "AxisFace":
@@ -93,29 +93,29 @@ class AxisFace:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """One solid or surface of a definition: meshed once, measured once, however often it occurs."""
+    """One solid or surface of a definition: meshed and measured once for all its occurrences."""
 
     kind: BodyKind
     mesh: TriMesh
     """In the definition's frame; without faces for a wire."""
     face_colors: NDArray[np.int32]
-    """Shape (m,): for each face of the mesh an index of ``colors``."""
+    """Shape (m,): for each face of the mesh an index into ``colors``."""
     colors: tuple[Rgba | None, ...]
-    """Colours that the STEP gives; None where the face has no colour of its own and takes the component's."""
+    """Colours in the STEP; None for faces without own colour, which take the component's."""
     watertight: bool
-    """Whether every edge of the mesh joins exactly two faces that agree on the outside."""
+    """Whether every edge of the mesh joins exactly two consistently oriented faces."""
     defect: str = ""
-    """Why the body is not watertight or has no volume, for people; empty when all is well."""
+    """Why the body is not watertight or has no volume, for messages; empty otherwise."""
     exact: VolumeProperties | None = None
-    """From the exact B-rep; None where there is no volume."""
+    """From the exact B-rep; None without a volume."""
     exact_error: float = 0.0
-    """Estimated relative error of ``exact``; 0 where there is no estimate, above :data:`CERTAIN` it is unconfirmed."""
+    """Estimated relative error of ``exact``; 0 without an estimate, unconfirmed above :data:`CERTAIN`."""
     refined: VolumeProperties | None = None
-    """By trimesh from the measuring mesh of ``ReadOptions.refine_mass_to``; None when it was not asked for."""
+    """By trimesh from the measuring mesh of ``ReadOptions.refine_mass_to``; None if not requested."""
     axis_faces: tuple[AxisFace, ...] = ()
     """In the definition's frame, in file order."""
     area: float = 0.0
-    """Exact area [m^2] of all faces, integrated only for files that state areas; 0 elsewhere."""
+    """Exact area [m^2] of all faces, integrated only for files that state areas; otherwise 0."""
     faces: tuple[Face, ...] = ()
     """Every face, in file order; only with ``ReadOptions.faces``."""
 
@@ -125,37 +125,37 @@ class Component:
     """One occurrence in the assembly tree."""
 
     index: int
-    """Place in :attr:`Assembly.components`."""
+    """Index in :attr:`Assembly.components`."""
     parent: int
     """Index of the component above; -1 for the root."""
     segment: str
-    """Last segment of the canonical path, escaped, with ``#n`` where siblings share it."""
+    """Last segment of the canonical path, escaped, with ``#n`` for siblings that share it."""
     path: str
-    """Canonical path, unique: what `inspect` and messages print. ``.`` for the root."""
+    """Canonical path, unique; used by `inspect` and messages. ``.`` for the root."""
     product: str
     """Name of the product in the STEP; may be empty."""
     occurrence: str
-    """Name of the occurrence in the STEP; may be empty or machine-made."""
+    """Name of the occurrence in the STEP; may be empty or generated."""
     ordinal: int
     """n among the siblings that share the product name, from 1 in file order."""
     X_WC: Pose = IDENTITY
     """Pose in the assembly."""
     body: int = -1
-    """Index of :attr:`Assembly.bodies`; -1 for a component that only holds others."""
+    """Index in :attr:`Assembly.bodies`; -1 for a component without own body."""
     definition: int = -1
-    """Index of the definition; components with the same one have the same shape."""
+    """Index of the definition; components of one definition have the same shape."""
     color: Rgba | None = None
-    """Colour of the occurrence, or of the part where the body's faces have none."""
+    """Colour of the occurrence, or of the part for faces without own colour."""
     material: str = ""
-    """Name of the material in the STEP; empty where there is none."""
+    """Name of the material in the STEP; may be empty."""
     density: float = 0.0
-    """Density [kg/m^3] in the STEP; 0 where there is none."""
+    """Density [kg/m^3] in the STEP; 0 if there is none."""
     by_ordinal_only: bool = False
-    """Whether only ``#n`` tells it from a sibling: such a path breaks when the CAD inserts a part."""
+    """Whether only ``#n`` distinguishes it from a sibling: such a path breaks when the CAD inserts a part."""
 
 
 class Quantity(StrEnum):
-    """What a CAD program states about a shape, for readers to check themselves by."""
+    """The quantity of a validation property, stated by the CAD program for readers to compare."""
 
     VOLUME = "volume"
     AREA = "area"
@@ -164,22 +164,22 @@ class Quantity(StrEnum):
 
 @dataclass(frozen=True)
 class Validation:
-    """A validation property of the file, against what was read."""
+    """A validation property of the file, compared with the geometry that was read."""
 
     component: int
-    """Index of the first component that it is about."""
+    """Index of the first component that it refers to."""
     quantity: Quantity
     stated: tuple[float, ...]
-    """In the file [m^3, m^2 or m]; a centroid in the component's frame, or in that of the component above."""
+    """In the file [m^3, m^2 or m]; a centroid in the component's frame, or in its parent's."""
     read: tuple[float, ...]
     deviation: float
-    """Of volumes and areas a share of what is stated, of centroids a share of the radius of gyration."""
+    """Volumes and areas relative to the stated value, centroids relative to the radius of gyration."""
     tolerance: float
     """Deviation up to which both count as equal."""
 
     @property
     def agrees(self) -> bool:
-        """Whether what was read is what the file says."""
+        """Whether the geometry that was read matches the file's value."""
         return self.deviation <= self.tolerance
 
 
@@ -190,9 +190,9 @@ class Assembly:
     source: str
     """File name, without folders."""
     schema: str
-    """AP203, AP214, AP242 ..., as the header says."""
+    """AP203, AP214, AP242 ..., from the header."""
     originating_system: str
-    """CAD program that wrote it, as the header says; may be empty."""
+    """CAD program that wrote it, from the header; may be empty."""
     unit: str
     """Length unit of the file: ``mm``, ``cm``, ``m``, ``inch``, ``foot`` ..."""
     unit_scale: float
@@ -205,27 +205,27 @@ class Assembly:
     validations: tuple[Validation, ...] = ()
     """Validation properties of the file, in file order."""
     diagnostics: tuple[Diagnostic, ...] = ()
-    """What the reader found; errors end the conversion."""
+    """Diagnostics of the reader; errors end the conversion."""
     facts: dict[str, str] = field(default_factory=dict)
-    """Further things that `inspect` shows: encoding, time of writing, entity counts."""
+    """Further facts for `inspect`: encoding, time of writing, entity counts."""
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """For each component the indices of those directly below, in file order."""
+        """For each component, the indices of its children, in file order."""
         below: list[list[int]] = [[] for _ in self.components]
         for component in self.components[1:]:
             below[component.parent].append(component.index)
         return tuple(tuple(indices) for indices in below)
 
     def subtree(self, index: int) -> tuple[int, ...]:
-        """The component and all below it, depth first."""
+        """The component and everything below it, depth first."""
         found = [index]
         for child in self.children[index]:
             found += self.subtree(child)
         return tuple(found)
 
     def bounds(self, index: int) -> tuple[Vector3, Vector3] | None:
-        """Lowest and highest corner [m] of a component and all below it, along the axes of the assembly."""
+        """Lowest and highest corner [m] of a component and everything below it, along the axes of the assembly."""
         boxes = []
         for i in self.subtree(index):
             component = self.components[i]

@@ -1,8 +1,7 @@
-"""Names the input over which a process ended, and spares it that one next time: for systems that cannot fork.
+"""Identifies the input that crashed a process, and skips it in the next one: for systems without fork.
 
-Before each input the process writes the number of the input into a file. A timer of the C library ends the process when
-an input takes too long, in native code too. Whoever started the process reads the file, and starts another one, which
-leaves that input out.
+Before each input the process writes its number to a file. A timer of the C library ends the process if an input takes
+too long, even in native code. The parent reads the file, and starts another process that skips this input.
 """
 
 import contextlib
@@ -12,29 +11,29 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 BODY_SECONDS = 120.0
-"""Time that a body may take: of the processor in a forked process, else by the clock. Large ones take a few seconds."""
+"""Time limit of a body [s]: processor time in a forked process, else wall-clock time. Large ones take a few seconds."""
 
 _AT_HAND, _LATE = "at hand", "late"
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """One process's turn at all inputs."""
+    """One process's attempt at all inputs."""
 
     folder: str
-    """Where it says what it is doing; both sides know it."""
+    """File for the current input, shared with the parent."""
     seconds: float
-    """Time [s] that an input may take."""
+    """Time limit [s] of an input."""
     died: tuple[tuple[int, str], ...] = ()
     """Inputs that ended earlier processes, with the reason."""
 
     def reason(self, number: int) -> str | None:
-        """Why an input is left out; None where it is not."""
+        """Why an input is skipped; None if it is not."""
         return dict(self.died).get(number)
 
     @contextlib.contextmanager
     def at(self, number: int) -> Iterator[None]:
-        """Work on an input; ends the process if that takes too long."""
+        """Process an input; ends the process if it takes too long."""
         at_hand = Path(self.folder, _AT_HAND)
         at_hand.write_text(str(number), encoding="ascii")
         with Path(self.folder, _LATE).open("wb") as late:
@@ -46,7 +45,7 @@ class Attempt:
         at_hand.unlink()
 
     def after(self, reason: str) -> "Attempt | None":
-        """The next attempt, once a process has ended for a reason; None where no input was at hand."""
+        """The next attempt, after a process ended for a reason; None if it was not processing an input."""
         at_hand, late = Path(self.folder, _AT_HAND), Path(self.folder, _LATE)
         try:
             number = int(at_hand.read_text(encoding="ascii"))

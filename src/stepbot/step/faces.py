@@ -1,6 +1,6 @@
-"""Every face of a body, as far as it tells how parts touch: planes with their outline, surfaces of revolution, spheres.
+"""Faces of a body, as needed to find contacts: planes with their outline, surfaces of revolution, spheres.
 
-Nothing in here knows the geometry kernel. Lengths are in metres, in the frame of the definition.
+Independent of the geometry kernel. Lengths are in metres, in the frame of the definition.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from stepbot.geometry.spatial import Array, Vector3
 
 
 class FaceKind(StrEnum):
-    """The surface that a face lies on, also where the file writes it as a B-spline."""
+    """The surface type of a face, recognized even if the file has it as a B-spline."""
 
     PLANE = "plane"
     CYLINDER = "cylinder"
@@ -28,24 +28,24 @@ class Face:
 
     kind: FaceKind
     point: Vector3
-    """On a plane; on the axis, in the middle of the face; centre of a sphere or a torus."""
+    """For a plane, on it; otherwise on the axis, in the middle of the face; the centre of a sphere or a torus."""
     direction: Vector3
-    """Unit: outward normal of a plane, axis of the others; z where there is none."""
+    """Unit vector: outward normal of a plane, axis of the others; z if there is none."""
     box: tuple[Vector3, Vector3]
     """Lowest and highest corner."""
     radius: float = 0.0
-    """Of a cone the larger one, of a torus that of its centre line."""
+    """For a cone the larger one, for a torus that of its centre line."""
     length: float = 0.0
     """Extent along the axis, half of it on either side of ``point``."""
     bore: bool = False
-    """Whether material lies outside of a cylinder, a cone or a sphere."""
+    """Whether material is outside of a cylinder, a cone or a sphere."""
     span: float = 0.0
     """Angle about the axis that it covers [rad]."""
     rings: tuple[Array, ...] = ()
     """Outline of a plane as closed rings of points (n, 3), the outer one first."""
 
     def scaled(self, factors: Array, scale: float) -> "Face":
-        """This face as a mirrored or scaled occurrence shows it; ``factors`` (3,) are the scale with signs."""
+        """This face in a mirrored or scaled occurrence; ``factors`` (3,) are the scale with signs."""
         corners = np.sort(np.array(self.box) * factors, axis=0)
         return replace(
             self,

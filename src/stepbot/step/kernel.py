@@ -1,6 +1,6 @@
-"""Opens a STEP file with the kernel and hands over its products as a document (XCAF).
+"""Opens a STEP file with the kernel and returns its products as a document (XCAF).
 
-Transfer builds shapes without healing them: healing is most of its time, and is done body by body afterwards, in
+Transfer builds shapes without healing them: healing takes most of its time, and is done per body afterwards, in
 parallel (:mod:`stepbot.step.shapes.healing`).
 """
 
@@ -25,7 +25,7 @@ MILLIMETRES_PER_METRE = 1000.0
 _SETTINGS = {
     "xstep.cascade.unit": "MM",
     "read.step.codepage": "UTF8",
-    # A part that has both an exact shape and triangles would come twice.
+    # A part with both an exact shape and triangles would appear twice.
     "read.step.tessellated": "OnNoBRep",
 }
 _HEALING = (
@@ -44,7 +44,7 @@ _UNUSED = ("Layer", "SHUO", "GDT", "View", "Meta", "Props", "Mat")
 
 
 class StepUnreadable(Exception):
-    """The kernel does not accept the file; the message says what it answered."""
+    """The kernel rejects the file; the message is the kernel's."""
 
 
 @dataclass(frozen=True)
@@ -54,17 +54,18 @@ class StepModel:
     reader: Any
     """``STEPCAFControl_Reader``."""
     session: Any
-    """Its work session, which holds the entities."""
+    """Its work session with the entities."""
 
 
 def read_model(path: Path) -> StepModel:
     """Read the entities of a file in UTF-8.
 
     Raises:
-        StepUnreadable: The kernel cannot make sense of the file.
+        StepUnreadable: The kernel cannot parse the file.
     """
     STEPCAFControl_Controller.Init_s()
-    XCAFDoc_ShapeTool.SetAutoNaming_s(False)  # names are the file's, whoever used the kernel in this process before
+    # names are the file's, independent of earlier uses of the kernel in this process
+    XCAFDoc_ShapeTool.SetAutoNaming_s(False)
     for name, value in _SETTINGS.items():
         if not Interface_Static.SetCVal_s(name, value):
             raise AssertionError(f"the kernel has no setting {name} = {value}")
@@ -76,13 +77,13 @@ def read_model(path: Path) -> StepModel:
 
 
 def transfer(model: StepModel) -> Any:
-    """Build the shapes; the document that holds them.
+    """Build the shapes; returns the document that contains them.
 
     Raises:
-        StepUnreadable: Not a single shape came of it.
+        StepUnreadable: No shape could be built.
     """
     reader = model.reader
-    # Earlier than this the settings would be lost: reading the file sets them anew.
+    # Reading the file resets these settings, so they cannot be set earlier.
     switched_off = ParameterMap()
     for name in _HEALING:
         switched_off.Bind(TCollection_AsciiString(f"FixShape.{name}"), TCollection_AsciiString("0"))

@@ -1,9 +1,9 @@
-"""Runs one function over many inputs in forked processes, so that a crash costs one input and every core works.
+"""Runs one function over many inputs in forked processes, on all cores; a crash costs only one input.
 
-A forked process shares what its parent has read; nothing is sent to it but numbers of inputs. Each takes the next
-number from a pipe, says so, and writes its results to a file of its own; when it dies, or is stopped because it takes
-too long, the parent knows over which input. Where there is no fork, the function runs in this process, which
-:mod:`stepbot.step.attempts` watches.
+A forked process shares what its parent has read; only numbers of inputs are sent to it. Each process takes the next
+number from a pipe, reports it, and writes its results to a file of its own; if it dies, or is stopped because of the
+time limit, the parent knows the input. Without fork, the function runs in this process, under
+:mod:`stepbot.step.attempts`.
 """
 
 import ctypes
@@ -28,19 +28,19 @@ T = TypeVar("T")
 _NUMBER = struct.Struct("<i")
 _LENGTH = struct.Struct("<q")
 _PIPE_NUMBERS = 1024
-"""Numbers that fit into a pipe at once, on the smallest of them."""
+"""Numbers that fit into a pipe at once on all systems."""
 
 
 @dataclass(frozen=True)
 class Died:
-    """A process ended in the middle of an input."""
+    """A process ended while it processed an input."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Raised:
-    """The function raised one of the errors that it is expected to."""
+    """The function raised one of the expected errors."""
 
     kind: str
     text: str
@@ -48,13 +48,13 @@ class Raised:
 
 @dataclass(frozen=True)
 class _Bug:
-    """The function raised something that nobody expected."""
+    """The function raised an unexpected error."""
 
     trace: str
 
 
 class _Child(Generic[T]):
-    """A forked process that works through the shared pipe of numbers."""
+    """A forked process that takes numbers from the shared pipe."""
 
     def __init__(
         self, function: Callable[[int], T], numbers: int, failures: tuple[type[Exception], ...], seconds: float
@@ -64,7 +64,7 @@ class _Child(Generic[T]):
         sys.stdout.flush()
         sys.stderr.flush()
         with warnings.catch_warnings():
-            # Forking beside threads is risky where they hold locks; the kernel's process has none of its own.
+            # Forking is unsafe if other threads hold locks; the kernel's process has no other threads.
             warnings.simplefilter("ignore", DeprecationWarning)
             parent = os.getpid()
             self.pid = os.fork()
@@ -78,7 +78,7 @@ class _Child(Generic[T]):
                 os._exit(status)
 
     def collect(self, results: dict[int, T | Died | Raised | _Bug]) -> None:
-        """Wait for the process and take over what it did."""
+        """Wait for the process and collect its results."""
         _, status = os.waitpid(self.pid, 0)
         code = os.waitstatus_to_exitcode(status)
         self._results.seek(0)
@@ -107,10 +107,10 @@ def run(
     Args:
         function: Its results must be picklable, and depend on nothing but the number.
         order: The numbers, each once, the ones that take longest first.
-        processes: How many to use; None for one per core.
-        failures: Errors that are a result: given back as :class:`Raised`, where others end the program.
-        seconds: Processor time [s] that one input may take, where processes can be forked; 0 for any.
-        attempt: What stops and names an input that ends its process, where none is forked.
+        processes: Number of processes; None for one per core.
+        failures: Errors that are results: returned as :class:`Raised`; others end the program.
+        seconds: Processor time limit [s] of one input, if processes can be forked; 0 for none.
+        attempt: Stops and identifies an input that ends its process, if processes cannot be forked.
     """
     count = min(processes if processes is not None else core_count(), len(order))
     if not can_fork() or (count < 2 and not seconds):
@@ -128,7 +128,7 @@ def run(
         for child in children:
             child.collect(results)
         os.close(reading)
-        # Processes that died leave numbers that nobody took: they are done in a new round, without the fatal one.
+        # Processes that died leave unprocessed numbers: they are processed in a new round, without the fatal one.
         left = [number for number in batch if number not in results] + left
         if len(results) == done:
             raise OSError("forked processes end at start")
@@ -136,9 +136,9 @@ def run(
 
 
 def _give_back_freed_memory() -> None:
-    """Hand to the system what was freed: forked processes would fill its pages, each of them anew."""
+    """Return freed memory to the system: forked processes would each copy its pages."""
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
-    if trim is not None:  # glibc has it, musl does not
+    if trim is not None:  # available in glibc, not in musl
         trim(0)
 
 
@@ -177,7 +177,7 @@ def _work(
         number = _NUMBER.unpack(head)[0]
         results.write(head)
         results.flush()
-        # The signal of this timer ends the process even within native code that never comes back.
+        # The signal of this timer ends the process even within native code that never returns.
         signal.setitimer(signal.ITIMER_PROF, seconds)
         payload = _payload(function, number, failures)
         results.write(_LENGTH.pack(len(payload)))

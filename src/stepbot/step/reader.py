@@ -1,7 +1,7 @@
-"""Reads STEP files: the kernel runs in a process of its own, so that whatever it does ends in a diagnostic.
+"""Reads STEP files: the kernel runs in a separate process, so that any failure becomes a diagnostic.
 
-reading = start_reading(path, options)      the kernel loads and reads while the caller does something else
-assembly = reading.finish(found)            waits; None where errors are in ``found``
+reading = start_reading(path, options)      the kernel loads and reads while the caller continues
+assembly = reading.finish(found)            waits; None after errors in ``found``
 """
 
 import ctypes.util
@@ -22,22 +22,22 @@ from .exchange.part21 import Part21, check_step
 __all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
 
 _SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpat.so.1": "libexpat1"}
-"""Shared libraries that the kernel's wheel takes from the system, and their Debian packages."""
+"""Shared libraries that the kernel's wheel requires from the system, and their Debian packages."""
 _NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC")
-"""What systems say of a kernel that is there and does not load."""
+"""Error messages of systems for a kernel that is installed but does not load."""
 _MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
 
 
 @dataclass(frozen=True)
 class _Order:
-    """What the kernel's process is asked to do."""
+    """A request to the kernel's process."""
 
     path: Path
     part21: Part21
     options: ReadOptions
     memory_limit: int | None
     folder: "tempfile.TemporaryDirectory[str]"
-    """Where that process says which body it is at."""
+    """File in which that process records the current body."""
 
     def submit(self, worker: Worker, attempt: Attempt) -> Worker:
         return worker.submit(str(self.path), str(self.path), self.part21, self.options, attempt)
@@ -54,18 +54,18 @@ class Reading:
 
     @property
     def pid(self) -> int | None:
-        """Id of the kernel's process; None where there is none, or no longer."""
+        """Id of the kernel's process; None if there is none, or no longer."""
         return self._worker.pid if self._worker is not None else None
 
     def finish(self, found: Diagnostics, timeout: float = DEFAULT_TIMEOUT) -> Assembly | None:
         """Wait for the assembly.
 
         Args:
-            found: Receives what there is to say about the file.
+            found: Receives the diagnostics of the file.
             timeout: Seconds after which the kernel is stopped.
 
         Returns:
-            None where errors in ``found`` say why; bodies that failed are errors too, beside an assembly without them.
+            None after errors in ``found``; bodies that failed are errors too, with an assembly without them.
         """
         found.extend(self._found)
         if self._worker is None:
@@ -93,7 +93,7 @@ class Reading:
             self._order.folder.cleanup()
 
     def _result(self, timeout: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
-        """What the kernel's process answers, or another one that leaves out the bodies that ended those before."""
+        """The result of the kernel's process, or of another one that skips the bodies that ended earlier processes."""
         assert self._worker is not None
         deadline, left = time.monotonic() + timeout, timeout
         while True:
@@ -113,13 +113,13 @@ class Reading:
 def start_reading(
     path: Path, options: ReadOptions, *, memory_limit: int | None = None, kernel: Worker | None = None
 ) -> Reading:
-    """Begin to read a STEP file; returns at once.
+    """Start to read a STEP file; returns at once.
 
     Args:
-        path: The file; diagnostics name it as it is given.
+        path: The file; diagnostics use this path.
         options: What to compute.
-        memory_limit: Address space [bytes] that the kernel's process may take; None for no limit.
-        kernel: A process that was started for it; None to start one.
+        memory_limit: Address space [bytes] of the kernel's process; None for no limit.
+        kernel: A process started in advance; None to start one.
     """
     found = Diagnostics()
     place = str(path)
@@ -129,7 +129,7 @@ def start_reading(
         if part21 is not None:
             folder = tempfile.TemporaryDirectory(prefix="stepbot-", ignore_cleanup_errors=True)
             return Reading(worker, _Order(path, part21, options, memory_limit, folder), place, found)
-    except BaseException:  # Ctrl-C: nobody will wait for the process
+    except BaseException:  # Ctrl-C: the process is no longer needed
         worker.close()
         raise
     worker.close()
@@ -137,7 +137,7 @@ def start_reading(
 
 
 def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:
-    """Read a STEP file; None where errors in ``found`` say why."""
+    """Read a STEP file; None after errors in ``found``."""
     return start_reading(path, options).finish(found)
 
 
@@ -152,13 +152,13 @@ def _report_death(death: WorkerDied, place: str, found: Diagnostics) -> None:
 
 
 def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
-    """Whether the kernel could not even be loaded, and what is missing."""
+    """Whether the kernel could not be loaded, and what is missing."""
     if error.kind == "ModuleNotFoundError" and "OCP" in error.text:
         found.add("SB003", "the geometry kernel is not installed", Span(place), help=["pip install cadquery-ocp-novtk"])
         return True
     named = _MISSING_LIBRARY.findall(error.text)
     if error.kind != "ImportError" or not (named or _NOT_LOADED.search(error.text)):
-        return False  # an import of ours that fails is a bug
+        return False  # a failed import of stepbot's own code is a bug
     missing = [library for library in _SYSTEM_LIBRARIES if library in named or not _loads(library)] if named else []
     others = [library for library in named if library not in missing]
     packages = " ".join(_SYSTEM_LIBRARIES[library] for library in missing)
@@ -178,7 +178,7 @@ def _loads(library: str) -> bool:
 
 
 def _read_only(assembly: Assembly) -> Assembly:
-    """Arrays come writable out of the process; they are shared, so nobody may change them."""
+    """Make arrays read-only, since they are shared; they are writable when received from the process."""
     for body in assembly.bodies:
         for array in (body.mesh.vertices, body.mesh.faces, body.face_colors):
             array.setflags(write=False)

@@ -1,4 +1,4 @@
-"""The faces that a shape is made of."""
+"""The faces of a shape."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from OCP.TopoDS import TopoDS
 
 
 def faces_of(shape: Any) -> list[Any]:
-    """The faces of a shape, each once, in file order, with the orientation that they have in it."""
+    """The faces of a shape, each once, in file order, with their orientation in it."""
     found = ShapeMap()
     TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_FACE, found)
     return [TopoDS.Face(found.FindKey(index)) for index in range(1, found.Extent() + 1)]

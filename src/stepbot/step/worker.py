@@ -1,10 +1,10 @@
-"""What runs in the kernel's own process: a STEP file becomes an Assembly.
+"""Converts a STEP file to an Assembly, in the kernel's process.
 
     read       entities, unit, materials, names
     transfer   shapes, not healed; definitions; the tree of components
     bodies     each healed, measured, meshed, in parallel
 
-The modules that this one imports are the only ones that see the geometry kernel.
+Only modules imported from here import the geometry kernel.
 """
 
 from collections.abc import Mapping
@@ -56,9 +56,9 @@ class _Content:
     definitions: list[Definition]
     tree: Tree
     stated: list[Stated]
-    """Values that the file states for readers to compare."""
+    """Values stated in the file for comparison."""
     mechanisms: int
-    """Kinematic mechanisms that the file describes."""
+    """Number of kinematic mechanisms in the file."""
 
 
 def read(
@@ -68,13 +68,13 @@ def read(
 
     Args:
         path: The file.
-        place: What diagnostics call it.
-        part21: What its text told already.
+        place: Name of the file in diagnostics.
+        part21: Its text, already checked.
         options: What to compute.
-        attempt: What names a body over which this process ends, where bodies have no processes of their own.
+        attempt: Records the current body for the case that this process ends, if bodies have no processes of their own.
 
     Returns:
-        The assembly, None where there is none, and what there is to say about the file.
+        The assembly, or None, and the diagnostics.
     """
     found = Diagnostics()
     content = _read_content(path, place, part21, found)
@@ -101,7 +101,7 @@ def read(
 
 
 def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> _Content | None:
-    """Everything but the bodies; None, with the reason in ``found``, where there is nothing to go on with."""
+    """Everything but the bodies; None, with the reason in ``found``, after an error."""
     remedy = ["open it in another CAD program and export it again"]
     try:
         try:
@@ -112,7 +112,7 @@ def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> 
         found.add("SB205", str(error), Span(place), help=remedy)
         return None
     except OUT_OF_MEMORY:
-        raise MemoryError from None  # the process ends, and whoever waits for it knows why
+        raise MemoryError from None  # the process ends, and its parent reports why
     except KERNEL_ERRORS as error:
         message = f"kernel error: {type(error).__name__} {error}".rstrip()
         found.add("SB205", message, Span(place), help=remedy)
@@ -133,7 +133,7 @@ def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *,
         return None
     materials = Materials(model.session, place, found)
     products = Products(model.session, take_out=take_out)
-    if products.tree_size() > MAX_COMPONENTS:  # the kernel would follow each of them
+    if products.tree_size() > MAX_COMPONENTS:  # the kernel would expand each of them
         report_too_large(products.tree_size(), place, found)
         return None
     correct_operators(model.session)
@@ -156,7 +156,7 @@ def _stated(session: Any, products: Products, definitions: list[Definition], tre
 
 
 def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
-    """Say so where the kernel built fewer solids than the file describes."""
+    """Report if the kernel built fewer solids than the file describes."""
     sources = [source for definition in definitions for source in definition.bodies]
     read = sum(source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID for source in sources)
     if read < written:
@@ -203,7 +203,7 @@ class _Bodies:
                 self._report_curves(content.definitions[definition])
 
     def make(self, options: ReadOptions, attempt: Attempt | None) -> dict[tuple[int, int], Body]:
-        """Each body once, by the number of its definition and its own in that."""
+        """Each body once, by the number of its definition and its own number in it."""
         made = self._make(options, attempt) if options.geometry else map(_outline, self._sources)
         return dict(zip(self._number, made, strict=True))
 
@@ -228,7 +228,7 @@ class _Bodies:
             prepare_measuring()  # once, before there are several processes
         weights = [_edge_count(source) for source in self._sources]
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
-        # Processes with threads cannot fork safely: then this one makes all bodies.
+        # Processes with threads cannot fork safely: then this process makes all bodies.
         processes, seconds = (None, BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
         results = run(make, order, processes=processes, failures=KERNEL_ERRORS, seconds=seconds, attempt=attempt)
         bodies = []
@@ -252,7 +252,7 @@ class _Bodies:
         return replace(_outline(self._sources[number]), defect=message)
 
     def _report(self, number: int, finding: Finding) -> None:
-        """Say something about a body, by the first component that shows it."""
+        """Add a diagnostic of a body, with the first component that displays it."""
         component, others = self._first[number]
         more = f" ({others} more like it)" if others else ""
         message = f"'{component.path}'{more}: {finding.message}"
@@ -262,7 +262,7 @@ class _Bodies:
         self._found.add("SB218", f"'{definition.name}': its curves and points are ignored", Span(self._place))
 
     def _first_components(self) -> dict[int, tuple[Component, int]]:
-        """For each body the first component that shows it, and how many more do."""
+        """For each body, the first component that displays it, and the number of others."""
         first: dict[int, tuple[Component, int]] = {}
         for component in self._components:
             if component.body != NONE:
@@ -274,14 +274,14 @@ class _Bodies:
 
 
 def _outline(source: BodySource) -> Body:
-    """A body by its kind alone."""
+    """A body by its type only."""
     holds_solid = not source.is_wire and source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID
     kind = BodyKind.WIRE if source.is_wire else BodyKind.SOLID if holds_solid else BodyKind.SURFACE
     return Body(kind, TriMesh.of(np.empty((0, 3)), np.empty((0, 3))), np.empty(0, np.int32), (None,), False)
 
 
 def _edge_count(source: BodySource) -> int:
-    """How much work a body is."""
+    """Estimated work for a body."""
     edges = ShapeMap()
     TopExp.MapShapes_s(source.shape, TopAbs_ShapeEnum.TopAbs_EDGE, edges)
     return int(edges.Extent())

@@ -1,7 +1,7 @@
 """Units as a STEP file declares them: the size of each in SI, never assumed.
 
-An SI unit is a prefix and a name; any other is so many times a unit that is declared in turn. The name of such a unit
-is mere decoration: a CAD program's INCH is as long as its file says it is.
+An SI unit is a prefix and a name; any other unit is defined as a multiple of another declared unit. The name of such a
+unit is not used: a CAD program's INCH is as long as its file declares.
 """
 
 import math
@@ -50,7 +50,7 @@ KNOWN_LENGTHS = {
     "mil": 2.54e-5, "thou": 2.54e-5, "microinch": 2.54e-8, "micron": 1e-6, "mm": 1e-3, "millimetre": 1e-3,
     "millimeter": 1e-3, "cm": 1e-2, "centimetre": 1e-2, "centimeter": 1e-2, "m": 1.0, "metre": 1.0, "meter": 1.0,
 }  # fmt: skip
-"""What well-known names of length units mean [m]."""
+"""Size [m] of length units with common names."""
 _SPELLINGS = {"in": "inch", "feet": "foot", "ft": "foot", "us inch": "inch", "millimetre": "mm", "millimeter": "mm"}
 
 
@@ -62,7 +62,7 @@ class DeclaredUnit:
     name: str
     """``mm``, ``inch``, ``kg`` ..., in the usual spelling."""
     size: float
-    """In m, kg or m^3; 0 where the declaration makes no sense."""
+    """In m, kg or m^3; 0 for an invalid declaration."""
 
 
 @dataclass(frozen=True)
@@ -77,21 +77,21 @@ class DerivedUnit:
 
 
 def measure_of(item: Any) -> Any:
-    """The value and unit of a representation item; None for an item of another kind."""
+    """The value and unit of a representation item; None for an item of another type."""
     if isinstance(item, StepRepr_MeasureRepresentationItem):
         return item.Measure()
     return item.GetMeasureWithUnit() if hasattr(item, "GetMeasureWithUnit") else None
 
 
 def derived_unit(measure: Any) -> DerivedUnit | None:
-    """The unit of a measure, where it is made of others; None where it is not, or makes no sense."""
+    """The unit of a measure with a derived unit; None otherwise, or if it is invalid."""
     component = measure.UnitComponent()
     if component.IsNull() or (derived := component.DerivedUnit()) is None:
         return None
     size, mass, length, names = 1.0, 0.0, 0.0, []
     for index in range(1, derived.NbElements() + 1):
         element = derived.ElementsValue(index)
-        if element is None:  # the file names something there that is no unit
+        if element is None:  # the file refers to something that is not a unit
             return None
         unit, exponent = declared_unit(element.Unit()), element.Exponent()
         if unit.size <= 0.0 or abs(exponent) > 12:
@@ -104,7 +104,7 @@ def derived_unit(measure: Any) -> DerivedUnit | None:
 
 
 def declared_unit(unit: Any, depth: int = 0) -> DeclaredUnit:
-    """Name and size of a named unit of the file; nested at most a few times, as files in a circle exist."""
+    """Name and size of a named unit of the file; the nesting is limited, because files with cycles exist."""
     quantity = _quantity(unit)
     if quantity == "other" or depth > 5:
         return DeclaredUnit("other", "", 0.0)
@@ -118,7 +118,7 @@ def declared_unit(unit: Any, depth: int = 0) -> DeclaredUnit:
     name = _SPELLINGS.get(name, name)
     size = _converted(unit, quantity, depth)
     known = KNOWN_LENGTHS.get(name, 0.0) if quantity == "length" else 0.0
-    # 2.54 times 0.01 is not 0.0254 in floating point, but it is meant
+    # 2.54 times 0.01 is not 0.0254 in floating point, but that is the intended value
     return DeclaredUnit(quantity, name, known if math.isclose(size, known, rel_tol=1e-12) else size)
 
 
@@ -133,7 +133,7 @@ def _quantity(unit: Any) -> Quantity:
 
 
 def _converted(unit: StepBasic_ConversionBasedUnit, quantity: Quantity, depth: int) -> float:
-    """Size of a unit that is so many times another one of its kind."""
+    """Size of a unit defined as a multiple of another one of its kind."""
     factor = unit.ConversionFactor()
     if factor is None or factor.UnitComponent().IsNull():
         return 0.0

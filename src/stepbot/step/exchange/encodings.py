@@ -1,8 +1,8 @@
-"""What bytes above 127 mean in a STEP file: UTF-8, a declared code page, or nothing that the file tells.
+"""Encoding of bytes above 127 in a STEP file: UTF-8, a declared code page, or unknown.
 
-ISO 10303-21 allows ASCII alone, and since 2016 UTF-8. Many programs write the code page of their computer, and no file
-says which. A file is never read as mojibake in silence: either its bytes are UTF-8, or somebody has declared a
-code page that they all exist in, or a warning shows how the names would read in those that are likely.
+ISO 10303-21 allows only ASCII, and since 2016 UTF-8. Many programs write the code page of their computer, and no file
+declares it. To prevent silent mojibake, either the bytes must be UTF-8, or a declared code page must be able to decode
+all of them, or a warning shows the names decoded by likely code pages.
 """
 
 import codecs
@@ -18,35 +18,35 @@ from stepbot.diagnostics import Diagnostics, Span
 Text = bytes | mmap.mmap
 
 FALLBACK = "cp1252"
-"""What bytes above 127 are shown as where nothing tells."""
+"""Replacement for bytes above 127 of unknown encoding."""
 
 _LIKELY = ("cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
 """Code pages that a warning tries."""
 _PLAIN = ("ascii", "utf-8")
-"""What the kernel reads as it is."""
+"""Encodings that the kernel reads unchanged."""
 BYTE_ORDER_MARK = codecs.BOM_UTF8
 _NOT_ASCII = re.compile(rb"[\x80-\xff]+")
 _TEXT = re.compile(rb"'([^'\x80-\xff]*[\x80-\xff][^']*)'")
 _MEANINGLESS = re.compile("[\x80-\x9f\uf8f0-\uf8f3]")
-"""Characters that no name has: single bytes that mean nothing in a code page come out as these."""
+"""Characters that do not occur in names: undefined single bytes of a code page decode to these."""
 _CHUNK = 1 << 20
 _SAMPLES = 500
-"""Names with bytes above 127 that are looked at to tell in which code pages they exist."""
+"""Maximum number of names with bytes above 127 that are tried with each code page."""
 _SHOWN = 40
-"""Characters of a name that a note shows."""
+"""Maximum length of a name in a note."""
 
 
 def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) -> str | None:
-    """The encoding of a file: ``ascii``, ``utf-8``, the declared one, or empty where nothing tells.
+    """The encoding of a file: ``ascii``, ``utf-8``, the declared one, or empty if unknown.
 
     Args:
         data: The file.
-        declared: Code page that its reader has declared; empty for none.
-        place: What diagnostics call the file.
-        found: Receives SB210 where nothing tells, SB225 where the file contradicts what is declared.
+        declared: Code page declared by the user; empty for none.
+        place: Name of the file in diagnostics.
+        found: Receives SB210 if the encoding is unknown, SB225 if the file contradicts the declaration.
 
     Returns:
-        None, with the error SB224 in ``found``, where the file's bytes do not exist in what is declared.
+        None, with the error SB224 in ``found``, if the declared code page cannot decode the file's bytes.
     """
     first = next(_non_ascii_runs(data), None)
     if first is None:
@@ -91,7 +91,7 @@ def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found:
 
 
 def _is_unicode(path: Path) -> bool:
-    """Whether the kernel, which takes names in UTF-8, can open a file by its name."""
+    """Whether the kernel, which expects names in UTF-8, can open a file by its name."""
     try:
         str(path).encode("utf-8")
     except UnicodeEncodeError:
@@ -101,17 +101,17 @@ def _is_unicode(path: Path) -> bool:
 
 @contextmanager
 def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
-    """The path of a file with the same text in UTF-8; the same file where it is that already, and its name is UTF-8.
+    """The path of a file with the same text in UTF-8; the same file if it is already UTF-8, including its name.
 
     Args:
         path: The file.
-        encoding: As :func:`check_encoding` tells.
+        encoding: From :func:`check_encoding`.
     """
     if encoding in _PLAIN and _is_unicode(path):
         yield path
         return
-    # The kernel's own tables know few code pages, and take the backslash in the second byte of a GBK character for the
-    # start of an escape.
+    # The kernel's own tables have few code pages, and interpret the backslash in the second byte of a GBK character as
+    # an escape.
     errors = "strict" if encoding else "replace"
     with tempfile.TemporaryDirectory(prefix="stepbot-") as folder:
         copy = Path(folder) / "utf-8.step"
@@ -126,7 +126,7 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
 
 
 def encoding_fact(encoding: str) -> str:
-    """How `inspect` tells the encoding of a file, as :func:`check_encoding` does."""
+    """Description for `inspect` of the encoding from :func:`check_encoding`."""
     if encoding in _PLAIN:
         return encoding.upper()
     return f"{encoding}, as declared" if encoding else f"unknown, shown as {FALLBACK}"
@@ -152,7 +152,7 @@ def _refuse(data: Text, declared: str, offset: int, span: Span, found: Diagnosti
 
 
 def _strange(data: Text, encoding: str) -> int | None:
-    """Offset of the first byte that means nothing, or a control character, in a code page."""
+    """Offset of the first byte that is undefined, or a control character, in a code page."""
     decoder = codecs.getincrementaldecoder(encoding)()
     for start in range(0, len(data), _CHUNK):
         chunk = bytes(data[start : start + _CHUNK])
@@ -167,7 +167,7 @@ def _strange(data: Text, encoding: str) -> int | None:
 
 
 def _readings(data: Text) -> list[str]:
-    """How a name of the file reads in the code pages in which all of them exist, each reading once."""
+    """A name of the file, decoded by each code page that can decode all names, without duplicates."""
     runs = [match[1] for match, _ in zip(_TEXT.finditer(data), range(_SAMPLES), strict=False)]
     readings: dict[str, list[str]] = {}
     for encoding in _LIKELY:
@@ -199,7 +199,7 @@ def _is_utf8(run: bytes) -> bool:
 
 
 def _non_ascii_runs(data: Text) -> Iterator[tuple[int, bytes]]:
-    """Every run of bytes above 127 with its offset, whole also where it crosses a chunk."""
+    """Every run of bytes above 127 with its offset, complete even across chunks."""
     start = 0
     while start < len(data):
         end = min(start + _CHUNK, len(data))

@@ -1,4 +1,4 @@
-"""Statements of a STEP file's text as a graph of entities, parsed where they are looked at."""
+"""A STEP file's text as a graph of entities, parsed on access."""
 
 from collections.abc import Iterator, Mapping
 
@@ -8,7 +8,7 @@ from .strings import decode_string
 
 
 class Entities:
-    """The entities of a file by their numbers; one that is broken or missing has no keyword and no parameters."""
+    """The entities of a file by number; an invalid or missing one has no keyword and no parameters."""
 
     def __init__(self, bodies: Mapping[int, bytes], encoding: str) -> None:
         self._bodies, self._encoding = bodies, encoding or "latin-1"
@@ -20,7 +20,7 @@ class Entities:
         return [number for number, body in self._bodies.items() if wanted in body and self.keyword(number, keyword)]
 
     def with_part(self, ending: str, suffixes: tuple[str, ...]) -> list[int]:
-        """The entities with a type that ends so, or so with one of the suffixes, in file order."""
+        """The entities of a type with this ending, or this ending and one of the suffixes, in file order."""
         endings, mark = (ending, *(ending + suffix for suffix in suffixes)), ending.encode("ascii")
         return [
             number
@@ -37,11 +37,11 @@ class Entities:
         return keyword in self.keywords(number)
 
     def references(self, number: int) -> list[int]:
-        """What an entity refers to, in the order of its parameters, those in lists too."""
+        """The entities that an entity refers to, in the order of its parameters, including those in lists."""
         return [value.number for value in self._values(number) if isinstance(value, Reference)]
 
     def reachable(self, number: int, depth: int) -> list[int]:
-        """What an entity refers to over at most ``depth`` steps, each once, the nearest first."""
+        """The entities that an entity refers to in at most ``depth`` steps, each once, the nearest first."""
         found: dict[int, None] = {}
         level = [number]
         for _ in range(depth):
@@ -50,11 +50,11 @@ class Entities:
         return list(found)
 
     def numbers_below(self, number: int) -> list[float]:
-        """The numbers among the parameters of an entity, those in lists and typed ones too."""
+        """The numbers among the parameters of an entity, including those in lists and typed parameters."""
         return [value for value in self._values(number) if isinstance(value, float)]
 
     def own_numbers(self, number: int) -> tuple[float | None, ...]:
-        """The numbers behind the last reference and the last flag of the most special type; None for one left open."""
+        """The numbers after the last reference and the last flag of the most derived type; None for an unset one."""
         parsed = self._parsed(number)
         if not parsed:
             return ()
@@ -76,12 +76,12 @@ class Entities:
         return [value.name == "T" for value in self._values(number) if isinstance(value, Word) and _is_flag(value)]
 
     def text(self, number: int, index: int) -> str:
-        """The text at an index among the texts of an entity; empty where there is none."""
+        """The string at an index among the strings of an entity; empty if there is none."""
         texts = [value for value in self._values(number) if isinstance(value, bytes)]
         return decode_string(texts[index], self._encoding, "replace") if index < len(texts) else ""
 
     def name(self, number: int) -> str:
-        """The first text of an entity that is not empty."""
+        """The first non-empty string of an entity."""
         texts = (value for value in self._values(number) if isinstance(value, bytes) and value.strip())
         return decode_string(next(texts, b""), self._encoding, "replace").strip()
 
@@ -92,13 +92,13 @@ class Entities:
         if number not in self._records:
             try:
                 self._records[number] = records(self._bodies[number]) if number in self._bodies else ()
-            except SyntaxFault:  # the kernel reports statements that are broken
+            except SyntaxFault:  # the kernel reports invalid statements
                 self._records[number] = ()
         return self._records[number]
 
 
 def read_entities(data: bytes, encoding: str) -> Entities:
-    """The entities of a file; of a number that is defined twice, the first."""
+    """The entities of a file; for a duplicate number, the first."""
     bodies: dict[int, bytes] = {}
     for statement in find_statements(data):
         bodies.setdefault(statement.number, statement.body)

@@ -1,7 +1,7 @@
-"""What the kernel could not make sense of while it read a file, so that nothing goes missing without a word.
+"""Reports statements that the kernel silently skipped while it read a file.
 
-The kernel skips statements that are broken, takes references that lead nowhere for nothing, and goes on: a part is then
-missing, lies at the origin, or brings the kernel down later. It tells so only where it is asked.
+The kernel skips invalid statements, ignores dangling references, and continues: then a part is missing, is at the
+origin, or crashes the kernel later. It reports this only on request.
 """
 
 import re
@@ -45,7 +45,7 @@ _SHAPES = (
     StepRepr_RepresentationMap,
     StepRepr_RepresentationRelationship,
 )
-"""Classes whose entities draw or place something: none of them may lack a part."""
+"""Classes whose entities draw or place something, and must be complete."""
 _STRUCTURE = (
     StepBasic_MeasureWithUnit,
     StepBasic_NamedUnit,
@@ -56,11 +56,12 @@ _STRUCTURE = (
     StepShape_ShapeDefinitionRepresentation,
     StepShape_ShapeRepresentation,
 )
-"""Classes that must not refer to what is not there, though newer schemas let them refer to what the kernel ignores."""
+"""Classes that must not have dangling references, but may refer to entity types of newer schemas that the kernel
+ignores."""
 _PRESENTATION = re.compile("StepVisual_(?!Tessellated|Triangulated|Coordinates|Complex)|StepDimTol_|StepAP")
-"""Modules of entities that show or manage: texts and styles are representation items too."""
+"""Modules of entities for presentation or management: texts and styles are representation items too."""
 _NOT_SHAPES = re.compile("TEXT|CALLOUT|ANNOTATION|DIMENSION|TOLERANCE|DATUM|SYMBOL|FILL_AREA|HATCH|CAMERA|PLANAR_")
-"""Kinds among the items of a shape that are drawing notes, which nobody misses."""
+"""Types among the items of a shape that are drawing annotations, which may be dropped."""
 
 _SYNTAX = re.compile(r"Undefined Parsing: Line (\d+): (?:Incorrect syntax: )?(.*)", re.DOTALL)
 _UNRESOLVED = re.compile(r"Unresolved Reference,.*\(Id\.#(\d+)\)")
@@ -68,23 +69,23 @@ _DOUBLE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
 _WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal type")
 
 _SHOWN = 5
-"""Places that a diagnostic lists."""
+"""Maximum number of places in a diagnostic."""
 _REMEDY = ("export the file again, or copy it again from its source",)
 
 
 @dataclass(frozen=True, order=True)
 class _Fault:
-    """Something that is wrong with one statement."""
+    """A fault in one statement."""
 
     line: int
     text: str
     """``#12 LINE: there is no #15``."""
     is_essential: bool = True
-    """Whether a shape, or its place, depends on it."""
+    """Whether a shape, or its pose, depends on it."""
 
 
 class _Statements:
-    """The statements of a file, looked up only where something is wrong."""
+    """The statements of a file, searched only after a fault."""
 
     def __init__(self, path: Path, model: Any) -> None:
         self._path, self._model = path, model
@@ -105,12 +106,12 @@ class _Statements:
         return {statement.number: statement for statement in self.all}
 
     def entity(self, statement: Statement) -> Any:
-        """The kernel's entity of a statement; None where it has none."""
+        """The kernel's entity of a statement; None if it has none."""
         index = self._model.NextNumberForLabel(f"#{statement.number}")
         return self._model.Value(index) if index > 0 else None
 
     def of_entity(self, index: int) -> Statement | None:
-        """The statement of an entity by its index, from 1; None where the kernel counts otherwise than the text."""
+        """The statement of an entity by its index, from 1; None if the kernel's count differs from the text."""
         statement = self.all[index - 1] if 0 < index <= len(self.all) else None
         if statement is None or self._model.NextNumberForLabel(f"#{statement.number}") != index:
             return None
@@ -126,12 +127,12 @@ class _Statements:
 
 
 def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) -> bool:
-    """Whether all that draws or places something was understood; what was not is in ``found``.
+    """Whether everything that draws or places something was understood; the rest is reported in ``found``.
 
     Args:
         session: The reader's work session.
         path: The file.
-        place: What diagnostics call it.
+        place: Name of the file in diagnostics.
         found: Receives SB221 and SB222, which are errors, and SB223.
     """
     model = session.Model()
@@ -161,7 +162,7 @@ def _doubled(messages: Sequence[str], statements: _Statements) -> Iterator[_Faul
 
 
 def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
-    """References that lead nowhere. The kernel names their target, but not always where they stand."""
+    """Dangling references. The kernel reports their target, but not always the statement that contains them."""
     targets = {int(match[1]) for message in messages if (match := _UNRESOLVED.search(message))}
     for statement in statements.all if targets else ():
         numbers = set(statement.references)
@@ -172,7 +173,7 @@ def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Faul
 
 
 def _wrong_kinds(session: Any, statements: _Statements) -> Iterator[_Fault]:
-    """References to what cannot stand there, or is of a kind that the kernel does not know."""
+    """References to entities of a wrong type, or of a type that the kernel does not support."""
     checks = session.ModelCheckList(False)
     checks.Start()
     while checks.More():
@@ -191,7 +192,7 @@ def _wrong_kinds(session: Any, statements: _Statements) -> Iterator[_Fault]:
 
 
 def _unknown_items(representation: Statement, statements: _Statements) -> Iterator[_Fault]:
-    """Items of a shape that the kernel does not know, unless they are notes on a drawing."""
+    """Items of a shape that the kernel does not support, except drawing annotations."""
     for number in representation.references:
         item = statements.by_number.get(number)
         if item is None or not isinstance(statements.entity(item), StepData_UndefinedEntity):

@@ -1,7 +1,7 @@
-"""The length unit of a STEP file, and how exact it says that it is.
+"""The length unit and the stated precision of a STEP file.
 
-Every shape of a STEP file has its own context with its own unit, and the kernel scales each by it. Where a context has
-none the kernel takes millimetres; stepbot does not.
+Every shape of a STEP file has its own context with its own unit, by which the kernel scales it. For a context without
+unit the kernel assumes millimetres; stepbot does not.
 """
 
 import math
@@ -22,12 +22,12 @@ from .selection import entities, items
 
 _WITH_LENGTHS = (StepGeom_GeometricRepresentationItem, StepRepr_MappedItem, StepVisual_TessellatedItem)
 DEFAULT_PRECISION = 1e-3
-"""Precision [mm] of a shape that does not tell: the kernel's own default."""
+"""Precision [mm] of a shape that states none: the kernel's default."""
 
 
 @dataclass(frozen=True)
 class LengthUnit:
-    """The unit that most shapes of a file are in."""
+    """The unit of most shapes in a file."""
 
     name: str
     scale: float
@@ -37,10 +37,10 @@ class LengthUnit:
 
 
 def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit | None:
-    """The file's length unit; None, with the reason in ``found``, where a shape has none."""
+    """The file's length unit; None, with the reason in ``found``, if a shape has none."""
     units: Counter[DeclaredUnit] = Counter()
     missing = 0
-    sizes: dict[int, tuple[Any, DeclaredUnit | None]] = {}  # the context is kept, so that its id stays its own
+    sizes: dict[int, tuple[Any, DeclaredUnit | None]] = {}  # a reference is kept, so that its id stays unique
     for representation in entities(session, StepShape_ShapeRepresentation):
         if isinstance(representation, StepShape_ShapeDimensionRepresentation) or not _has_lengths(representation):
             continue
@@ -62,7 +62,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
         )
         return None
     if not units:
-        return LengthUnit("mm", 1e-3)  # no shape at all: said elsewhere, and nothing there to scale
+        return LengthUnit("mm", 1e-3)  # no shape: reported elsewhere, and nothing to scale
     for unit in units:
         _check_name(unit, place, found)
     first = max(units, key=lambda unit: units[unit])
@@ -70,7 +70,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
 
 
 def precision(context: Any) -> float:
-    """Uncertainty [mm] that the shapes of a context are drawn with, as the kernel reads it."""
+    """Uncertainty [mm] stated in a context of shapes, as read by the kernel."""
     measures = _part(context, "GlobalUncertaintyAssignedContext")
     factors = unit_factors(context)
     if measures is None or factors is None:
@@ -85,7 +85,7 @@ def _has_lengths(representation: Any) -> bool:
 
 
 def context_unit(context: Any) -> DeclaredUnit | None:
-    """The length unit of a context; None where it has none, or one that the kernel does not follow."""
+    """The length unit of a context; None if it has none, or one that the kernel does not support."""
     factors = unit_factors(context)
     assigned = _part(context, "GlobalUnitAssignedContext")
     if factors is None or not factors.LengthDone():
@@ -99,7 +99,7 @@ def context_unit(context: Any) -> DeclaredUnit | None:
 
 
 def unit_factors(context: Any) -> Any:
-    """The kernel's own unit factors for a context; None where it has no units."""
+    """The kernel's own unit factors for a context; None without units."""
     assigned = _part(context, "GlobalUnitAssignedContext")
     if assigned is None:
         return None
@@ -109,7 +109,7 @@ def unit_factors(context: Any) -> Any:
 
 
 def _part(context: Any, name: str) -> Any:
-    """A part of a combined context, or the context itself if it is just that part."""
+    """A part of a combined context, or the context itself if it is that part."""
     if type(context).__name__ == f"StepRepr_{name}":
         return context
     return getattr(context, name)() if hasattr(context, name) else None

@@ -1,9 +1,9 @@
 """Kinematic pairs of a STEP file (ISO 10303-105, in AP214 and AP242), read from its text.
 
-The kernel parses them and gives Python no access. A pair binds two placements, one on each link, by a joint: revolute,
-prismatic, cylindrical, spherical, planar, screw, universal, rigid, or any combination of the six degrees of freedom.
-The parts of a link are those of the occurrence that its representation is associated with; files without such an
-association name links like occurrences or products.
+The kernel parses them but does not expose them to Python. A pair binds two placements, one on each link, by a joint:
+revolute, prismatic, cylindrical, spherical, planar, screw, universal, rigid, or any combination of the six degrees of
+freedom. The parts of a link are those of the occurrence that its representation is associated with; files without such
+an association name links like occurrences or products.
 """
 
 import mmap
@@ -29,9 +29,9 @@ _DOFS: dict[str, tuple[int, ...]] = {
     "UNCONSTRAINED_PAIR": (_TX, _TY, _TZ, _RX, _RY, _RZ),
     "FULLY_CONSTRAINED_PAIR": (),
 }
-"""Freedoms of a pair in its placement, which the standard fixes and files may leave out as derived."""
+"""Degrees of freedom of each pair type in its placement, which files may omit as derived."""
 _GENERAL = "LOW_ORDER_KINEMATIC_PAIR"
-"""A pair whose degrees of freedom are what its flags say."""
+"""A pair whose degrees of freedom are given by its flags."""
 _SUFFIXES = ("_WITH_RANGE", "_RANGE")
 
 
@@ -40,7 +40,7 @@ class Occurrence:
     """A usage of a product in an assembly, as a link refers to it."""
 
     assembly: str
-    """Name of the product that it is in."""
+    """Name of the assembly's product."""
     product: str
     ordinal: int
     """n among the usages of this product name in this assembly, from 1 in file order."""
@@ -52,7 +52,7 @@ class KinematicLink:
 
     name: str
     occurrences: tuple[Occurrence, ...] = ()
-    """What it is made of, where the file states it."""
+    """Its components, if the file states them."""
 
 
 @dataclass(frozen=True)
@@ -63,17 +63,17 @@ class KinematicPair:
     kind: str
     """``REVOLUTE_PAIR``, ``SCREW_PAIR``, ...: without the suffix of those that have ranges."""
     links: tuple[int, int]
-    """Indices of the first and of the second link."""
+    """Indices of the first and the second link."""
     placements: tuple[Pose, Pose]
-    """On the first and on the second link, each in its link's own frame [file's unit of length]."""
+    """On the first and on the second link, each in its own link's frame [file's unit of length]."""
     dofs: tuple[int, ...]
-    """Those that are free, of translations along and rotations about x, y, z of the placement: 0 to 5."""
+    """The free ones among translations along and rotations about x, y, z of the placement: 0 to 5."""
     is_stated: bool
-    """Whether the file states the degrees of freedom, not only the kind."""
+    """Whether the file states the degrees of freedom, not only the type."""
     bounds: tuple[float | None, float | None] = (None, None)
-    """Of the only freedom [rad, or file's unit of length]."""
+    """Range of a single degree of freedom [rad, or file's unit of length]."""
     pitch: float | None = None
-    """Of a screw [file's unit of length per turn]."""
+    """Pitch of a screw [file's unit of length per turn]."""
 
 
 @dataclass(frozen=True)
@@ -83,13 +83,13 @@ class Mechanism:
     links: tuple[KinematicLink, ...]
     pairs: tuple[KinematicPair, ...]
     base: int | None
-    """Index of the link that stands; None where the file does not state it."""
+    """Index of the base link; None if the file does not state it."""
     unread: tuple[str, ...] = ()
-    """Pairs that have no joint here, such as gears and cams, with their kind."""
+    """Pairs without an equivalent joint, such as gears and cams, with their type."""
 
 
 def read_mechanism(path: Path, encoding: str) -> Mechanism | None:
-    """The kinematic pairs of a STEP file; None where there are none.
+    """The kinematic pairs of a STEP file; None if there are none.
 
     Args:
         path: The file, which has been checked.
@@ -103,7 +103,7 @@ def read_mechanism(path: Path, encoding: str) -> Mechanism | None:
 
 
 def mechanism_of(entities: Entities) -> Mechanism | None:
-    """The mechanism that entities describe; None where there is no pair."""
+    """The mechanism that entities describe; None without pairs."""
     numbers = entities.of("KINEMATIC_LINK")
     index = {number: i for i, number in enumerate(numbers)}
     occurrences = _occurrences_of_links(entities)
@@ -125,7 +125,7 @@ def mechanism_of(entities: Entities) -> Mechanism | None:
 
 
 def placement(entities: Entities, number: int) -> Pose | None:
-    """An ``AXIS2_PLACEMENT_3D`` or ``RIGID_PLACEMENT`` in the file's unit of length; None for anything else."""
+    """An ``AXIS2_PLACEMENT_3D`` or ``RIGID_PLACEMENT`` in the file's unit of length; None for other entities."""
     if not entities.keyword(number, "AXIS2_PLACEMENT_3D"):
         return None
     parts = [entities.numbers_below(r) for r in entities.references(number)]
@@ -145,7 +145,7 @@ def placement(entities: Entities, number: int) -> Pose | None:
 
 
 def _kind(entities: Entities, number: int) -> str:
-    """The most special keyword of a pair, without the suffix for ranges."""
+    """The most derived keyword of a pair, without the suffix for ranges."""
     for keyword in entities.keywords(number):
         base = keyword
         for suffix in _SUFFIXES:
@@ -179,7 +179,7 @@ def _pair(
 
 
 def _separate_ranges(entities: Entities) -> dict[int, tuple[float | None, ...]]:
-    """Ranges of AP214, which are entities of their own: by the pair that they apply to."""
+    """Ranges of AP214, which are separate entities: by the pair that they apply to."""
     found: dict[int, tuple[float | None, ...]] = {}
     for number in entities.with_part("_PAIR", ("_RANGE",)):
         referred = [r for r in entities.references(number) if _kind(entities, r) in _DOFS]
@@ -189,7 +189,7 @@ def _separate_ranges(entities: Entities) -> dict[int, tuple[float | None, ...]]:
 
 
 def _base(entities: Entities, index: dict[int, int]) -> int | None:
-    """The link whose representation the mechanism states as its base."""
+    """The link whose representation the mechanism declares as its base."""
     for keyword in ("KINEMATIC_PROPERTY_MECHANISM_REPRESENTATION", "KINEMATIC_PROPERTY_REPRESENTATION_RELATION"):
         for number in entities.of(keyword):
             for representation in entities.references(number):
@@ -201,7 +201,7 @@ def _base(entities: Entities, index: dict[int, int]) -> int | None:
 
 
 def _occurrences_of_links(entities: Entities) -> dict[int, list[Occurrence]]:
-    """For each link the occurrences that its representation is associated with."""
+    """For each link, the occurrences that its representation is associated with."""
     found: dict[int, list[Occurrence]] = {}
     usages = _occurrences(entities)
     for number in entities.of("CONTEXT_DEPENDENT_KINEMATIC_LINK_REPRESENTATION"):
@@ -228,14 +228,14 @@ def _occurrences(entities: Entities) -> dict[int, Occurrence]:
 
 
 def product_name(entities: Entities, definition: int) -> str:
-    """Name of the product of a product definition, as the tree of components has it."""
+    """Name of the product of a product definition, as in the tree of components."""
     reached = entities.reachable(definition, depth=2)
     product = next((r for r in reached if entities.keyword(r, "PRODUCT")), None)
     return "" if product is None else entities.text(product, 1).strip() or entities.text(product, 0).strip()
 
 
 def angle_unit(entities: Entities) -> float:
-    """Radians per unit of plane angle of the context that mechanisms are in; 1 where none is declared."""
+    """Radians per unit of plane angle of the mechanisms' context; 1 if none is declared."""
     contexts = [
         r
         for keyword in ("MECHANISM_REPRESENTATION", "KINEMATIC_TOPOLOGY_STRUCTURE", "RIGID_LINK_REPRESENTATION")

@@ -1,9 +1,9 @@
-"""Transformation operators of a STEP file, made such that the kernel reads them as ISO 10303-42 means them.
+"""Transformation operators of a STEP file, rewritten so that the kernel reads them as ISO 10303-42 defines them.
 
-``cartesian_transformation_operator_3d`` may mirror (its axes may be left-handed) and scale. The kernel takes the axes
-as right-handed, which turns a mirror image into a rotation, and divides by the scale. Operators that it would get
-wrong are rewritten in the model before shapes are built. A negative scale breaks the standard; the kernel's own
-writer means mirror images by it, and reads them back, so those are left alone.
+``cartesian_transformation_operator_3d`` may mirror (its axes may be left-handed) and scale. The kernel assumes
+right-handed axes, which turns a mirror image into a rotation, and divides by the scale. Operators that it would misread
+are rewritten in the model before shapes are built. A negative scale violates the standard; the kernel's own writer uses
+it for mirror images, and reads them back, so those are left alone.
 """
 
 from typing import Any
@@ -22,14 +22,14 @@ from ..kernel import StepUnreadable
 from .selection import entities
 
 _SAME = 1e-9
-"""Relative deviation up to which two matrices are the same."""
+"""Relative deviation up to which two matrices are equal."""
 
 
 def correct_operators(session: Any) -> int:
-    """Rewrite the operators that the kernel would misread; how many there were.
+    """Rewrite the operators that the kernel would misread; returns their number.
 
     Raises:
-        StepUnreadable: An operator is no transformation.
+        StepUnreadable: An operator is not a valid transformation.
     """
     corrected = 0
     for operator in entities(session, StepGeom_CartesianTransformationOperator3d):
@@ -50,7 +50,7 @@ def correct_operators(session: Any) -> int:
 
 
 def _axes(operator: Any) -> Array:
-    """The operator's axes as columns: base_axis of ISO 10303-42, which follows the second axis also to the left."""
+    """The operator's axes as columns: base_axis of ISO 10303-42, which follows the second axis even if left-handed."""
     z = unit(_ratios(operator.Axis3())) if operator.HasAxis3() else np.array([0.0, 0.0, 1.0])
     x = _ratios(operator.Axis1()) if operator.HasAxis1() else np.array([1.0, 0.0, 0.0])
     if not operator.HasAxis1() and abs(z[0]) > 1.0 - _SAME:
@@ -62,9 +62,9 @@ def _axes(operator: Any) -> Array:
 
 
 def _rewrite(operator: Any, R: Array, origin: Array, scale: float) -> None:
-    """Give the operator values from which the kernel makes x -> scale R x + origin.
+    """Change the operator so that the kernel reads it as x -> scale R x + origin.
 
-    From rotation Q, point c and factor f it makes x -> (Q x + c) / f, with Q always right-handed.
+    From rotation Q, point c and factor f it computes x -> (Q x + c) / f, with Q always right-handed.
     """
     factor = 1.0 / scale if np.linalg.det(R) > 0.0 else -1.0 / scale
     Q, c = factor * scale * R, factor * origin
@@ -75,7 +75,7 @@ def _rewrite(operator: Any, R: Array, origin: Array, scale: float) -> None:
 
 
 def _as_read(operator: Any) -> Array:
-    """What the kernel makes of an operator, shape (3, 4), in the unit of the file."""
+    """The kernel's interpretation of an operator, shape (3, 4), in the unit of the file."""
     transformation = gp_Trsf()
     StepToGeom.MakeTransformation3d_s(operator, transformation, StepData_Factors())
     return np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])

@@ -1,7 +1,7 @@
-"""What can be told of a STEP file without the geometry kernel: whether it is one, and what its header says.
+"""Checks of a STEP file without the geometry kernel: whether it is one, and its header.
 
-The kernel takes a second to load and answers most faults with "no shapes". This looks at the text itself (ISO 10303-21,
-the exchange structure), so that a file that cannot be read is named for what it is, with the line, at once.
+The kernel takes a second to load and reports most faults as "no shapes". This reads the text itself (ISO 10303-21, the
+exchange structure), so that an invalid file is reported at once, with the reason and the line.
 """
 
 import mmap
@@ -30,7 +30,7 @@ _GEOMETRY = (
     b"TRIANGULATED_", b"SURFACE_MODEL", b"GEOMETRIC_CURVE_SET", b"GEOMETRIC_SET", b"WIREFRAME_MODEL", b"CSG_SOLID",
     b"AREA_SOLID",
 )  # fmt: skip
-"""Words that geometry cannot do without; the first is in nearly every file, and early."""
+"""Keywords that every geometry contains; the first occurs early in nearly every file."""
 
 _CAD_FILE = re.compile(
     r"\.(stp|step|p21|stpz?|stpx|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)"
@@ -39,7 +39,7 @@ _CAD_FILE = re.compile(
 )
 _STEP_FILE = re.compile(r"\.(stp|step|p21)$", re.IGNORECASE)
 _SHOWN = 5
-"""Files that a remedy names."""
+"""Maximum number of files in a remedy."""
 _SCHEMAS = (
     ("CONFIG_CONTROL", "AP203"), ("AP203", "AP203"), ("AUTOMOTIVE_DESIGN", "AP214"), ("AP214", "AP214"),
     ("AP242", "AP242"), ("AP209", "AP209"), ("AP238", "AP238"), ("INTEGRATED_CNC", "AP238"),
@@ -57,13 +57,13 @@ _OTHER_FILES = (
 
 @dataclass(frozen=True)
 class Header:
-    """What a STEP file says of itself."""
+    """The header of a STEP file."""
 
     name: str = ""
     time_stamp: str = ""
     preprocessor: str = ""
     originating_system: str = ""
-    """CAD program that wrote the file; where it is silent, the library that wrote it."""
+    """CAD program that wrote the file; if missing, the library that wrote it."""
     schemas: tuple[str, ...] = ()
 
     @property
@@ -75,21 +75,21 @@ class Header:
 
 @dataclass(frozen=True)
 class Part21:
-    """A STEP file as far as its text tells."""
+    """A STEP file, as far as its text was read."""
 
     header: Header
     encoding: str
-    """``ascii``, ``utf-8``, or a declared code page; empty where names are neither and nobody tells."""
+    """``ascii``, ``utf-8``, or a declared code page; empty if unknown."""
 
 
 def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -> Part21 | None:
-    """Look at a STEP file; None, with the reason in ``found``, where the kernel need not even try.
+    """Check a STEP file; None, with the reason in ``found``, if the kernel cannot read it.
 
     Args:
         path: The file.
-        place: What diagnostics call it.
-        found: Receives what is wrong with it.
-        encoding: Code page that names are declared to be in; empty for none.
+        place: Name of the file in diagnostics.
+        found: Receives its faults.
+        encoding: Declared code page of names; empty for none.
     """
     span = Span(place)
     try:
@@ -105,11 +105,11 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
 
 
 def _meant(path: Path) -> tuple[str, ...]:
-    """The STEP files that are where one was looked for, the likeliest first."""
+    """The STEP files in the folder of a missing one, the likeliest first."""
     folder = path if path.is_dir() else path.parent
     try:
         beside = sorted(file.name for file in folder.iterdir() if _STEP_FILE.search(file.name))
-    except OSError:  # there is no such folder, or nobody may look into it
+    except OSError:  # the folder does not exist, or is not readable
         beside = []
     if not beside:
         return ("give the path of a STEP file (.step, .stp)",)
@@ -119,7 +119,7 @@ def _meant(path: Path) -> tuple[str, ...]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Text]:
-    """The file's bytes, mapped: a large assembly has hundreds of megabytes."""
+    """The file's bytes, memory-mapped: a large assembly has hundreds of megabytes."""
     if path.is_dir():
         raise IsADirectoryError(path)
     with path.open("rb") as file:
@@ -160,7 +160,7 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
 
 
 def _end_of_comments(data: bytes) -> int:
-    """Where the text begins behind a byte order mark, white space and comments."""
+    """Offset of the text after a byte order mark, white space and comments."""
     position = len(BYTE_ORDER_MARK) if data.startswith(BYTE_ORDER_MARK) else 0
     while True:
         match = _BLANK.match(data, position)
@@ -186,7 +186,7 @@ def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
 
 
 def _has_geometry(data: Text, start: int, encoding: str, place: str, found: Diagnostics) -> bool:
-    """Whether shapes are in the file itself, and all of them."""
+    """Whether the file itself contains shapes, and all of them."""
     names = (_decoded(match[1] or match[2], encoding) for match in _DOCUMENT_FILE.finditer(data, start))
     documents = list(dict.fromkeys(names))
     geometry = any(data.find(word, start) >= 0 for word in _GEOMETRY)
@@ -208,7 +208,7 @@ def _has_geometry(data: Text, start: int, encoding: str, place: str, found: Diag
 
 
 def _read_header(text: bytes, encoding: str) -> Header:
-    """The header's three entities; what is missing or malformed stays empty."""
+    """The header's three entities; missing or malformed ones stay empty."""
     values: dict[str, list[bytes | list[bytes]]] = {}
     arguments: list[bytes | list[bytes]] | None = None
     inner: list[bytes] | None = None
@@ -243,7 +243,7 @@ def _text(argument: bytes | list[bytes], encoding: str) -> str:
 
 
 def _decoded(raw: bytes, encoding: str) -> str:
-    """The text of a string between its quotes, whatever the file is in."""
+    """The content of a string between its quotes, in any encoding."""
     return decode_string(raw, encoding) if encoding else decode_string(raw, FALLBACK, "replace")
 
 

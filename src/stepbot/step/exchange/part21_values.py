@@ -22,7 +22,7 @@ _DEEPEST = 32
 
 
 class SyntaxFault(ValueError):
-    """A statement that does not follow the grammar."""
+    """A statement that violates the grammar."""
 
 
 @dataclass(frozen=True)
@@ -48,16 +48,16 @@ class Record:
 
 
 Value = float | bytes | Reference | Word | Record | None | tuple["Value", ...]
-"""A parameter; texts are as they stand between their quotes, ``$`` is None."""
+"""A parameter; strings are the raw text between the quotes, ``$`` is None."""
 DERIVED = Word("*")
 """A parameter that the schema derives from others."""
 
 
 def records(body: bytes) -> tuple[Record, ...]:
-    """The records of a statement, from what is between ``=`` and ``;``.
+    """The records of a statement, from the text between ``=`` and ``;``.
 
     Raises:
-        SyntaxFault: It does not follow the grammar, or nests deeper than any schema does.
+        SyntaxFault: It violates the grammar, or is nested deeper than any schema allows.
     """
     return _Reader(body).statement()
 
@@ -85,7 +85,7 @@ class _Reader:
         return Record(token.decode("ascii"), self._values(depth + 1))
 
     def _values(self, depth: int) -> "tuple[Value, ...]":
-        """Values up to the closing bracket."""
+        """Values up to the closing parenthesis."""
         if depth > _DEEPEST:
             raise SyntaxFault("nested too deeply")
         if self._take_mark(b")"):

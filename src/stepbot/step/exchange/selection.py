@@ -1,4 +1,4 @@
-"""Entities of a STEP file by type: the kernel searches its own model, which costs no Python loop over every entity."""
+"""Entities of a STEP file by type: the kernel searches its own model, without a Python loop over every entity."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,10 +10,10 @@ _MECHANISM = "StepKinematics_KinematicPropertyMechanismRepresentation"
 
 
 def entities(session: Any, kind: Any) -> list[Any]:
-    """All entities of a class or of one derived from it, in file order.
+    """All entities of a class or a derived class, in file order.
 
-    Entities whose own class has no Python binding, such as those of kinematic mechanisms, are left out: Python sees an
-    object without methods.
+    Entities whose class has no Python binding, such as those of kinematic mechanisms, are left out: in Python they are
+    objects without methods.
 
     Args:
         session: The reader's ``XSControl_WorkSession``.
@@ -23,7 +23,7 @@ def entities(session: Any, kind: Any) -> list[Any]:
 
 
 def mechanism_count(session: Any) -> int:
-    """Kinematic mechanisms (ISO 10303-105) that the file describes."""
+    """Number of kinematic mechanisms (ISO 10303-105) in the file."""
     properties = _selected(session, StepRepr_PropertyDefinitionRepresentation)
     return sum(entity.DynamicType().Name() == _MECHANISM for entity in properties)
 
@@ -41,22 +41,22 @@ def _selected(session: Any, kind: Any) -> list[Any]:
 
 
 def items(representation: Any) -> Iterator[Any]:
-    """The items of a STEP representation; none where a file names something there that is no such thing."""
+    """The items of a STEP representation; none if the file refers to an entity of another type."""
     for index in range(1, representation.NbItems() + 1 if representation is not None else 1):
         if (item := representation.ItemsValue(index)) is not None:
             yield item
 
 
 def text(string: Any) -> str:
-    """A string of the model; empty where there is none."""
+    """A string of the model; empty if there is none."""
     return string.ToCString() if string is not None else ""
 
 
 def described_by(property_definition: Any) -> Any:
-    """What a property is about: a product definition, an occurrence, an aspect of a shape; None for no property."""
+    """The subject of a property: a product definition, an occurrence, an aspect of a shape; None for other entities."""
     return shaped(property_definition.Definition().Value()) if hasattr(property_definition, "Definition") else None
 
 
 def shaped(entity: Any) -> Any:
-    """What a shape is the shape of; any other entity is itself."""
+    """The element that a shape belongs to; any other entity is returned unchanged."""
     return entity.Definition().Value() if isinstance(entity, StepRepr_ProductDefinitionShape) else entity

@@ -1,10 +1,10 @@
-"""The statements of a STEP file's text: found in one pass, whatever is broken in it."""
+"""The statements of a STEP file's text, found in one pass even if some are invalid."""
 
 import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-# Each alternative ends where it must, at the latest at the end of the file: no byte is looked at twice.
+# Each alternative ends where it must, at the latest at the end of the file: no byte is read twice.
 _TOKEN = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|(;)|#\s*(\d{1,18})\s*=", re.DOTALL)
 _REFERENCE = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|#\s*(\d{1,18})(?!\d)", re.DOTALL)
 _KEYWORD = re.compile(rb"[A-Z][A-Z0-9_]*")
@@ -17,17 +17,17 @@ class Statement(NamedTuple):
     start: int
     """Offset of its ``#``."""
     body: bytes
-    """What is between ``=`` and ``;``."""
+    """The text between ``=`` and ``;``."""
 
     @property
     def keyword(self) -> str:
-        """The first one, where there are several; empty where there is none."""
+        """The first keyword, if there are several; empty if there is none."""
         match = _KEYWORD.search(self.body)
         return match[0].decode("ascii") if match is not None else ""
 
     @property
     def references(self) -> Iterator[int]:
-        """The numbers that it refers to, in their order."""
+        """The numbers that it refers to, in order."""
         return (int(match[1]) for match in _REFERENCE.finditer(self.body) if match[1])
 
     def __str__(self) -> str:

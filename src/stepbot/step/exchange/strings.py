@@ -1,4 +1,4 @@
-r"""Text in STEP files: ISO 10303-21 writes what is not ASCII as ``\X2\0421\X0\``, and many programs write raw bytes."""
+r"""Decodes strings of STEP files: escapes of ISO 10303-21 such as ``\X2\0421\X0\``, and raw bytes."""
 
 import re
 
@@ -13,12 +13,12 @@ def decode_string(raw: bytes, encoding: str, errors: str = "strict") -> str:
     """The text of a string between its quotes.
 
     Args:
-        raw: Bytes as they stand in the file.
-        encoding: What bytes above 127 mean.
-        errors: What becomes of bytes that are not of this encoding: ``strict`` or ``replace``.
+        raw: Bytes as in the file.
+        encoding: Encoding of bytes above 127.
+        errors: Handling of undecodable bytes: ``strict`` or ``replace``.
 
     Raises:
-        UnicodeDecodeError: The bytes are not of this encoding.
+        UnicodeDecodeError: The bytes are not in this encoding.
     """
     page = 1
 
@@ -42,7 +42,7 @@ def decode_string(raw: bytes, encoding: str, errors: str = "strict") -> str:
 
 
 def _joined(text: str) -> str:
-    """Without line breaks, and without the white space around them."""
+    """Without line breaks, and without leading and trailing white space."""
     first, *others = _LINE_BREAK.split(text)
     if not others:
         return text

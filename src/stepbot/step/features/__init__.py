@@ -1,1 +1,1 @@
-"""Features of bodies that joints are found from: cylindrical and conical faces, and the axis lines that they share."""
+"""Features of bodies from which joints are found: cylindrical and conical faces, and their axis lines."""

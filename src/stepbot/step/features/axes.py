@@ -1,14 +1,14 @@
-"""Axis lines: where joints can turn. The straight lines that carry cylindrical and conical faces of components.
+"""Axis lines of cylindrical and conical faces of components, about which joints can turn.
 
-Faces of one line lie within 0.01 mm and 1 mrad of each other, at the places where the faces are. Unique is the line and
-not the pair of faces: an axis carries many faces of several radii. Everything is in the frame of the assembly, W.
+Faces on one line coincide within 0.01 mm and 1 mrad, at the position of the faces. A line, not a pair of faces, is the
+unit of selection: an axis has many faces of several radii. Everything is in the frame of the assembly, W.
 
     faces = axis_faces(assembly, components)      rows of faces
     lines(faces)                                  the lines of one component or link
     mates(a, b)                                   the lines that two share, with the weight that decides between them
-    choose(lines)                                 the one line that is meant, or its rivals
+    choose(lines)                                 the selected line, or the ambiguous candidates
     line_frame(line)                              the joint frame on it
-    selectors(lines)                              what to write to mean just one of them
+    selectors(lines)                              what to write to select each of them
 """
 
 from collections.abc import Iterable, Sequence
@@ -25,15 +25,15 @@ from .axis_contacts import Spans, meeting
 from .coaxial import Indices, Rays, close_pairs, coaxial, gaps, signed
 
 DISTANCE_TOLERANCE = 1e-5
-"""Distance [m] within which faces share a line, and radii are equal."""
+"""Distance [m] up to which faces share a line, and radii are equal."""
 ANGLE_TOLERANCE = 1e-3
-"""Angle [rad] within which faces share a line, and lines are parallel."""
+"""Angle [rad] up to which faces share a line, and lines are parallel."""
 NEAR_MISS_DISTANCE = 2e-3
-"""Distance [m] up to which two lines that do not mate are told."""
+"""Distance [m] up to which two lines that do not mate are reported."""
 NEAR_MISS_ANGLE = 0.02
-"""Angle [rad] up to which two lines that do not mate are told."""
+"""Angle [rad] up to which two lines that do not mate are reported."""
 OUTWEIGHS = 2.0
-"""How many times wider than the next a line must be to be meant without a word."""
+"""Ratio of widths from which a line is selected over the next without a selector."""
 _TIERS = {Basis.TOUCH: 1, Basis.APART: 2}
 """Bases that are weaker than the others."""
 
@@ -45,7 +45,7 @@ class AxisFaces:
     centers: Array
     """Shape (n, 3) [m]: the point of each axis in the middle of its face."""
     directions: Array
-    """Shape (n, 3): unit directions of the axes; the sign means nothing."""
+    """Shape (n, 3): unit directions of the axes; the sign has no meaning."""
     radii: Array
     """Shape (n,) [m]; of a cone, the larger one."""
     lengths: Array
@@ -53,9 +53,9 @@ class AxisFaces:
     cones: NDArray[np.bool_]
     """Shape (n,)."""
     bores: NDArray[np.bool_]
-    """Shape (n,): whether material lies outside."""
+    """Shape (n,): whether material is outside."""
     components: Indices
-    """Shape (n,): index of the component that each face belongs to."""
+    """Shape (n,): index of each face's component."""
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -79,15 +79,15 @@ class LineFace:
     radius: float
     """[m]."""
     bore: bool
-    """Whether material lies outside."""
+    """Whether material is outside."""
 
 
 @dataclass(frozen=True)
 class AxisLine:
-    """A line that carries faces."""
+    """A line with faces."""
 
     point: Vector3
-    """Where a joint frame goes [m]: the middle of the extent; of a mate, between what both sides share."""
+    """Origin of a joint frame [m]: the middle of the extent; for a mate, between the shared faces of both sides."""
     direction: Vector3
     """Unit direction; of its (z, y, x) the first larger than 1e-6 is positive."""
     low: float
@@ -95,25 +95,25 @@ class AxisLine:
     high: float
     """End of the faces along ``direction`` from ``point`` [m]."""
     radii: tuple[float, ...]
-    """Radii [m] of the faces, each once, the widest first."""
+    """Distinct radii [m] of the faces, the widest first."""
     weight: float
-    """What decides between lines [m]: the widest radius; of a mate, the smaller one of the two faces that tell most."""
+    """Weight of the line [m]: the widest radius; for a mate, the smaller one of the two decisive faces."""
     components: tuple[int, ...]
-    """Indices of the components whose faces it carries."""
+    """Indices of the components with faces on it."""
     faces: tuple[LineFace, ...] = ()
-    """The faces that tell most: the widest; of a mate, one of each side."""
+    """The decisive faces: the widest; for a mate, one of each side."""
     basis: Basis = Basis.AXIS
     """How the two sides of a mate meet: fit, flange, touch or apart."""
     overlap: float | None = None
-    """Of a mate, length [m] along the line that both of ``faces`` cover; negative for the gap between them."""
+    """For a mate, length [m] along the line that both of ``faces`` cover; negative for a gap between them."""
 
     @property
     def order(self) -> tuple[int, float]:
-        """Sorts lines: those on which a joint can turn first, among them the heaviest."""
+        """Sort key of lines: those on which a joint can turn first, then by weight."""
         return _TIERS.get(self.basis, 0), -self.weight
 
     def distance_to(self, point: Vector3) -> float:
-        """Distance [m] of a point from the line, both ways endless."""
+        """Distance [m] of a point from the infinite line."""
         return float(_rays([self]).distances(np.array(point))[0])
 
 
@@ -124,28 +124,28 @@ class NearMiss:
     line_a: AxisLine
     line_b: AxisLine
     distance: float
-    """How far they are apart [m] where their faces are."""
+    """Their distance [m] at the position of their faces."""
     angle: float
     """Angle between them [rad]."""
 
     @property
     def weight(self) -> float:
-        """What the mate would weigh [m]."""
+        """The weight of the mate [m]."""
         return min(self.line_a.weight, self.line_b.weight)
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The line that is meant, or the rivals between which nothing decides."""
+    """The selected line, or the ambiguous candidates."""
 
     line: AxisLine | None
     rivals: tuple[AxisLine, ...] = ()
-    """The heaviest first; empty where there was no line at all, or the choice is made."""
+    """The heaviest first; empty if there was no line, or one was selected."""
 
 
 @dataclass(frozen=True)
 class Selector:
-    """What an ``origin`` needs to say to mean one line among several; None for what it need not say."""
+    """The selectors that an ``origin`` needs for one line among several; None for those not needed."""
 
     radius: float | None = None
     near: Vector3 | None = None
@@ -157,7 +157,7 @@ class Selector:
 
 
 def axis_faces(assembly: Assembly, components: Iterable[int]) -> AxisFaces:
-    """The faces of just these components, not of those below them, in the frame of the assembly."""
+    """The faces of these components, without those below them, in the frame of the assembly."""
     parts = [
         _moved(_body_faces(assembly, component.body), component.X_WC, index)
         for index in components
@@ -167,7 +167,7 @@ def axis_faces(assembly: Assembly, components: Iterable[int]) -> AxisFaces:
 
 
 def lines(faces: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
-    """The lines that carry faces, the heaviest first; with ``radius`` [m], only faces of that radius count."""
+    """The lines with faces, the heaviest first; with ``radius`` [m], only faces of that radius count."""
     if radius is not None:
         faces = faces.select(np.abs(faces.radii - radius) <= DISTANCE_TOLERANCE)
     found = [_line(faces, rows) for rows in coaxial(faces.rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE)]
@@ -175,9 +175,9 @@ def lines(faces: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]
 
 
 def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
-    """The lines that carry cylinders of both, those where the two sides fit first, among equals the heaviest.
+    """The lines with cylindrical faces of both sides, those with a fit first, then by weight.
 
-    With ``radius`` [m], only lines that carry a cylinder of that radius.
+    With ``radius`` [m], only lines with a cylinder of that radius.
     """
     a, b = a.select(~a.cones), b.select(~b.cones)
     faces = _joined([a, b])
@@ -192,9 +192,9 @@ def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[Axis
 
 
 def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
-    """Pairs of lines that carry cylinders, one of each side, apart but at most 2 mm; the heaviest first.
+    """Pairs of lines with cylindrical faces, one of each side, at most 2 mm apart; the heaviest first.
 
-    A line that mates with another one misses none.
+    Lines that mate with another one are left out.
     """
     lines_a, lines_b = lines(a.select(~a.cones)), lines(b.select(~b.cones))
     if not lines_a or not lines_b:
@@ -215,17 +215,16 @@ def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
 def choose(
     found: Sequence[AxisLine], near: Vector3 | None = None, *, direction_only: bool = False, selected: bool = False
 ) -> Choice:
-    """The line that is meant: the nearest to ``near`` [m], where given; the only one, or twice as heavy as the next.
+    """The line nearest to ``near`` [m], if given; otherwise the only one, or one twice as heavy as the next.
 
-    Lines where shaft and bore fit, or bores meet, count before those whose faces merely touch; where nothing decides
-    between the former, one of the latter may be twice as heavy as all. Faces apart from each other are never meant,
-    unless they are selected.
+    Lines with a fit, or with bores that meet, take precedence over those whose faces merely touch; if the former are
+    ambiguous, one of the latter may be twice as heavy as all. Faces apart from each other are used only if selected.
 
     Args:
         found: The lines.
         near: A point [m] of the assembly.
-        direction_only: Whether parallel lines agree; the strongest of them is taken.
-        selected: Whether the caller has picked ``found`` by a radius.
+        direction_only: Whether parallel lines are equivalent; the strongest of them is used.
+        selected: Whether ``found`` was already selected by a radius.
     """
     candidates = sorted(found, key=lambda line: line.order)
     if near is not None and candidates:
@@ -242,7 +241,7 @@ def choose(
 
 
 def _rivals(candidates: Sequence[AxisLine], direction_only: bool) -> list[AxisLine]:
-    """The lines between which to decide; of parallel ones the first, where only directions count."""
+    """The candidate lines; of parallel ones the first, if only directions count."""
     rivals: list[AxisLine] = []
     for line in candidates:
         if not direction_only or not any(is_parallel(line, rival) for rival in rivals):
@@ -251,18 +250,18 @@ def _rivals(candidates: Sequence[AxisLine], direction_only: bool) -> list[AxisLi
 
 
 def line_frame(line: AxisLine) -> Pose:
-    """X_WF of the joint frame on a line: z along it, x as near to the assembly's x as can be."""
+    """X_WF of the joint frame on a line: z along it, x as close as possible to the assembly's x."""
     return Pose.of(perpendicular_frame(line.direction), line.point)
 
 
 def selectors(found: Sequence[AxisLine]) -> tuple[Selector, ...]:
-    """For each line what makes :func:`choose` take it among all: nothing, a radius that it alone has, or a point."""
+    """For each line, the selectors with which :func:`choose` selects it: none, a unique radius, or a point."""
     chosen = choose(found).line
     return tuple(Selector() if line is chosen else selector(line, found) for line in found)
 
 
 def selector(line: AxisLine, found: Sequence[AxisLine]) -> Selector:
-    """What selects a line among all explicitly: a radius that it alone has, or a point."""
+    """Explicit selectors of a line among all: a unique radius, or a point."""
     radii = np.array([radius for other in found for radius in other.radii])
     alone = [r for r in line.radii if np.count_nonzero(np.abs(radii - _rounded(r)) <= 2 * DISTANCE_TOLERANCE) == 1]
     return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_distinguishing_point(line, _rays(found)))
@@ -274,12 +273,12 @@ def millimetres(length: float) -> str:
 
 
 def _rounded(length: float) -> float:
-    """A length [m] as :func:`millimetres` writes it."""
+    """A length [m] rounded as by :func:`millimetres`."""
     return round(length * 1e3, 3) / 1e3
 
 
 def _distinguishing_point(line: AxisLine, rays: Rays) -> Vector3:
-    """A point of the line, to the micrometre, to which no other line comes near: its middle, or one of its ends."""
+    """A point of the line, to the micrometre, that is close to no other line: its middle, or one of its ends."""
     candidates = [np.array(line.point) + t * np.array(line.direction) for t in (0.0, line.low, line.high)]
     clearances = []
     for point in candidates:
@@ -297,7 +296,7 @@ def _rays(found: Sequence[AxisLine]) -> Rays:
 
 
 def is_parallel(a: AxisLine, b: AxisLine) -> bool:
-    """Whether two lines have the same direction, or opposite ones."""
+    """Whether two lines are parallel or antiparallel."""
     return float(np.linalg.norm(np.cross(a.direction, b.direction))) <= ANGLE_TOLERANCE
 
 
@@ -376,13 +375,13 @@ def _axis_line(faces: AxisFaces, rows: Indices, center: Array, direction: Array,
 
 
 def _carrier(faces: AxisFaces, rows: Indices) -> tuple[Array, Array]:
-    """Centre and signed direction of the face that stands for a line."""
+    """Centre and signed direction of the representative face of a line."""
     row = _widest(faces, rows)
     return faces.centers[row], signed(faces.directions[row : row + 1])[0]
 
 
 def _widest(faces: AxisFaces, rows: Indices) -> int:
-    """The face that stands for a line: the widest, then the longest, then the first."""
+    """The representative face of a line: the widest, then the longest, then the first."""
     return int(min(rows.tolist(), key=lambda r: (-faces.radii[r], -faces.lengths[r], r)))
 
 

@@ -1,8 +1,8 @@
-"""How two sides meet on a line that carries faces of both: what tells an axis from a coincidence.
+"""How two sides meet on a line with faces of both: distinguishes an axis from a coincidence.
 
-Parts of an arm that is drawn straight have many lines in common, a horn and a bracket at its other end among them. A
-joint can turn where a shaft is in a bore that fits it, or where two bores meet face to face. Faces that merely overlap
-or touch are weak evidence; faces apart from each other are none.
+Parts of an arm that is drawn straight share many lines, for example with a bracket at the other end. A joint can turn
+where a shaft is in a matching bore, or where two bores meet face to face. Faces that merely overlap or touch are weak
+evidence; faces apart from each other are not evidence.
 """
 
 from collections.abc import Iterator
@@ -15,15 +15,16 @@ from stepbot.geometry.spatial import Array
 from stepbot.robot.joint_table import Basis
 
 TIGHTEST = 1e-5
-"""Slack [m] that every fit may have, and difference of radii that count as equal."""
+"""Clearance [m] that every fit may have, and difference of radii that count as equal."""
 LOOSEST = 5e-4
-"""Slack [m] that no fit exceeds."""
+"""Maximum clearance [m] of a fit."""
 SLACK_SHARE = 0.06
-"""Slack of a fit at most, as a share of the bore's radius."""
+"""Maximum clearance of a fit, as a share of the bore's radius."""
 INTERFERENCE = 1.5e-4
-"""How much wider [m] than its bore a shaft may be drawn, for a press fit; no more than its slack might be."""
+"""Maximum interference [m] of a shaft drawn wider than its bore, for a press fit; never more than its clearance might
+be."""
 ENGAGED = 2e-5
-"""Length [m] that a shaft and its bore have in common at least."""
+"""Minimum engaged length [m] of a shaft in its bore."""
 BESIDE = 1e-3
 """Gap [m] along the line up to which faces count as touching: two edges chamfered by half a millimetre."""
 
@@ -36,13 +37,13 @@ class Spans:
     """Cylindrical faces on one line, one per row."""
 
     low: Array
-    """Shape (n,) [m]: where each face starts along the line."""
+    """Shape (n,) [m]: start of each face along the line."""
     high: Array
-    """Shape (n,) [m]: where it ends."""
+    """Shape (n,) [m]: its end."""
     radii: Array
     """Shape (n,) [m]."""
     bores: NDArray[np.bool_]
-    """Shape (n,): whether material lies outside."""
+    """Shape (n,): whether material is outside."""
 
     def rows(self, rows: slice) -> "Spans":
         """Some of the faces."""
@@ -51,14 +52,14 @@ class Spans:
 
 @dataclass(frozen=True)
 class Meeting:
-    """The two faces, one of each side, that tell most of how the sides meet."""
+    """The two decisive faces, one of each side."""
 
     basis: Basis
     """Fit, flange, touch or apart."""
     rows: tuple[int, int]
     """The face of each side."""
     overlap: float
-    """Length [m] along the line that both cover; negative for the gap between them."""
+    """Length [m] along the line that both cover; negative for a gap between them."""
 
     @property
     def rank(self) -> int:
@@ -69,13 +70,13 @@ class Meeting:
 def meeting(a: Spans, b: Spans) -> Meeting:
     """How the faces of two sides, at least one of each, meet: the pair with the strongest evidence.
 
-    Among equals the widest pair counts, then the longest overlap; of faces apart, the pair that is nearest.
+    Ties are broken by the widest pair, then the longest overlap; for faces apart, by the nearest pair.
     """
     return min(_best_of_blocks(a, b), key=lambda best: best[0])[1]
 
 
 def _best_of_blocks(a: Spans, b: Spans) -> Iterator[tuple[tuple[float, ...], Meeting]]:
-    """The best pair of each block of rows of ``a``, with what it is ordered by."""
+    """The best pair of each block of rows of ``a``, with its sort key."""
     block = max(1, _PAIRS_AT_ONCE // len(b.radii))
     for start in range(0, len(a.radii), block):
         ranks, widths, overlaps = _pairs(a.rows(slice(start, start + block)), b)
@@ -89,7 +90,7 @@ def _best_of_blocks(a: Spans, b: Spans) -> Iterator[tuple[tuple[float, ...], Mee
 
 
 def _pairs(a: Spans, b: Spans) -> tuple[NDArray[np.intp], Array, Array]:
-    """For every pair of faces (n, m) its rank, the smaller radius [m] and the overlap [m]."""
+    """For every pair of faces (n, m), its rank, the smaller radius [m] and the overlap [m]."""
     radii_a, radii_b = a.radii[:, None], b.radii[None, :]
     overlaps = np.minimum(a.high[:, None], b.high) - np.maximum(a.low[:, None], b.low)
     beside = overlaps >= -BESIDE

@@ -1,8 +1,8 @@
-"""Cylindrical and conical faces of a body: the lines that joints can bind to.
+"""Cylindrical and conical faces of a body, which define the lines that joints can bind to.
 
-The extent along the axis is that of the trimmed face, so it is taken at the face's edges: exactly at the ends of
-straight lines and of circles about the axis, elsewhere where the curve turns back. A face that other programs wrote as
-swept or revolved counts where it is a cylinder or a cone.
+The extent along the axis is that of the trimmed face, so it is computed from the face's edges: exactly at the ends of
+straight lines and of circles about the axis, elsewhere at the extremes of the curve. A swept or revolved face counts if
+it is a cylinder or a cone.
 """
 
 import math
@@ -26,22 +26,22 @@ _SWEPT = (
     GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
 )
 _RECOGNITION_TOLERANCE = 1e-5
-"""How far [mm] a swept surface may be from the cylinder or cone that it counts as."""
+"""Maximum deviation [mm] of a swept surface from a cylinder or cone."""
 _SAMPLES = 16
-"""Places on a curve between which its extremes are sought."""
+"""Number of samples on a curve between which its extremes are searched."""
 _SECTIONS = 32
 """Steps of the search: they leave 2e-7 of the interval, and its square of the height."""
 _LEVEL = 1e-9
-"""Height [mm] within which samples count as equally high."""
+"""Difference of height [mm] up to which samples are equal."""
 _PARALLEL = 1e-9
-"""Angle [rad] below which directions count as parallel."""
+"""Angle [rad] up to which directions are parallel."""
 _SMALLEST = 1e-6
-"""Radius [mm] below which there is no face: meshes lie on a grid of a nanometre."""
+"""Radius [mm] below which a face is ignored: meshes are on a grid of a nanometre."""
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def axis_faces(faces: list[Any]) -> tuple[AxisFace, ...]:
-    """Those of a body's faces that lie on a cylinder or a cone, in their order."""
+    """The faces of a body that are on a cylinder or a cone, in order."""
     found = (_axis_face(face) for face in faces)
     return tuple(face for face in found if face is not None)
 
@@ -59,7 +59,7 @@ def _axis_face(face: Any) -> AxisFace | None:
         radius, is_cone = max(cone_radius(quadric, low), cone_radius(quadric, high)), True
     else:
         radius, is_cone = quadric.Radius(), False
-    if not radius > _SMALLEST:  # a line, as broken files have it
+    if not radius > _SMALLEST:  # degenerate to a line, in broken files
         return None
     point, direction, scale = axis.Location(), axis.Direction(), MILLIMETRES_PER_METRE
     return AxisFace(
@@ -90,18 +90,18 @@ def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
 
 
 def cone_radius(cone: gp_Cone, at: float) -> float:
-    """Radius [mm] of a cone at a place along its axis."""
+    """Radius [mm] of a cone at a position along its axis."""
     return abs(float(cone.RefRadius()) + at * math.tan(cone.SemiAngle()))
 
 
 def is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
-    """Whether the outside of the face looks towards the axis."""
+    """Whether the outward normal of the face points towards the axis."""
     u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
     v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
     at, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
     surface.D1(u, v, at, along_u, along_v)
     normal = along_u.Crossed(along_v)
-    # Along the axis the normal of a cone leans either way; only its part away from the axis counts.
+    # Along the axis the normal of a cone leans either way; only its component away from the axis counts.
     along, outwards = gp_Vec(axis.Direction()), gp_Vec(axis.Location(), at)
     outwards.Subtract(along.Multiplied(outwards.Dot(along)))
     is_reversed = face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
@@ -109,7 +109,7 @@ def is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
 
 
 def extent(face: Any, axis: gp_Ax1) -> tuple[float, float]:
-    """Lowest and highest place [mm] of a face's edges along a line."""
+    """Lowest and highest position [mm] of a face's edges along a line."""
     low, high = math.inf, -math.inf
     edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
     while edges.More():
@@ -123,7 +123,7 @@ def extent(face: Any, axis: gp_Ax1) -> tuple[float, float]:
 
 
 def _extremes(curve: Any, axis: gp_Ax1) -> list[float]:
-    """Places along a line among which are the lowest and the highest of a curve."""
+    """Candidate positions along a line of the lowest and the highest point of a curve."""
     origin, direction = axis.Location(), axis.Direction()
     x, y, z = direction.X(), direction.Y(), direction.Z()
     start = origin.X() * x + origin.Y() * y + origin.Z() * z
@@ -147,14 +147,14 @@ def _extremes(curve: Any, axis: gp_Ax1) -> list[float]:
 
 
 def _slope(curve: Any, parameter: float, direction: Any) -> float:
-    """How fast a curve goes along a direction."""
+    """Derivative of a curve along a direction."""
     at, tangent = gp_Pnt(), gp_Vec()
     curve.D1(parameter, at, tangent)
     return float(tangent.Dot(gp_Vec(direction)))
 
 
 def _is_around(curve: Any, axis: gp_Ax1) -> bool:
-    """Whether a curve is a circle whose plane is normal to a line: all of it is at one place."""
+    """Whether a curve is a circle whose plane is perpendicular to a line: all of it is at one position."""
     if curve.GetType() != GeomAbs_CurveType.GeomAbs_Circle:
         return False
     return bool(curve.Circle().Axis().Direction().IsParallel(axis.Direction(), _PARALLEL))
@@ -163,9 +163,9 @@ def _is_around(curve: Any, axis: gp_Ax1) -> bool:
 def _highest(
     place: Callable[[float], float], places: list[float], first: float, step: float, slopes: list[float]
 ) -> float:
-    """Largest value of a function near the largest of its samples; of a closed curve both ends may be that.
+    """Maximum of a function near its largest samples; for a closed curve both ends are candidates.
 
-    Where it is an end towards which the function rises, it is the end itself.
+    At an end towards which the function rises, the end itself.
     """
     top = max(places)
     rises = {0: slopes[0] < 0.0, len(places) - 1: slopes[1] > 0.0}
@@ -175,7 +175,7 @@ def _highest(
 
 
 def _peak(place: Callable[[float], float], low: float, high: float) -> float:
-    """Largest value of a function that has one peak in an interval (golden section)."""
+    """Maximum of a unimodal function in an interval (golden section)."""
     a, b = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     at_a, at_b = place(a), place(b)
     for _ in range(_SECTIONS):

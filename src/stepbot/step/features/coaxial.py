@@ -1,7 +1,7 @@
-"""Which of many lines in space coincide, without comparing each with each.
+"""Finds coincident lines among many, without comparing all pairs.
 
-Lines are given by a point where their faces are, and a direction whose sign means nothing; that the point is near the
-faces matters, because lines that are a milliradian apart are nowhere near each other a metre further along.
+A line is given by a point near its faces, and a direction whose sign has no meaning; the point must be near the faces,
+because lines that are a milliradian apart diverge with distance.
 """
 
 from collections.abc import Iterable, Iterator
@@ -34,15 +34,15 @@ class Rays:
         return Rays(self.centers[rows], self.directions[rows])
 
     def distances(self, points: Array) -> Array:
-        """Distances (n,) [m] of a point (3,), or of one point for each line (n, 3), from the endless lines."""
+        """Distances (n,) [m] of a point (3,), or of one point for each line (n, 3), from the infinite lines."""
         return np.asarray(np.linalg.norm(np.cross(points - self.centers, self.directions), axis=1))
 
 
 def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
     """Rows of the rays that share a line within ``distance`` [m] and ``angle`` [rad], in the order of their first rows.
 
-    Rays that coincide to a tenth of a micrometre are joined first: a line may carry thousands of them, and what is left
-    to compare in pairs is few.
+    Rays that coincide to a tenth of a micrometre are joined first: a line may have thousands of them, which leaves few
+    to compare in pairs.
     """
     if not len(rays.centers):
         return []
@@ -61,7 +61,7 @@ def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
 
 @dataclass(frozen=True, eq=False)
 class _Kinds:
-    """Directions that are equal but for rounding."""
+    """Directions that are equal except for rounding."""
 
     directions: Array
     """Shape (k, 3), one per kind."""
@@ -115,7 +115,7 @@ def _nearly_parallel(A: Array, B: Array, angle: float) -> Iterator[tuple[int, in
 
 
 def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices]:
-    """Pairs of points of the plane, (n, 2) and (m, 2), within ``distance``, by sorting them into cells of that size."""
+    """Pairs of points in the plane, (n, 2) and (m, 2), within ``distance``, by sorting them into cells of that size."""
     origin = np.minimum(P.min(axis=0), Q.min(axis=0)) - distance
     cells_p, cells_q = (np.floor((X - origin) / distance).astype(np.int64) for X in (P, Q))
     stride = int(max(cells_p[:, 1].max(), cells_q[:, 1].max())) + 2
@@ -123,7 +123,7 @@ def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices
     order = np.argsort(keys_q, kind="stable")
     found = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
     for dx in (-1, 0, 1):
-        # The three cells next to each other in y have keys next to each other.
+        # Three cells adjacent in y have consecutive keys.
         keys = (cells_p[:, 0] + dx) * stride + cells_p[:, 1]
         start = np.searchsorted(keys_q[order], keys - 1, side="left")
         counts = np.searchsorted(keys_q[order], keys + 1, side="right") - start
@@ -136,7 +136,7 @@ def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices
 
 
 def _connected(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
-    """For each of n the smallest index that pairs connect it with."""
+    """For each of n elements, the smallest index connected to it by pairs."""
     root = list(range(n))
 
     def find(i: int) -> int:

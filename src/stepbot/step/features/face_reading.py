@@ -1,4 +1,4 @@
-"""Reads all faces of a body: see :mod:`stepbot.step.faces`. A face that the kernel cannot evaluate is no evidence."""
+"""Reads all faces of a body: see :mod:`stepbot.step.faces`. Faces that the kernel cannot evaluate are left out."""
 
 import math
 from typing import Any
@@ -30,13 +30,13 @@ _FREE_FORMS = (
     GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
 )
 _RECOGNITION_TOLERANCE = 1e-5
-"""How far [mm] a free-form surface may be from the plane or quadric that it counts as."""
+"""Maximum deviation [mm] of a free-form surface from a plane or quadric."""
 _SMALLEST = 1e-3
-"""Radius [mm] below which a face is none."""
+"""Radius [mm] below which a face is ignored."""
 _LARGEST = 1e6
-"""Size [mm] of a box from which it is that of an endless surface, not of the face."""
+"""Size [mm] of a bounding box from which it is that of an infinite surface, not of the face."""
 _SEGMENTS = 16
-"""Straight pieces for an edge that is not straight."""
+"""Number of straight segments for a curved edge."""
 _ALL_ROUND = 2.0 * math.pi
 _NO_AXIS = (0.0, 0.0, 1.0)
 
@@ -76,7 +76,7 @@ def _read_face(face: Any) -> Face | None:
 
 
 def _geometry(face: Any, surface: Any) -> Any:
-    """The plane, cylinder, cone or sphere that a face lies on; None for others."""
+    """The plane, cylinder, cone or sphere of a face; None for others."""
     kind = surface.GetType()
     if kind == GeomAbs_SurfaceType.GeomAbs_Plane:
         return surface.Plane()
@@ -106,7 +106,7 @@ def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3])
     _, outwards = _outwards(face, surface)
     if outwards @ normal < 0.0:
         normal = -normal
-    # A point in the middle of the face's box keeps numbers near the face.
+    # A point in the middle of the face's box keeps coordinates small.
     middle = 0.5 * (np.array(box[0]) + np.array(box[1]))
     point = middle - normal * float((middle - np.array(_metres(plane.Location()))) @ normal)
     return Face(FaceKind.PLANE, _vector(point), _vector(normal), box, rings=_rings(face))
@@ -140,7 +140,7 @@ def _sphere(face: Any, surface: Any, sphere: gp_Sphere, box: tuple[Vector3, Vect
 
 
 def _outwards(face: Any, surface: Any) -> tuple[Array, Array]:
-    """A point [m] in the middle of a face's parameters, and the direction in which its outside looks there."""
+    """A point [m] in the middle of a face's parameters, and its outward normal there."""
     u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
     v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
     at, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
@@ -152,7 +152,7 @@ def _outwards(face: Any, surface: Any) -> tuple[Array, Array]:
 
 
 def _span(surface: Any) -> float:
-    """Angle about the axis that a face covers; of a free form, whose parameter is no angle, the whole circle."""
+    """Angle about the axis that a face covers; the full circle for a free-form surface, whose parameter is no angle."""
     if surface.GetType() in _FREE_FORMS:
         return _ALL_ROUND
     return min(_ALL_ROUND, abs(float(surface.LastUParameter() - surface.FirstUParameter())))
@@ -172,7 +172,7 @@ def _box(face: Any) -> tuple[Vector3, Vector3]:
 
 
 def _edge_box(face: Any) -> tuple[Vector3, Vector3]:
-    """The box of a face's edges, for faces on surfaces that have no end."""
+    """The bounding box of a face's edges, for faces on infinite surfaces."""
     rings = _rings(face)
     if not rings:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

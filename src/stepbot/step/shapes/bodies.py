@@ -1,4 +1,4 @@
-"""One body of a definition: healed, measured exactly, meshed, its axes found; all that is done once per shape."""
+"""One body of a definition: healed, measured exactly, meshed, its axes found; all of this once per shape."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -32,13 +32,13 @@ from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted
 from .triangles import faceted_faces
 
 _ROUNDING = 1e-12
-"""Volume over area^1.5 below which there is no volume."""
+"""Volume over area^1.5 below which a body has no volume."""
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something about a body that its reader should say; the subject is the component, known elsewhere."""
+    """A diagnostic of a body; its component, which is the subject, is unknown here."""
 
     code: str
     message: str
@@ -47,7 +47,7 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class ReadBody:
-    """A body and what there is to say about it."""
+    """A body and its diagnostics."""
 
     body: Body
     findings: tuple[Finding, ...] = ()
@@ -55,10 +55,10 @@ class ReadBody:
 
 @dataclass(frozen=True)
 class BodyRequest:
-    """What to compute of a body."""
+    """What to compute for a body."""
 
     tolerances: tuple[MeshTolerance, ...]
-    """Of all its occurrences; the finest holds."""
+    """Of all its occurrences; the finest one applies."""
     refine_mass_to: float = 0.0
     area: bool = False
     """Whether to integrate its area."""
@@ -68,7 +68,7 @@ class BodyRequest:
 
 @dataclass
 class _Work:
-    """What is known so far of the body at hand."""
+    """The state of the body being made."""
 
     source: BodySource
     kind: BodyKind
@@ -114,9 +114,9 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
 
 
 def _healed(source: BodySource, shape: object) -> _Work:
-    """The body healed and turned the right way round, with its exact mass properties if it encloses a volume."""
+    """The body healed and oriented outwards, with its exact mass properties if it encloses a volume."""
     body = healed(shape, source.precision, sorted(source.face_colors))
-    # Healing makes shells of solids that do not close; such a body still means to be a solid.
+    # Healing makes shells of solids that are not closed; such a body is still intended as a solid.
     is_solid = _holds(source.shape, TopAbs_ShapeEnum.TopAbs_SOLID)
     if not _holds(body.shape, TopAbs_ShapeEnum.TopAbs_SOLID):
         return _Work(source, BodyKind.SOLID if is_solid else BodyKind.SURFACE, body)
@@ -131,7 +131,7 @@ def _healed(source: BodySource, shape: object) -> _Work:
 
 
 def _sew(work: _Work) -> bool:
-    """Whether an open solid could be closed by joining edges; says so."""
+    """Whether an open solid could be closed by joining edges; reports it."""
     closed = sewn(work.healed, work.source.precision) if work.kind == BodyKind.SOLID else None
     if closed is None:
         return False
@@ -141,7 +141,7 @@ def _sew(work: _Work) -> bool:
 
 
 def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: bool) -> str:
-    """What is wrong with the body's mesh, for people; also drops exact numbers that mean nothing."""
+    """Faults of the body's mesh, for messages; also drops exact values that are meaningless."""
     count = len(result.mesh.faces)
     if result.fineness.angle > wanted.angle:
         work.say(
@@ -155,7 +155,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
     if work.kind != BodyKind.SOLID:
         return "encloses no volume: surface without a solid"
     if result.mesh.open_edges:
-        work.exact = None  # integrated over faces that do not close, a volume depends on where the origin is
+        work.exact = None  # integrated over open surfaces, a volume depends on the origin
         return work.say(
             "SB602", f"{result.mesh.open_edges} of its edges belong to one face only; it encloses no volume"
         )
@@ -176,7 +176,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
 
 
 def _estimate(work: _Work, result: Tessellation, *, is_closed: bool) -> str:
-    """Make sure of the exact mass properties; what is wrong with them, for people."""
+    """Confirm the exact mass properties; returns their fault, for messages."""
     if work.exact is None:
         return ""
     estimate = estimated(work.healed.shape, work.exact, result, is_closed=is_closed)
@@ -188,7 +188,7 @@ def _estimate(work: _Work, result: Tessellation, *, is_closed: bool) -> str:
 
 
 def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:
-    """Whether a volume is no more than what rounding leaves of surfaces that cancel each other."""
+    """Whether a volume is only the rounding error of surfaces that cancel each other."""
     return bool(exact.volume * MILLIMETRES_PER_METRE**3 < _ROUNDING * mesh.area**1.5)
 
 
@@ -209,7 +209,7 @@ def _body(
 
 
 def _triangles_only(source: BodySource, shape: object) -> ReadBody:
-    """A body that came as triangles: joined where they have points in common, turned outwards if it closes."""
+    """A body given as triangles: joined at equal points, oriented outwards if it is closed."""
     body = unhealed(shape)
     found, _ = faceted_faces(faces_of(shape))
     stitched = split(merged_by_position(found))
@@ -232,7 +232,7 @@ def _wire() -> Body:
 def _colored(
     wanted: dict[int, Rgba], origin: list[int], stitched: Stitched
 ) -> tuple[NDArray[np.int32], tuple[Rgba | None, ...]]:
-    """For each triangle the index of its colour, and the colours; the first, None, is the component's own."""
+    """For each triangle, the index of its colour, and the colours; the first, None, is the component's own."""
     colors: list[Rgba | None] = [None, *dict.fromkeys(wanted[place] for place in sorted(wanted))]
     of_face = np.array([colors.index(wanted.get(place)) for place in origin], dtype=np.int32)
     by_triangle = of_face[stitched.places] if len(of_face) else np.zeros(len(stitched.faces), dtype=np.int32)

@@ -1,7 +1,7 @@
-"""Heals one body as the kernel's own STEP import would, with the precision that the file states.
+"""Heals one body like the kernel's own STEP import, with the precision that the file states.
 
-The kernel's default precision instead of the file's makes volumes wrong by percents; 126 files with 597 solids, healed
-this way, have the volumes of the default import (586 of them to 1e-9, the worst to 1.3e-6).
+With the kernel's default precision instead of the file's, volumes are wrong by percents; 126 files with 597 solids,
+healed this way, have the volumes of the default import (586 of them to 1e-9, the worst to 1.3e-6).
 """
 
 from dataclasses import dataclass
@@ -26,13 +26,13 @@ class Healed:
 
     shape: Any
     origin: list[int]
-    """For each of its faces the place of the face that it came from, before healing; -1 where there is none."""
+    """For each of its faces the index of the original face before healing; -1 if there is none."""
 
 
 def copied(shape: Any) -> Any:
-    """A shape with topology of its own: what is done to it shows in no other body that shares its faces.
+    """A shape with its own topology: changes do not affect other bodies that share its faces.
 
-    A location that mirrors or scales is worked into the geometry: the kernel neither meshes nor integrates below one.
+    A location that mirrors or scales is applied to the geometry: the kernel neither meshes nor integrates below one.
     """
     location = shape.Location().Transformation()
     if location.IsNegative() or abs(location.ScaleFactor() - 1.0) > _UNSCALED:
@@ -45,8 +45,8 @@ def healed(shape: Any, precision: float, colored: list[int]) -> Healed:
 
     Args:
         shape: A solid, shell or faces [mm]; changed in place.
-        precision: Uncertainty [mm] that it is drawn with.
-        colored: Places of the faces that are to be found again.
+        precision: Its uncertainty [mm].
+        colored: Indices of the faces to be tracked.
     """
     before = _faces(shape)
     fix = ShapeFix_Shape(shape)
@@ -71,7 +71,7 @@ def healed(shape: Any, precision: float, colored: list[int]) -> Healed:
 
 
 def unhealed(shape: Any) -> Healed:
-    """A shape as it is: triangles without surfaces would be torn apart."""
+    """A shape unchanged: triangles without surfaces would be torn apart."""
     return Healed(shape, list(range(_faces(shape).Extent())))
 
 

@@ -1,4 +1,4 @@
-"""Measuring meshes: refined until what trimesh measures on them agrees with the exact shape (``mass: mesh``)."""
+"""Measuring meshes: refined until trimesh's mass properties agree with the exact shape (``mass: mesh``)."""
 
 import math
 from dataclasses import dataclass
@@ -12,34 +12,34 @@ from ..kernel import MILLIMETRES_PER_METRE
 from .tessellation import Fineness, tessellated_once
 
 MAX_MEASURING_FACES = 1_000_000
-"""Faces beyond which a measuring mesh is not refined further."""
+"""Number of faces beyond which a measuring mesh is not refined further."""
 
 _AIM = 0.7
 """Share of the wanted deviation that the next mesh aims at."""
 _FINEST_STEP = 0.2
 _COARSEST_STEP = 0.8
 _UNCLOSED = 4
-"""Meshes with holes in them after which it is given up; a little finer most bodies close again."""
+"""Number of meshes with holes after which refinement is given up; most bodies close again a little finer."""
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """What measuring meshes gave."""
+    """The result of refinement."""
 
     properties: VolumeProperties | None = None
-    """By trimesh from the best mesh; None where none was watertight."""
+    """By trimesh from the best mesh; None if none was watertight."""
     shortfall: str = ""
-    """Why the agreement was not reached, for people."""
+    """Why the agreement was not reached, for messages."""
 
 
 def refine(shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties | None, wanted: float) -> Refinement:
-    """Mesh a solid ever more finely until its measured mass properties are right.
+    """Refine the mesh of a solid until its mass properties agree.
 
     Args:
         shape: A healed solid [mm].
-        mesh: The mesh of it that is there already.
-        start: How finely that is meshed.
-        exact: What its mass properties are; None where there is nothing to compare with, and the first mesh serves.
+        mesh: Its existing mesh.
+        start: Tolerance of that mesh.
+        exact: Its mass properties; None to accept the first mesh without a comparison.
         wanted: Largest relative deviation.
     """
     fine, best, off = start, None, math.inf
@@ -59,7 +59,7 @@ def refine(shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties |
                 best, off = found, now
             if off <= wanted:
                 return Refinement(best)
-            # What a mesh is off grows with the square of its tolerances; so does at most the number of its faces.
+            # A mesh's deviation grows with the square of its tolerances; so does, at most, the number of its faces.
             step = min(max(math.sqrt(_AIM * wanted / now), _FINEST_STEP), _COARSEST_STEP)
         if len(mesh.faces) > MAX_MEASURING_FACES * step**2:
             return Refinement(

@@ -1,4 +1,4 @@
-"""Bodies as mirrored or scaled occurrences show them."""
+"""Bodies in mirrored or scaled occurrences."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ _THROUGH = np.array([1.0, 1.0, -1.0])
 
 
 def variant(body: Body, *, is_mirrored: bool, scale: float) -> Body:
-    """A body mirrored through z = 0 of its frame, then scaled; the very same where it is neither."""
+    """A body mirrored through z = 0 of its frame, then scaled; unchanged if it is neither."""
     if not is_mirrored and scale == 1.0:
         return body
     factors = scale * (_THROUGH if is_mirrored else np.ones(3))

@@ -1,6 +1,6 @@
-"""Finds solids that pass through themselves: closed like any other, but part of their surface lies within them.
+"""Finds self-intersecting solids: closed, but part of their surface is inside them.
 
-Their volume counts twice what lies in two of their lobes, whoever integrates it, so it says nothing of the body.
+Any integration counts the volume of overlapping lobes twice, so it is not the body's volume.
 """
 
 import numpy as np
@@ -11,18 +11,18 @@ from .stitching import Indices, Stitched
 
 _SAMPLES = 64
 _LEAST = 0.03
-"""Share of the surface from which on it is said: one sample alone may be an accident of the mesh."""
+"""Share of the surface from which it is reported: a single sample may be an artefact of the mesh."""
 _STEEP = 0.02
-"""Cosine below which a triangle is seen too nearly edge-on to tell its sides."""
+"""Cosine below which a triangle is too close to edge-on to determine its sides."""
 _AXES = Pose.from_xyz_rpy(rpy=(0.61, -0.37, 0.83)).R
-"""A frame in which no face that people draw is seen edge-on."""
+"""A frame in which no typical CAD face is edge-on."""
 
 
 def share_within(mesh: Stitched) -> float:
-    """Share of a closed mesh's surface that has the inside on both its sides or on neither; 0 where that is little.
+    """Share of a closed mesh's surface with the inside on both sides or on neither; 0 if it is small.
 
-    From the middle of a triangle a ray goes upwards. How often it leaves the solid minus how often it enters is 0 if it
-    starts on an upper side and 1 if it starts on a lower one: that is what inside and outside mean (Jordan).
+    A ray is cast upwards from the middle of a triangle. The number of exits from the solid minus that of entries is 0
+    if it starts on an upper side and 1 if it starts on a lower one (Jordan).
     """
     points = mesh.vertices @ _AXES
     a, b, c = (points[mesh.faces[:, corner]] for corner in range(3))
@@ -47,7 +47,7 @@ def share_within(mesh: Stitched) -> float:
 
 
 def _spread(areas: Array) -> Indices:
-    """Triangles at even steps of the surface, each once."""
+    """Triangles at equal steps of the surface, each once."""
     total = np.cumsum(areas)
     if not total.size or not total[-1] > 0.0:
         return np.empty(0, dtype=np.int64)
@@ -56,7 +56,7 @@ def _spread(areas: Array) -> Indices:
 
 
 def _crossings(starts: Array, corners: Array, rises: Array) -> Array:
-    """Whether rays upwards from points (k, 3) meet their triangles (k, 3, 3): 1 leaves, -1 enters, 0 passes by."""
+    """Whether upward rays from points (k, 3) hit their triangles (k, 3, 3): 1 exits, -1 enters, 0 misses."""
     # Twice the signed areas that the point spans with the sides: the weights of the opposite corners.
     a = corners[:, :, :2] - starts[:, None, :2]
     b = np.roll(a, -1, axis=1)

@@ -1,7 +1,7 @@
-"""Sews a solid whose faces meet but do not share their edges, as exports of surface modellers write them.
+"""Sews a solid whose faces meet but do not share their edges, as exported by surface modellers.
 
-The faces themselves stay as they are: what was a gap between two edges becomes one edge. So the volume changes by no
-more than the area times the gap, and where that could be more than a thousandth nothing is sewn.
+The faces themselves are unchanged: a gap between two edges becomes one edge. So the volume changes by at most the area
+times the gap, and if that could exceed a thousandth, nothing is sewn.
 """
 
 from typing import Any
@@ -17,17 +17,17 @@ from .exact import integrate, surface_area
 from .healing import Healed
 
 _GAP = 1e-3
-"""Gap [mm] that is sewn even if the file claims to be more exact."""
+"""Gap [mm] that is sewn even if the file claims a higher precision."""
 _MOST_CHANGED = 1e-3
-"""Share of the volume that sewing may change at most."""
+"""Maximum relative change of volume by sewing."""
 
 
 def sewn(body: Healed, precision: float) -> Healed | None:
-    """The body as one closed solid, its faces outwards; None where gaps are left, or too wide to be sure.
+    """The body as one closed solid, its faces outwards; None if gaps remain, or are too wide to be sure.
 
     Args:
-        body: A solid with edges that belong to one face only [mm].
-        precision: Uncertainty [mm] that it is drawn with.
+        body: A solid with edges that belong to only one face [mm].
+        precision: Its uncertainty [mm].
     """
     gap = max(precision, _GAP)
     sewing = BRepBuilderAPI_Sewing(gap)
@@ -40,7 +40,7 @@ def sewn(body: Healed, precision: float) -> Healed | None:
         return None
     shell = TopoDS.Shell(shells.Current())
     shells.Next()
-    if shells.More():  # which of several lies within which is not for sewing to say
+    if shells.More():  # nesting of several solids cannot be decided by sewing
         return None
     solid = BRepBuilderAPI_MakeSolid(shell).Solid()
     volume = integrate(solid).Mass()
@@ -51,7 +51,7 @@ def sewn(body: Healed, precision: float) -> Healed | None:
 
 
 def _origin(body: Healed, faces: list[Any], sewing: Any, solid: Any) -> list[int]:
-    """For each face of the solid where it came from, before healing."""
+    """For each face of the solid, its original face before healing."""
     became = [sewing.Modified(face) if sewing.IsModified(face) else face for face in faces]
     return [
         next((origin for old, origin in zip(became, body.origin, strict=True) if old.IsSame(face)), -1)

@@ -1,8 +1,8 @@
-"""Parts a closed mesh along edges where more than two of its faces meet, without changing its shape.
+"""Splits a closed mesh along edges with more than two faces, without changing its shape.
 
-Blocks of one solid that touch along an edge give an edge with four faces. Their mesh encloses a volume all the same,
-but no program for closed meshes takes it. Around such an edge outside and inside alternate: faces with the inside
-between them belong together, and each pair gets a middle of the edge for itself, so that no two pairs share an edge.
+Blocks of one solid that touch along an edge have an edge with four faces. Their mesh encloses a volume, but software
+for closed meshes rejects it. Around such an edge outside and inside alternate: faces with the inside between them
+belong together, and each pair gets its own midpoint of the edge, so that no two pairs share an edge.
 """
 
 from dataclasses import replace
@@ -15,13 +15,13 @@ from stepbot.geometry.spatial import Array
 from .stitching import Indices, Stitched
 
 _COINCIDENT = 1e-6
-"""Angle [rad] between two faces at an edge below which one lies upon the other."""
+"""Angle [rad] between two faces at an edge up to which they coincide."""
 
 # Sides are numbered over all triangles: side s of triangle s // 3 runs from its corner s % 3 to the next one.
 
 
 def split(mesh: Stitched) -> Stitched:
-    """The mesh with two faces at every edge; where inside and outside do not alternate, it stays as it is."""
+    """The mesh with two faces at every edge; unchanged where inside and outside do not alternate."""
     while True:
         cuts = _cuts(mesh)
         if not cuts:
@@ -30,7 +30,7 @@ def split(mesh: Stitched) -> Stitched:
 
 
 def _cuts(mesh: Stitched) -> list[tuple[int, int]]:
-    """Pairs of sides to divide next, such that no triangle is divided twice."""
+    """Pairs of sides to divide next, so that no triangle is divided twice."""
     cuts: list[tuple[int, int]] = []
     divided: set[int] = set()
     for sides in _crowded(mesh.faces):
@@ -51,7 +51,7 @@ def _crowded(faces: NDArray[np.int32]) -> list[Indices]:
 
 
 def _pairs_around(mesh: Stitched, sides: Indices) -> list[tuple[int, int]]:
-    """The sides at one edge in pairs with the inside between them; none where inside and outside do not alternate."""
+    """The sides at one edge in pairs with the inside between them; empty if inside and outside do not alternate."""
     start, end, opposite = (mesh.faces[sides // 3, (sides + k) % 3] for k in range(3))
     is_forward = start == start[0]
     angles = _angles(mesh.vertices[opposite], mesh.vertices[start[0]], mesh.vertices[end[0]])
@@ -79,7 +79,7 @@ def _angles(points: Array, start: Array, end: Array) -> Array:
 
 
 def _divided(mesh: Stitched, cuts: list[tuple[int, int]]) -> Stitched:
-    """The mesh with both triangles of each cut divided at the middle of their sides, by a vertex of the cut's own."""
+    """The mesh with both triangles of each cut divided at the middle of their sides, by a separate vertex per cut."""
     sides = np.array(cuts)
     triangles, corners = sides // 3, [mesh.faces[sides // 3, (sides + k) % 3] for k in range(3)]
     start, end, opposite = corners

@@ -1,8 +1,8 @@
-"""Faces meshed one by one become one mesh, watertight wherever the solid is.
+"""Joins separately meshed faces to one mesh, which is watertight if the solid is.
 
-The mesher divides an edge once, for all its faces, and tells for each face which of its nodes lie on it. Nodes that
-stand for the same point of an edge, or for the same vertex, become one; no distance is ever compared, so thin walls
-stay apart and gaps are never closed by chance.
+The mesher divides an edge once, for all its faces, and reports for each face which of its nodes are on it. Nodes of the
+same point of an edge, or of the same vertex, are merged; distances are never compared, so thin walls stay apart and
+gaps are not closed by accident.
 """
 
 from collections import Counter
@@ -19,10 +19,10 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class FacetedFace:
-    """The triangles of one face; they look outwards."""
+    """The triangles of one face, outward-facing."""
 
     place: int
-    """Place of the face in its shape, from 0."""
+    """Index of the face in its shape, from 0."""
     nodes: Array
     """Shape (n, 3)."""
     triangles: NDArray[np.int32]
@@ -34,13 +34,13 @@ class EdgeUse:
     """An edge as one side of a face."""
 
     place: int
-    """Place of the face."""
+    """Index of the face."""
     edge: int
     """Number of the edge, the same for every face that has it."""
     nodes: list[int]
-    """The face's own nodes on the edge, from 1, in the edge's direction; empty where the face has no triangles."""
+    """The face's own nodes on the edge, from 1, in the edge's direction; empty if the face has no triangles."""
     ends: tuple[int, int]
-    """Numbers of the vertices; 0 where there is none."""
+    """Numbers of the vertices; 0 if there is none."""
     is_point: bool
     """Whether the edge is a point, such as a pole of a sphere."""
 
@@ -54,13 +54,13 @@ class Stitched:
     faces: NDArray[np.int32]
     """Shape (m, 3)."""
     places: NDArray[np.int32]
-    """Shape (m,): which face of the shape each triangle is of."""
+    """Shape (m,): the face of the shape of each triangle."""
     open_edges: int
-    """Number of edges of the shape that belong to one face only."""
+    """Number of edges of the shape that belong to only one face."""
 
     @property
     def signed_volume(self) -> float:
-        """Volume of a closed mesh; negative where its faces look inwards."""
+        """Volume of a closed mesh; negative if its faces point inwards."""
         if not len(self.faces):
             return 0.0
         a, b, c = (self.vertices[self.faces[:, k]] - self.vertices.mean(axis=0) for k in range(3))
@@ -73,7 +73,7 @@ class Stitched:
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 
     def turned(self) -> "Stitched":
-        """The same mesh with its faces looking the other way."""
+        """The same mesh with its faces reversed."""
         return Stitched(self.vertices, self.faces[:, ::-1], self.places, self.open_edges)
 
 
@@ -90,7 +90,7 @@ def stitched(faces: Sequence[FacetedFace], uses: Sequence[EdgeUse]) -> Stitched:
 
 
 def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
-    """Join faces at nodes with equal coordinates: for triangles that came without edges, as in tessellated STEP."""
+    """Join faces at nodes with equal coordinates: for triangles without edges, as in tessellated STEP."""
     starts = _starts(faces)
     nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))]) + 0.0
     triangles = _triangles(faces, starts)
@@ -100,7 +100,7 @@ def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
 
 
 def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
-    """For each of ``count`` elements the lowest that pairs (left, right) join it to, itself included."""
+    """For each of ``count`` elements, the lowest element that pairs (left, right) connect to it, including itself."""
     labels = np.arange(count, dtype=np.int64)
     while True:
         a, b = labels[left], labels[right]
@@ -117,7 +117,7 @@ def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
 
 
 def _same_points(uses: Sequence[EdgeUse], starts: dict[int, int]) -> tuple[Indices, Indices]:
-    """Pairs of nodes, counted over all faces, that stand for one point."""
+    """Pairs of nodes, numbered over all faces, that represent one point."""
     first_use: dict[int, Indices] = {}
     at_vertex: dict[int, int] = {}
     left, right = [_none()], [_none()]
@@ -145,7 +145,7 @@ def _same_points(uses: Sequence[EdgeUse], starts: dict[int, int]) -> tuple[Indic
 
 
 def _assembled(nodes: Array, triangles: Indices, places: NDArray[np.int32], open_edges: int) -> Stitched:
-    """Drop triangles that fell together, number the nodes that are left in their old order."""
+    """Remove degenerate triangles, and renumber the remaining nodes in their old order."""
     a, b, c = triangles.T
     kept = (a != b) & (b != c) & (c != a)
     used, renumbered = np.unique(triangles[kept], return_inverse=True)
@@ -154,19 +154,19 @@ def _assembled(nodes: Array, triangles: Indices, places: NDArray[np.int32], open
 
 
 def _open_edges(uses: Sequence[EdgeUse]) -> int:
-    """How many edges have one side only; a seam has its face on both sides, a point none at all."""
+    """Number of edges with only one side; a seam has its face on both sides, a point has none."""
     sides = Counter(use.edge for use in uses if not use.is_point)
     return sum(count == 1 for count in sides.values())
 
 
 def _triangles(faces: Sequence[FacetedFace], starts: dict[int, int]) -> Indices:
-    """Triangles (m, 3) of all faces, by nodes counted over all of them."""
+    """Triangles (m, 3) of all faces, with nodes numbered over all of them."""
     parts = [face.triangles.astype(np.int64) + starts[face.place] for face in faces]
     return np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
 
 
 def _starts(faces: Sequence[FacetedFace]) -> dict[int, int]:
-    """For each face the number of nodes before its own."""
+    """For each face, the number of nodes before its own."""
     starts, total = {}, 0
     for face in faces:
         starts[face.place] = total

@@ -1,7 +1,7 @@
-"""Straightens curves in the parameter space of faces where the mesher stumbles over rounding.
+"""Straightens curves in the parameter space of faces on which the mesher fails because of rounding.
 
 On a cylinder or a cone the seam is a vertical line in parameter space. Some programs write it slanted by the last bit
-(3e-16 to 1), and the mesher then takes the corners of the face for crossings: it leaves the face out, or half of it. An
+(3e-16 to 1), and the mesher then mistakes the corners of the face for crossings: it omits the face, or half of it. An
 exactly vertical line is the same curve within 1e-9 of a radian.
 """
 
@@ -15,11 +15,11 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 _SLANT = 1e-9
-"""Component of a unit direction below which a line counts as meant to be parallel to an axis."""
+"""Component of a unit direction below which a line counts as parallel to an axis."""
 
 
 def straighten(faces: list[Any]) -> int:
-    """Make lines that are all but parallel to an axis of parameter space parallel, in place; how many there were."""
+    """Make lines nearly parallel to an axis of parameter space exactly parallel, in place; returns their number."""
     return sum(_straighten_face(TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))) for face in faces)
 
 
@@ -45,7 +45,7 @@ def _straighten_face(face: Any) -> int:
 
 
 def _straight(curve: Any) -> Geom2d_Line | None:
-    """The line that a slightly slanted one is meant to be; None where there is nothing to change."""
+    """The exact line for a slightly slanted one; None if there is nothing to change."""
     if not isinstance(curve, Geom2d_Line):
         return None
     line = curve.Lin2d()

@@ -1,8 +1,8 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
-Where the mesher leaves holes it is asked again: where it left out a face, after its stumbling blocks are cleared
-(:mod:`.straightening`), then by its other algorithm and finer. Elsewhere they are cleared last, since that sends it
-into an endless loop on some faces that it meshes well as they are.
+If the mesher leaves holes it is run again: for a missing face, after straightening its curves (:mod:`.straightening`),
+then with its other algorithm and finer. In other cases straightening comes last, since it causes an endless loop of the
+mesher on some faces that it meshes well without.
 """
 
 import math
@@ -27,10 +27,10 @@ from .straightening import straighten
 from .triangles import edge_uses, faceted_faces
 
 MAX_FACES = 200_000
-"""Most faces of a body's written mesh."""
+"""Maximum number of faces of a body's written mesh."""
 
 _DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
-"""Divide and conquer: as good as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
+"""Divide and conquer: as accurate as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
 _WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
 _COARSEST_ANGLE = math.pi / 2
 _COARSEST_DEFLECTION = 0.1
@@ -38,7 +38,7 @@ _COARSEST_DEFLECTION = 0.1
 
 @dataclass(frozen=True)
 class Fineness:
-    """How finely one body is meshed."""
+    """Tolerance of a body's mesh."""
 
     deflection: float
     """Chordal deviation [mm]."""
@@ -50,7 +50,7 @@ class Fineness:
         return Fineness(self.deflection * factor, self.angle * factor)
 
     def scaled_by_square(self, factor: float) -> "Fineness":
-        """The angle times a factor, the deflection times its square; the error of a mesh then scales by the square."""
+        """The angle scaled by a factor, the deflection by its square; the error of a mesh then scales by the square."""
         return Fineness(self.deflection * factor**2, self.angle * factor)
 
 
@@ -61,15 +61,15 @@ class Tessellation:
     mesh: Stitched
     """[mm]."""
     fineness: Fineness
-    """What it was made with in the end."""
+    """The tolerance that was used in the end."""
     missing: list[int] = field(default_factory=list)
-    """Places of faces that have no triangles."""
+    """Indices of faces without triangles."""
 
     @property
     def volume_tolerance(self) -> float:
-        """Share of the volume by which a mesh of this fineness may be off.
+        """Relative error of volume that a mesh of this tolerance may have.
 
-        A facet of a cylinder that spans the angle a misses a^2/6 of it, of a sphere up to a^2/4; and nowhere is a mesh
+        A facet of a cylinder that spans the angle a misses a^2/6 of it, of a sphere up to a^2/4; and a mesh is nowhere
         further from its surface than the chordal deviation.
         """
         by_angle = self.fineness.angle**2 / 2 + 0.02
@@ -79,12 +79,12 @@ class Tessellation:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the mesh has every face, and closes unless the shape itself is open."""
+        """Whether the mesh has every face, and is closed unless the shape itself is open."""
         return not self.missing and (self.mesh.open_edges > 0 or is_watertight(self.mesh.faces))
 
 
 def diagonal(shape: Any) -> float:
-    """Diagonal [mm] of a box around a shape."""
+    """Diagonal [mm] of the bounding box of a shape."""
     box = Bnd_Box()
     BRepBndLib.Add_s(shape, box, False)
     return 0.0 if box.IsVoid() else math.sqrt(box.SquareExtent())
@@ -97,7 +97,7 @@ def fineness(tolerances: tuple[MeshTolerance, ...], size: float) -> Fineness:
 
 
 def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
-    """Mesh a shape, in several ways if need be until no face is missing and the mesh is as closed as the shape."""
+    """Mesh a shape, in several ways until no face is missing and the mesh is as closed as the shape."""
     faces = faces_of(shape)
     best = _meshed(shape, faces, wanted, _DELABELLA)
     for algorithm, factor in () if best.is_complete else _ways(faces, bool(best.missing)):
@@ -110,12 +110,12 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
 
 
 def tessellated_once(shape: Any, wanted: Fineness) -> Tessellation:
-    """Mesh a shape in the usual way only, complete or not."""
+    """Mesh a shape by the default method only, complete or not."""
     return _meshed(shape, faces_of(shape), wanted, _DELABELLA)
 
 
 def _ways(faces: list[Any], is_lacking: bool) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:
-    """Algorithms and factors on the tolerance to try on a body that came out incomplete; straightens it on the way."""
+    """Algorithms and tolerance factors to try on a body with an incomplete mesh; straightens it on the way."""
     if is_lacking and straighten(faces):
         yield _DELABELLA, 1.0
     yield from ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
@@ -124,13 +124,13 @@ def _ways(faces: list[Any], is_lacking: bool) -> Iterator[tuple[IMeshTools_MeshA
 
 
 def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:
-    """Mesh a shape of diagonal ``size`` [mm], more coarsely than asked where it takes more than :data:`MAX_FACES`."""
+    """Mesh a shape of diagonal ``size`` [mm], more coarsely if it would have more than :data:`MAX_FACES` faces."""
     result = tessellated(shape, wanted)
     while len(result.mesh.faces) > MAX_FACES:
         current = result.fineness
         if current.angle >= _COARSEST_ANGLE and current.deflection >= _COARSEST_DEFLECTION * size:
             break
-        # Faces of a doubly curved surface grow with the square of the fineness, of a cylinder with its first power.
+        # The number of faces of a doubly curved surface grows with the square of the fineness, of a cylinder linearly.
         factor = max(1.25, math.sqrt(len(result.mesh.faces) / MAX_FACES))
         result = tessellated(shape, current.scaled(factor))
     return result

@@ -1,4 +1,4 @@
-r"""Triangles and edge polygons of a meshed shape as arrays, bit for bit as the kernel has them.
+r"""Triangles and edge polygons of a meshed shape as arrays, bit for bit the kernel's values.
 
 Reading one node through the Python binding costs about a microsecond, so the triangulations go through the kernel's own
 binary format instead (BinTools): ``\nTriangulations N\n``, and for each of them two int32 counts, two flags, the
@@ -25,7 +25,7 @@ from .stitching import EdgeUse, FacetedFace
 
 
 class BrokenTriangles(RuntimeError):
-    """A triangle names a corner that is not there, as tessellated STEP may do."""
+    """A triangle refers to a missing corner, which tessellated STEP may contain."""
 
 
 _SECTION = b"\nTriangulations "
@@ -40,7 +40,7 @@ class _Facets:
 
 
 def faceted_faces(faces: list[Any]) -> tuple[list[FacetedFace], list[int]]:
-    """The triangles of faces, and the places of those faces that have none."""
+    """The triangles of faces, and the indices of faces without triangles."""
     meshed, empty = [], []
     for place, face in enumerate(faces):
         location = TopLoc_Location()
@@ -63,7 +63,7 @@ def faceted_faces(faces: list[Any]) -> tuple[list[FacetedFace], list[int]]:
 
 
 def edge_uses(faces: list[Any]) -> list[EdgeUse]:
-    """For every edge of every face with triangles the nodes that lie on it, in the edge's own direction."""
+    """For every edge of every face with triangles, the nodes on it, in the edge's own direction."""
     edges, vertices = ShapeMap(), ShapeMap()
     uses = []
     for place, face in enumerate(faces):
@@ -111,7 +111,7 @@ def _arrays(triangulations: list[Any]) -> list[tuple[Array, NDArray[np.int32]]]:
 
 
 def _triangulation(data: bytes, offset: int) -> tuple[Array, NDArray[np.int32], int]:
-    """One triangulation, and where the next begins."""
+    """One triangulation, and the offset of the next."""
     node_count, triangle_count = np.frombuffer(data, "<i4", 2, offset).tolist()
     has_parameters, has_normals = data[offset + 8], data[offset + 9]
     offset += _COUNTS_AND_FLAGS + 8
@@ -129,7 +129,7 @@ def _moved(nodes: Array, transformation: Any) -> Array:
 
 
 def _is_turned(facets: _Facets) -> bool:
-    """Whether the triangles of a face look the other way than the face: it is reversed, or mirrored by its location."""
+    """Whether the triangles of a face are oriented opposite to it: it is reversed, or mirrored by its location."""
     is_reversed = facets.face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
     is_mirrored = not facets.location.IsIdentity() and facets.location.Transformation().IsNegative()
     return bool(is_reversed != is_mirrored)

@@ -1,1 +1,1 @@
-"""What a STEP file says about structure: products, occurrences, the component tree, names, colours, materials."""
+"""Structure of a STEP file: products, occurrences, the component tree, names, colours, materials."""

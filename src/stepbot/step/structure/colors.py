@@ -1,8 +1,8 @@
 """Colours in the document, from the face up to the occurrence.
 
-The nearest to the triangle wins, as in viewers on this kernel: a face's own colour, else the occurrence's, else the
-body's, else the part's, else what the assembly above has. So a part that was coloured as a whole in an assembly keeps
-the faces that were picked out in the part.
+The colour nearest to the triangle wins, as in viewers based on this kernel: a face's own colour, else the occurrence's,
+else the body's, else the part's, else the assembly's above. So a part that is coloured as a whole in an assembly keeps
+the colours of single faces in the part.
 """
 
 from collections.abc import Sequence
@@ -19,21 +19,21 @@ from stepbot.robot.model import Rgba
 
 _KINDS = (XCAFDoc_ColorType.XCAFDoc_ColorSurf, XCAFDoc_ColorType.XCAFDoc_ColorGen)
 _DIGITS = 6
-"""The kernel keeps colours in single precision; more digits than these are noise."""
+"""The kernel stores colours in single precision; further digits are noise."""
 
 BodyStyle = tuple[Rgba | None, dict[int, Rgba]]
-"""Colour of a body, and of those of its faces that have one."""
+"""Colour of a body, and of its faces with own colours."""
 
 
 class Colors:
     """The colours of one document."""
 
     def __init__(self, document: Any) -> None:
-        # Touching the tool makes it: without it a document without colours would have none to ask.
+        # Accessing the tool creates it: a document without colours would have none.
         XCAFDoc_DocumentTool.ColorTool_s(document.Main())
 
     def of_label(self, label: Any) -> Rgba | None:
-        """The colour of a part or an occurrence; None where it has none of its own."""
+        """The colour of a part or an occurrence; None if it has none of its own."""
         color = Quantity_ColorRGBA()
         for kind in _KINDS:
             if XCAFDoc_ColorTool.GetColor_s(label, kind, color):
@@ -64,7 +64,7 @@ class Colors:
 
 
 class _FaceOwners:
-    """Which bodies hold a face, and where in them."""
+    """The bodies that contain a face, and its index in them."""
 
     def __init__(self, bodies: Sequence[Any]) -> None:
         self._faces = ShapeMap()
@@ -79,6 +79,6 @@ class _FaceOwners:
                 self._places[index - 1].append((number, place))
 
     def of(self, face: Any) -> list[tuple[int, int]]:
-        """Pairs of the body's number and the face's place in it, both from 0."""
+        """Pairs of the body's number and the face's index in it, both from 0."""
         index = self._faces.FindIndex(face)
         return self._places[index - 1] if index > 0 else []

@@ -1,7 +1,7 @@
-"""The document's definitions: what each product holds, without a word of where it occurs.
+"""The document's definitions: the content of each product, independent of its occurrences.
 
-A definition is an assembly of other definitions, or a part with bodies. A part is taken apart into its solids, its
-shells and what is left of loose faces; curves and points count only where there is nothing else.
+A definition is an assembly of other definitions, or a part with bodies. A part is split into its solids, its shells and
+the remaining loose faces; curves and points count only if there is nothing else.
 """
 
 from collections.abc import Iterator
@@ -38,11 +38,11 @@ class Definitions:
         self.roots = [self._read(label, DEFAULT_PRECISION) for label in _listed(self._shapes.GetFreeShapes)]
 
     def _read(self, label: Any, precision: float) -> int:
-        """Index of a label's definition, read with all below it where it is new.
+        """Index of a label's definition, read with everything below it if it is new.
 
         Args:
             label: A label of the document.
-            precision: Uncertainty [mm] of the product above, for what is none itself.
+            precision: Uncertainty [mm] of the product above, for definitions that are not products.
         """
         entry = TCollection_AsciiString()
         TDF_Tool.Entry_s(label, entry)
@@ -78,7 +78,7 @@ class Definitions:
             children.append((occurrence, Child(index, self._products.name_of(occurrence), matrix, color, occurrence)))
             for other, place in self._products.repeated(occurrence, matrix):
                 children.append((other, Child(index, self._products.name_of(other), place, None, other)))
-        # In file order; bodies beside components, which the kernel made up, come last.
+        # In file order; bodies beside components, which the kernel created, come last.
         children.sort(key=lambda numbered: (numbered[0] == NONE, numbered[0]))
         definition.children = [child for _, child in children]
 
@@ -138,8 +138,8 @@ def _listed(fill: Any) -> list[Any]:
 
 
 def _name(label: Any) -> str:
-    """What the kernel calls a label; empty where it has no name, as shapes that the kernel made up may have none."""
-    if not label.IsAttribute(TDataStd_Name.GetID_s()):  # to look for what is not there ends the process
+    """The kernel's name of a label; empty if it has none, as shapes created by the kernel may."""
+    if not label.IsAttribute(TDataStd_Name.GetID_s()):  # accessing a missing attribute ends the process
         return ""
     name = TDataStd_Name()
     label.FindAttribute(TDataStd_Name.GetID_s(), name)

@@ -1,8 +1,8 @@
-"""Materials and densities in a STEP file, in kg/m^3 whatever unit the file gives them in.
+"""Materials and densities in a STEP file, converted to kg/m^3.
 
 A density is a measure with a derived unit, attached to a product definition; a name is a descriptive item beside it,
 the product of a raw material that the part is made from, or a material designation. The kernel's own reader drops the
-mass unit and every unit that is not SI, so the model is asked directly.
+mass unit and every unit that is not SI, so the model is queried directly.
 """
 
 import math
@@ -28,7 +28,7 @@ from .source import StepMaterial
 
 @dataclass
 class _Claims:
-    """What the file says about one product definition."""
+    """The material of one product definition in the file."""
 
     names: list[str] = field(default_factory=list)
     densities: list[float] = field(default_factory=list)
@@ -42,12 +42,12 @@ class Materials:
 
         Args:
             session: The reader's work session.
-            place: What diagnostics call the file.
-            found: Receives what is wrong with densities.
+            place: Name of the file in diagnostics.
+            found: Receives faults of densities.
         """
         self._claims: dict[
             int, tuple[Any, _Claims]
-        ] = {}  # by identity; the entity is kept, so that its id stays its own
+        ] = {}  # by identity; a reference is kept, so that its id stays unique
         strange: list[str] = []
         for relation in entities(session, StepRepr_PropertyDefinitionRepresentation):
             self._read_property(relation, strange)
@@ -62,7 +62,7 @@ class Materials:
         self._place, self._found = place, found
 
     def of(self, definition: Any, product: str) -> StepMaterial:
-        """The material of a product definition; densities that contradict each other count as none.
+        """The material of a product definition; contradictory densities count as missing.
 
         Args:
             definition: The entity.
@@ -88,7 +88,7 @@ class Materials:
         return self._claims.setdefault(id(definition), (definition, _Claims()))[1]
 
     def _read_property(self, relation: Any, strange: list[str]) -> None:
-        """Take over a density or a material's name from one property of a product definition."""
+        """Add a density or a material's name from one property of a product definition."""
         property_definition = relation.Definition().Value()
         if not isinstance(property_definition, StepRepr_PropertyDefinition) or relation.UsedRepresentation() is None:
             return
@@ -113,11 +113,11 @@ class Materials:
         density = value * unit.size
         if density > 0.0 and math.isfinite(density):
             self._of(definition).densities.append(_tidy(density))
-        elif density != 0.0:  # zero says that there is none
+        elif density != 0.0:  # zero means unset
             strange.append(f"{value:g} {unit.name}")
 
     def _read_raw_material(self, usage: Any) -> None:
-        """A part that is made from another product takes that one's density, and its name as the material's."""
+        """A part made from another product has its density, and its name as the material's."""
         part, raw = usage.RelatingProductDefinition(), usage.RelatedProductDefinition()
         if part is None or raw is None or id(raw) not in self._claims:
             return
@@ -130,7 +130,7 @@ class Materials:
 
 
 def _material_name(item: Any) -> str:
-    """The name that a descriptive item gives; its description where the name only says what it is."""
+    """The name in a descriptive item; its description if the name is only a label."""
     name = text(item.Name()).strip()
     return text(item.Description()).strip() if name.lower() in ("", "material", "material name") else name
 
@@ -141,7 +141,7 @@ def _described(property_definition: Any) -> str:
 
 
 def _tidy(density: float) -> float:
-    """Without the noise of the conversion: 7.85 g/cm^3 is 7850, not 7849.999999999999."""
+    """Without rounding errors of the conversion: 7.85 g/cm^3 is 7850, not 7849.999999999999."""
     return float(f"{density:.12g}")
 
 

@@ -1,9 +1,8 @@
-"""Canonical names of components: what `inspect` prints and what a sidecar's paths are matched against.
+"""Canonical names of components, printed by `inspect` and matched by a sidecar's paths.
 
 The segment of a component is the name of its product. Among siblings with an equal one it is the name of the
-occurrence, if that is unique and not machine-made, else the product's name with ``#n`` in file order. Where neither
-product nor occurrence carries a name of its own the segment is ``body``. Save counters (`` v12``) are no part of a
-name.
+occurrence, if that is unique and not generated, else the product's name with ``#n`` in file order. If neither product
+nor occurrence has a name of its own the segment is ``body``. Save counters (`` v12``) are not part of a name.
 """
 
 import re
@@ -15,7 +14,7 @@ from ..assembly import ROOT_PATH
 from .paths import escape, plain_name
 
 BODY = "body"
-"""Segment of what has no name."""
+"""Segment of an unnamed component."""
 
 _GENERIC = frozenset({"SOLID", "SHELL", "COMPOUND", "COMPSOLID", "ASSEMBLY", "FACE", "WIRE", "EDGE", "VERTEX"})
 _MACHINE_MADE = re.compile(
@@ -36,7 +35,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class NamedComponent:
-    """What the path of a component is made from."""
+    """The inputs of a component's path."""
 
     parent: int
     """Index of the component above; -1 for the root, which comes first."""
@@ -53,23 +52,23 @@ class ComponentName:
     ordinal: int
     """n among the siblings with an equal name, from 1 in file order."""
     by_ordinal_only: bool
-    """Whether only ``#n`` tells it from a sibling."""
+    """Whether only ``#n`` distinguishes it from a sibling."""
 
 
 def is_machine_made(occurrence: str) -> bool:
-    """Whether a name was numbered by a program rather than given by a person; no name at all counts too."""
+    """Whether a name is empty, or was numbered by a program rather than given by a person."""
     name = occurrence.strip()
     return not name or name in _GENERIC or _MACHINE_MADE.fullmatch(name) is not None
 
 
 def is_generic(product: str) -> bool:
-    """Whether a product's name says no more than what kind of shape it is."""
+    """Whether a product's name only states the type of shape."""
     name = product.strip()
     return not name or name in _GENERIC
 
 
 def base_name(product: str, occurrence: str) -> str:
-    """The name that a component has before siblings are told apart."""
+    """The name of a component before siblings are distinguished."""
     if not is_generic(product):
         return plain_name(product)
     if not is_machine_made(occurrence):
@@ -90,7 +89,7 @@ def assign_paths(components: Sequence[NamedComponent]) -> list[ComponentName]:
     for (
         parent,
         siblings,
-    ) in below.items():  # in the order of their parents, so a parent's path is there before it is used
+    ) in below.items():  # in the order of their parents, so a parent's path is known before it is used
         if parent < 0:
             continue
         prefix = "" if components[parent].parent < 0 else names[parent].path + "/"
@@ -103,7 +102,7 @@ def _name_siblings(siblings: Sequence[NamedComponent]) -> list[ComponentName]:
     """Names of components with the same parent, their paths still empty."""
     bases = [base_name(sibling.product, sibling.occurrence) for sibling in siblings]
     occurrences = [plain_name(sibling.occurrence) for sibling in siblings]
-    # An occurrence's name serves only if nothing else beside it answers to that name.
+    # An occurrence's name is used only if no sibling has the same name.
     answers = Counter([*bases, *(o for o, b in zip(occurrences, bases, strict=True) if o != b)])
     sharing = Counter(bases)
     seen: Counter[str] = Counter()

@@ -1,4 +1,4 @@
-"""Component paths: how the sidecar and the command line name what is in an assembly.
+"""Component paths, by which the sidecar and the command line refer to components.
 
     gripper/XL,XC-330/horn      the names on the way down from below the root; ``.`` is the root itself
     bolt#2                      the second of the siblings called bolt; without ``#n``, all of them
@@ -8,7 +8,8 @@
 A name is that of the product or of the occurrence. Fusion's save counter, `` v12`` in ``arm v12`` and ``arm v12:1``,
 counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash, as does a name that is a single dot;
 every other character stands for itself.
-A path that does not bind is a value too, :class:`Binding`, because many are looked up and all faults are told at once.
+A failed lookup is also returned as a :class:`Binding`, because many paths are looked up and all faults are reported at
+once.
 """
 
 import re
@@ -27,7 +28,7 @@ _SAVE_COUNTER = re.compile(r"(?<=\S) v\d+(?=(?::\d+)?$)")
 _ORDINAL = re.compile(r"(?<!\\)#(\d{1,18})$")
 _ESCAPED = re.compile(r"\\([/*#])")
 _DOT = re.compile(r"\\*\.")
-"""A name that would be taken for the root without a backslash before it."""
+"""A name that would be the root without a backslash before it."""
 _SLASH = re.compile(r"(?<!\\)/")
 _STAR = re.compile(r"(?<!\\)\*+")
 
@@ -36,29 +37,29 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True)
 class Binding:
-    """What a path names."""
+    """The result of a path lookup."""
 
     pattern: str
     indices: tuple[int, ...] = ()
-    """The components that match, in file order; one may lie below another. Empty where there is a ``problem``."""
+    """The components that match, in file order; one may be below another. Empty if there is a ``problem``."""
     topmost: tuple[int, ...] = ()
-    """Those of ``indices`` that lie below no other of them."""
+    """Those of ``indices`` that are not below another of them."""
     problem: Literal["", "unknown", "ambiguous"] = ""
     candidates: tuple[str, ...] = ()
-    """Canonical paths between which an ambiguous path does not decide."""
+    """Canonical paths of the candidates of an ambiguous path."""
     help: tuple[str, ...] = ()
     """Remedies, near matches first."""
     fragile: bool = False
-    """Whether it holds only as long as the CAD inserts no equal part: ``#n`` alone tells siblings apart."""
+    """Whether the path depends on an ordinal ``#n``, which changes if the CAD inserts an equal part."""
 
 
 def find(assembly: Assembly, pattern: str) -> Binding:
-    """Components that a path or glob names; to look up many, keep a :class:`ComponentPaths`."""
+    """Components that match a path or glob; to look up many, keep a :class:`ComponentPaths`."""
     return ComponentPaths(assembly.components).find(pattern)
 
 
 def find_one(assembly: Assembly, pattern: str) -> Binding:
-    """The one component that a path or glob names; several are ambiguous."""
+    """The only component that matches a path or glob; several are ambiguous."""
     return ComponentPaths(assembly.components).find_one(pattern)
 
 
@@ -68,7 +69,7 @@ def plain_name(name: str) -> str:
 
 
 def escape(name: str) -> str:
-    """A name as a segment of a path that means just this name."""
+    """A name as a segment of a path that matches exactly this name."""
     return f"\\{name}" if _DOT.fullmatch(name) else re.sub(r"([/*#])", r"\\\1", name)
 
 
@@ -81,7 +82,7 @@ def quoted(path: str) -> str:
 
 
 def subtree_ends(components: Sequence[Component]) -> list[int]:
-    """For each component the index after the last one below it; those between are its subtree, in depth-first order."""
+    """For each component, the index after its last descendant; its subtree is contiguous in depth-first order."""
     ends = list(range(1, len(components) + 1))
     for component in reversed(components[1:]):
         ends[component.parent] = max(ends[component.parent], ends[component.index])
@@ -89,7 +90,7 @@ def subtree_ends(components: Sequence[Component]) -> list[int]:
 
 
 def inherited(components: Sequence[Component], given: Mapping[int, _T], default: _T) -> list[_T]:
-    """For each component the value given to it, else to the nearest component above that has one, else the default."""
+    """For each component, its own value, else that of the nearest ancestor with one, else the default."""
     values: list[_T] = []
     for component in components:
         above = values[component.parent] if component.parent >= 0 else default
@@ -102,11 +103,11 @@ class _Segment:
     """One segment of a pattern."""
 
     text: str
-    """As it was written."""
+    """As written."""
     name: str
     """Without escapes, ordinal and save counter; runs of stars are ``_ANY``."""
     ordinal: int
-    """n of ``#n``; 0 where there is none."""
+    """n of ``#n``; 0 if there is none."""
     _verdicts: dict[str, bool] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -114,7 +115,7 @@ class _Segment:
         return self.text == _ACROSS or _ANY in self.name
 
     def accepts(self, name: str) -> bool:
-        """Whether a plain name matches, the ordinal apart; names repeat, so verdicts are kept."""
+        """Whether a plain name matches, without the ordinal; results are cached, since names repeat."""
         if _ANY not in self.name:
             return name == self.name
         verdict = self._verdicts.get(name)
@@ -124,7 +125,7 @@ class _Segment:
 
 
 def _matches_parts(name: str, parts: Sequence[str]) -> bool:
-    """Whether a name consists of the parts in their order, with anything between; each is taken where it first fits."""
+    """Whether a name consists of the parts in order, with anything between; each is matched where it first fits."""
     first, *middle, last = parts
     end = len(name) - len(last)
     if not (name.startswith(first) and name.endswith(last)):
@@ -151,7 +152,7 @@ def _parse_segment(text: str) -> _Segment:
 
 
 class ComponentPaths:
-    """Looks up paths in one assembly; built once, so that each look-up costs little on thousands of components."""
+    """Looks up paths in one assembly; built once, so that each lookup is fast even for thousands of components."""
 
     def __init__(self, components: Sequence[Component]) -> None:
         self._components = components
@@ -163,7 +164,7 @@ class ComponentPaths:
         for component in components:
             canonical = _parse_segment(component.segment)
             product, occurrence = plain_name(component.product), plain_name(component.occurrence)
-            # The canonical name is numbered too: it is the occurrence's, or `body`, where the product's says nothing.
+            # The canonical name is numbered too: it is the occurrence's, or `body`, if the product's name is generic.
             numbered = canonical.ordinal > 0 or canonical.name != occurrence
             named = (product, canonical.name) if numbered else (product,)
             names = tuple(dict.fromkeys(name for name in named if name))
@@ -176,7 +177,7 @@ class ComponentPaths:
         self._occurrence_ordinals = self._count_occurrences()
 
     def find(self, pattern: str) -> Binding:
-        """The components that a path or glob names, or why it names none."""
+        """The components that match a path or glob, or the reason for no match."""
         if pattern == ROOT_PATH:
             return Binding(pattern, (0,), (0,))
         segments = _parse(pattern)
@@ -196,7 +197,7 @@ class ComponentPaths:
         return self._bound(pattern, segments, top)
 
     def find_one(self, pattern: str) -> Binding:
-        """The one component that a path or glob names; of several, the one whose canonical path it is."""
+        """The only component that matches a path or glob; of several, the one with this canonical path."""
         binding = self.find(pattern)
         if len(binding.topmost) <= 1:
             return binding
@@ -206,7 +207,7 @@ class ComponentPaths:
         return self._ambiguous(pattern, binding.topmost)
 
     def below(self, indices: Iterable[int]) -> list[int]:
-        """The given components and all below them, each once, in file order."""
+        """The given components and everything below them, each once, in file order."""
         covered: list[int] = []
         end = 0
         for index in sorted(indices):
@@ -215,7 +216,7 @@ class ComponentPaths:
         return covered
 
     def _count_occurrences(self) -> list[int]:
-        """For each component n among siblings of equal occurrence name; 0 where that is a sibling's product name."""
+        """For each component, n among siblings of equal occurrence name; 0 if that is a sibling's product name."""
         products = {(c.parent, name) for c in self._components for name in self._product_names[c.index]}
         counts: dict[tuple[int, str], int] = defaultdict(int)
         ordinals = []
@@ -236,7 +237,7 @@ class ComponentPaths:
         )
 
     def _match_ends(self, segments: Sequence[_Segment]) -> dict[int, int]:
-        """Components whose path ends with the segments, each with the component above the first segment."""
+        """Components whose path ends with the segments, each with the parent of the first segment."""
         found = {}
         for index in self._by_name.get(segments[-1].name, ()):
             at = index
@@ -310,7 +311,7 @@ class ComponentPaths:
         return Binding(pattern, problem="unknown", help=remedies)
 
     def _near_paths(self, segments: Sequence[_Segment]) -> tuple[str, ...]:
-        """Help for a misspelt path: the first segment that names nothing is the one to correct."""
+        """Help for a misspelt path: the first segment without a match is the one to correct."""
         for segment in segments:
             word = segment.name.replace(_ANY, "")
             if not word or any(segment.accepts(name) for name in self._by_name):
@@ -323,7 +324,7 @@ class ComponentPaths:
 
 
 def _skip_across(states: int, segments: Sequence[_Segment]) -> int:
-    """``**`` may stand for no name at all: let every state before one go past it."""
+    """``**`` may match no name at all: add the state after each one."""
     for i, segment in enumerate(segments):
         if segment.text == _ACROSS and states >> i & 1:
             states |= 1 << (i + 1)

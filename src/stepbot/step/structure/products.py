@@ -1,8 +1,8 @@
-"""Names of products and occurrences, each found again in the document by a mark that it carries through the transfer.
+"""Names of products and occurrences, found again in the document by a mark that they have during the transfer.
 
-The kernel's reader attaches names to shapes by where they lie, so that two occurrences in one place swap or lose
-theirs. Here every product definition and every occurrence is renamed to a number before the transfer; the numbers
-come back as names of labels, and lead to the entities and to their true names.
+The kernel's reader assigns names to shapes by position, so that two occurrences at one position swap or lose theirs.
+Here every product definition and every occurrence is renamed to a number before the transfer; the numbers come back as
+names of labels, and identify the entities and their real names.
 """
 
 from collections import Counter, defaultdict
@@ -43,7 +43,7 @@ class Occurrence:
     entity: Any
     name: str
     assembly: int
-    """Index of the product that it is a part of."""
+    """Index of the parent product."""
     product: int
     """Index of the product that occurs."""
 
@@ -56,7 +56,7 @@ class Products:
 
         Args:
             session: The reader's work session.
-            take_out: Whether occurrences that repeat many times are kept from the kernel.
+            take_out: Whether occurrences that repeat many times are hidden from the kernel.
         """
         definitions = entities(session, StepBasic_ProductDefinition)
         precisions = _precisions(session)
@@ -86,7 +86,7 @@ class Products:
         self._mark(definitions, usages)
 
     def tree_size(self) -> int:
-        """How many components the tree of all occurrences has; files of a few kilobytes can stand for billions.
+        """Number of components in the tree of all occurrences; files of a few kilobytes can expand to billions.
 
         A product that contains itself counts as empty: it is reported elsewhere.
         """
@@ -102,7 +102,7 @@ class Products:
             known = product in sizes
             left = [] if known else [one for one in set(below[product]) if one not in sizes]
             if not known:
-                sizes[product] = 0  # until all below it are known
+                sizes[product] = 0  # until everything below it is known
             elif sizes[product] == 0:
                 sizes[product] = 1 + sum(sizes[one] for one in below[product])
             if known:
@@ -111,15 +111,15 @@ class Products:
         return sum(sizes[root] for root in roots)
 
     def product_of(self, mark: str) -> int:
-        """Index of the product whose mark a label carries; -1 for a label that the kernel made up."""
+        """Index of the product whose mark a label has; -1 for a label created by the kernel."""
         return _number(mark, _PRODUCT)
 
     def occurrences_of(self, assembly: int, products: Sequence[int], marks: Sequence[str]) -> list[int]:
-        """Indices of the occurrences that the components of an assembly are; -1 for components that are none.
+        """Indices of the occurrences of an assembly's components; -1 for components that are not occurrences.
 
         Args:
             assembly: Index of its product.
-            products: For each component the index of its product, -1 where it has none.
+            products: For each component the index of its product, -1 if it has none.
             marks: For each component the name of its label.
         """
         expected: dict[int, list[int]] = defaultdict(list)
@@ -129,7 +129,7 @@ class Products:
         found = []
         for product, mark in zip(products, marks, strict=True):
             candidates = expected.get(product, [])
-            # In file order, as the kernel builds them; where it built fewer, the mark tells which.
+            # In file order, as the kernel builds them; if it built fewer, the mark identifies them.
             if product != NONE and len(candidates) == counts[product]:
                 found.append(candidates.pop())
                 counts[product] -= 1
@@ -142,10 +142,10 @@ class Products:
         return self.occurrences[occurrence].name if occurrence != NONE else ""
 
     def repeated(self, occurrence: int, matrix: Array) -> Iterator[tuple[int, Array]]:
-        """Occurrences that were kept from the kernel in favour of this one, and their matrices (4, 4) [m].
+        """Occurrences that were hidden from the kernel in favour of this one, and their matrices (4, 4) [m].
 
         Raises:
-            MisplacedOccurrence: The kernel puts this one elsewhere than it was expected.
+            MisplacedOccurrence: The kernel places this one differently than expected.
         """
         repetition = self._repetitions.get(occurrence)
         if repetition is not None:
@@ -176,14 +176,14 @@ def _number(mark: str, prefix: str) -> int:
 
 
 def _product_name(definition: Any) -> str:
-    """The name of the product, else its id: what CAD programs show."""
+    """The name of the product, else its id, as displayed by CAD programs."""
     formation = definition.Formation()
     product = formation.OfProduct() if formation is not None else None
     return _first(product.Name(), product.Id()) if product is not None else ""
 
 
 def _occurrence_name(usage: Any) -> str:
-    """The description, else the name, else the id: the order in which other programs on this kernel look."""
+    """The description, else the name, else the id: the order of other programs based on this kernel."""
     return _first(usage.Description() if usage.HasDescription() else None, usage.Name(), usage.Id())
 
 

@@ -1,7 +1,7 @@
-"""Products that occur many times in one assembly: placed here, because the kernel takes time with the square of them.
+"""Products that occur many times in one assembly: placed here, because the kernel's time is quadratic in their number.
 
-Of such occurrences only the first is left in the model for the kernel; five thousand screws take 0.03 s instead of 18.
-The others are placed by the formula that the kernel uses, and only if that gives the kernel's own pose for the first.
+Only the first of such occurrences is left in the model for the kernel; five thousand screws take 0.03 s instead of 18.
+The others are placed by the kernel's formula, and only if that gives the kernel's own pose for the first.
 """
 
 from collections import defaultdict
@@ -26,14 +26,14 @@ from ..exchange.selection import entities, items
 from ..kernel import matrix_of
 
 MANY = 16
-"""Occurrences of one product in one assembly up to which the kernel places them all."""
+"""Number of occurrences of one product in one assembly up to which the kernel places them all."""
 
 _SAME = 1e-9
-"""Deviation of two poses, as matrices [m], up to which they are the same."""
+"""Deviation of two poses, as matrices [m], up to which they are equal."""
 
 
 class MisplacedOccurrence(Exception):
-    """The kernel places an occurrence otherwise than the formula here: all must be left to it."""
+    """The kernel places an occurrence differently from the formula here: all must be left to it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,20 +43,20 @@ class Repetition:
     first: int
     """Index of the occurrence that the kernel places."""
     matrices: dict[int, Array]
-    """For each occurrence, the first included, its matrix (4, 4) [m] in the assembly."""
+    """For each occurrence, including the first, its matrix (4, 4) [m] in the assembly."""
 
     def check(self, placed: Array) -> None:
-        """Compare with where the kernel put the first one.
+        """Compare with the kernel's pose of the first one.
 
         Raises:
-            MisplacedOccurrence: It is elsewhere.
+            MisplacedOccurrence: The poses differ.
         """
         if np.abs(placed - self.matrices[self.first]).max() > _SAME * max(1.0, float(np.abs(placed).max())):
             raise MisplacedOccurrence
 
 
 def take_out_repetitions(session: Any, usages: Sequence[Any], keys: Sequence[tuple[int, int]]) -> list[Repetition]:
-    """Take all but the first of many equal occurrences out of the model.
+    """Remove all but the first of many equal occurrences from the model.
 
     Args:
         session: The reader's work session.
@@ -64,7 +64,7 @@ def take_out_repetitions(session: Any, usages: Sequence[Any], keys: Sequence[tup
         keys: For each of them the index of the assembly and that of the product.
 
     Returns:
-        What was taken out; occurrences that are placed in an unusual way, or coloured, are left to the kernel.
+        The removed occurrences; those that are placed in an unusual way, or coloured, are left to the kernel.
     """
     groups: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index, key in enumerate(keys):
@@ -86,10 +86,10 @@ def take_out_repetitions(session: Any, usages: Sequence[Any], keys: Sequence[tup
 
 
 class _Placements:
-    """Where a file puts its occurrences."""
+    """Placements of the occurrences in a file."""
 
     def __init__(self, session: Any) -> None:
-        self._kept: list[Any] = []  # entities are told by identity, so they must not be made anew
+        self._kept: list[Any] = []  # entities are compared by identity, so they must not be created again
         self._relations: dict[int, list[Any]] = defaultdict(list)
         for context in entities(session, StepShape_ContextDependentShapeRepresentation):
             shape = context.RepresentedProductRelation()
@@ -107,7 +107,7 @@ class _Placements:
         self._factors: dict[int, StepData_Factors | None] = {}
 
     def of(self, usage: Any) -> Array | None:
-        """Matrix (4, 4) [m] of an occurrence in its assembly; None where it is not placed in the usual way."""
+        """Matrix (4, 4) [m] of an occurrence in its assembly; None if it is not placed in the usual way."""
         relations = self._relations[id(usage)]
         if len(relations) != 1 or not isinstance(
             relations[0], StepRepr_ShapeRepresentationRelationshipWithTransformation

@@ -1,4 +1,4 @@
-"""What a STEP file says before it is expanded into components: each product once, its shapes as the kernel has them."""
+"""The content of a STEP file before it is expanded to components: each product once, with the kernel's shapes."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -7,21 +7,21 @@ from stepbot.geometry.spatial import Array
 from stepbot.robot.model import Rgba
 
 NONE = -1
-"""Index of nothing."""
+"""Index that means none."""
 
 
 @dataclass(frozen=True, eq=False)
 class BodySource:
-    """A body as the file has it: not healed, not meshed."""
+    """A body as in the file: not healed, not meshed."""
 
     shape: Any
     """``TopoDS_Shape`` [mm]."""
     precision: float
-    """Uncertainty [mm] that it is drawn with."""
+    """Its uncertainty [mm]."""
     color: Rgba | None
     """Of the body as a whole."""
     face_colors: dict[int, Rgba]
-    """By the place of the face in the shape, from 0."""
+    """By the index of the face in the shape, from 0."""
     is_wire: bool = False
     """Whether it is curves and points only."""
 
@@ -36,15 +36,15 @@ class Child:
     """Shape (4, 4): the child in the assembly [m]; it may mirror or scale."""
     color: Rgba | None = None
     number: int = NONE
-    """Index of the occurrence; -1 for what the kernel made up."""
+    """Index of the occurrence; -1 for components created by the kernel."""
 
 
 @dataclass(eq=False)
 class Definition:
-    """What a product holds."""
+    """The content of a product."""
 
     product: int
-    """Index of the product; -1 where the kernel made a definition up, for bodies beside components."""
+    """Index of the product; -1 for a definition created by the kernel, for bodies beside components."""
     name: str
     color: Rgba | None = None
     children: list[Child] = field(default_factory=list)
@@ -55,8 +55,8 @@ class Definition:
 
 @dataclass(frozen=True)
 class StepMaterial:
-    """What a part is made of, as far as the file says."""
+    """The material of a part, as far as the file states it."""
 
     name: str = ""
     density: float = 0.0
-    """[kg/m^3]; 0 where there is none."""
+    """[kg/m^3]; 0 if there is none."""

@@ -1,4 +1,4 @@
-"""Which tolerance holds for which body: a component takes the nearest claim, a body the finest of its components."""
+"""Mesh tolerance of each body: a component uses the nearest match, a body the finest of its components."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,12 @@ from .paths import ComponentPaths, inherited
 def definition_tolerances(
     components: Sequence[Component], bodies: Sequence[int], options: ReadOptions
 ) -> list[tuple[MeshTolerance, ...]]:
-    """For each distinct body the tolerances that its components claim, each once.
+    """For each distinct body, the distinct tolerances of its components.
 
     Args:
-        components: All components; a pattern that names none of them is for others to report.
-        bodies: For each index that :attr:`Component.body` takes, which distinct body it shows.
-        options: The default, and patterns with tolerances of their own; of equal claims the last one holds.
+        components: All components; a pattern that matches none of them is reported elsewhere.
+        bodies: For each index in :attr:`Component.body`, its distinct body.
+        options: The default, and patterns with tolerances of their own; of equal matches the last one applies.
     """
     given: dict[int, MeshTolerance] = {}
     if options.tolerance_of:

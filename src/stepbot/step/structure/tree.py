@@ -1,7 +1,7 @@
 """The tree of components: every occurrence of every definition, with its pose, names, colour and material.
 
 An occurrence may mirror its definition, or scale it. A frame can do neither, so it keeps the rigid part of the motion,
-and the rest becomes part of the shape: a mirrored body is a body of its own, made once however often it occurs.
+and the rest becomes part of the shape: a mirrored body is a separate body, made once for all its occurrences.
 """
 
 from collections.abc import Sequence
@@ -18,17 +18,17 @@ from .naming import NamedComponent, assign_paths
 from .source import NONE, Child, Definition, StepMaterial
 
 MAX_COMPONENTS = 1_000_000
-"""Components beyond which a tree is not followed."""
+"""Maximum number of components in a tree."""
 
 _EVEN = 1e-6
-"""Relative deviation from an even scaling up to which a transformation is one."""
+"""Relative deviation from uniform scaling up to which a transformation counts as uniform."""
 _UNSCALED = 1e-9
 _MIRROR = np.diag([1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A body as some occurrences show it."""
+    """A body in some occurrences."""
 
     definition: int
     body: int
@@ -44,23 +44,23 @@ class Tree:
 
     components: tuple[Component, ...]
     variants: tuple[Variant, ...]
-    """What :attr:`Component.body` counts."""
+    """The bodies that :attr:`Component.body` refers to."""
     shapes: tuple[Variant, ...]
-    """What :attr:`Component.definition` counts; without a body for a definition as a whole."""
+    """The definitions that :attr:`Component.definition` refers to; without a body for a definition as a whole."""
     definition_count: int
     """Product definitions that occur."""
 
 
 @dataclass(frozen=True)
 class _Node:
-    """A component before it has a path."""
+    """A component without its path."""
 
     parent: int
     child: Child
     matrix: Array
-    """Shape (4, 4): its definition in the assembly [m], mirrored and scaled as it may be."""
+    """Shape (4, 4): its definition in the assembly [m], possibly mirrored and scaled."""
     body: int = NONE
-    """Number of the one body that it stands for, where its definition has several."""
+    """Number of its single body, if its definition has several."""
 
 
 @dataclass
@@ -69,7 +69,7 @@ class _Growing:
     components: list[Component] = field(default_factory=list)
     variants: dict[Variant, int] = field(default_factory=dict)
     shapes: dict[Variant, int] = field(default_factory=dict)
-    """Definitions as components show them, by order of appearance."""
+    """Definitions in components, in order of appearance."""
     skewed: list[int] = field(default_factory=list)
     empty: list[int] = field(default_factory=list)
 
@@ -81,14 +81,14 @@ def grow(
     place: str,
     found: Diagnostics,
 ) -> Tree | None:
-    """Expand definitions into the tree of their occurrences; None, with the reason in ``found``, where that fails.
+    """Expand definitions into the tree of their occurrences; None, with the reason in ``found``, on failure.
 
     Args:
         definitions: Every definition once.
-        roots: Those that occur nowhere else; several become children of a root without a name.
-        materials: For each definition what its product is made of.
-        place: What diagnostics call the file.
-        found: Receives what is wrong with occurrences.
+        roots: Those that occur nowhere else; several become children of an unnamed root.
+        materials: For each definition the material of its product.
+        place: Name of the file in diagnostics.
+        found: Receives faults of occurrences.
     """
     growing = _Growing()
     if not _follow(definitions, roots, growing, place, found):
@@ -134,7 +134,7 @@ def _follow(
 
 
 def report_too_large(count: int, place: str, found: Diagnostics) -> None:
-    """Report an assembly of at least ``count`` components, more than are followed."""
+    """Report an assembly of at least ``count`` components, more than the maximum."""
     message = f"the assembly has {count:,} components or more; the limit is {MAX_COMPONENTS:,}"
     found.add("SB215", message, Span(place), help=["export a smaller assembly"])
 
@@ -179,14 +179,14 @@ def _add(node: _Node, definitions: Sequence[Definition], materials: Sequence[Ste
 
 
 def _color(node: _Node, definition: Definition, number: int, above: Component | None) -> Rgba | None:
-    """The occurrence's, else the body's, else the part's, else what is above."""
+    """The occurrence's, else the body's, else the part's, else the inherited one."""
     body = definition.bodies[number].color if number != NONE else None
     own = (node.child.color, body, definition.color, above.color if above is not None else None)
     return next((color for color in own if color is not None), None)
 
 
 def _rigid(matrix: Array) -> tuple[Pose, bool, float] | None:
-    """A transformation as a pose after a mirroring through z = 0 and an even scaling; None where it is neither."""
+    """A transformation as a pose after a mirroring through z = 0 and a uniform scaling; None for others."""
     A = matrix[:3, :3]
     determinant = float(np.linalg.det(A))
     scale = abs(determinant) ** (1.0 / 3.0)

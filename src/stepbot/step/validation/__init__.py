@@ -1,1 +1,1 @@
-"""Validation properties: the volumes, areas and centroids that a STEP file states, compared with what was read."""
+"""Validation properties: the volumes, areas and centroids that a STEP file states, compared with the geometry read."""

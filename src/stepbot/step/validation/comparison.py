@@ -1,6 +1,6 @@
-"""What was read of a STEP file against its validation properties.
+"""Compares the geometry of a STEP file with its validation properties.
 
-Everything is summed up over definitions, each once, so that it costs the same however often they occur.
+Values are summed over definitions, each once, so that the cost does not depend on the number of occurrences.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,10 +18,10 @@ from ..structure.source import NONE, Definition
 from .subjects import Subject
 
 TOLERANCES = {Quantity.VOLUME: 1e-3, Quantity.AREA: 1e-2, Quantity.CENTROID: 1e-3}
-"""Deviation from a validation property up to which a reading counts as equal. CAD programs integrate areas coarsely: in
-real files those of cylinders and turbine blades are off by up to 6e-3, where a closed form or a fine mesh tells."""
+"""Deviation from a validation property up to which a value counts as equal. CAD programs integrate areas coarsely: in
+real files those of cylinders and turbine blades deviate by up to 6e-3 from a closed form or a fine mesh."""
 _SHOWN = 8
-"""Differences that the warning lists."""
+"""Maximum number of differences in the warning."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class _Sums:
     spread: float = 0.0
     """Integral of the squared distance from the centroid."""
     is_exact: bool = True
-    """Whether no body of mere triangles is in it."""
+    """Whether it contains no body of triangles only."""
 
     def moved(self, matrix: Array) -> "_Sums":
         """In a frame where this one is placed by a matrix (4, 4)."""
@@ -48,10 +48,10 @@ class Stated:
     """A value that the file states."""
 
     subject: Subject | None
-    """None where it is about nothing that occurs in the assembly."""
+    """None if its subject does not occur in the assembly."""
     quantity: Quantity
     value: tuple[float, ...]
-    """[m^3, m^2 or m]; empty where its unit makes no sense."""
+    """[m^3, m^2 or m]; empty if its unit is invalid."""
 
 
 def compare(
@@ -62,14 +62,14 @@ def compare(
     place: str,
     found: Diagnostics,
 ) -> tuple[Validation, ...]:
-    """Compare each value with what was read; what differs, and what cannot be compared, is in ``found``.
+    """Compare each value with the geometry; differences, and values that cannot be compared, are reported in ``found``.
 
     Args:
-        stated: What the file states.
+        stated: The values in the file.
         definitions: Every definition once.
         components: Their occurrences.
-        bodies: What was read, by the number of the definition and of the body in it.
-        place: What diagnostics call the file.
+        bodies: The bodies read, by the number of the definition and of the body in it.
+        place: Name of the file in diagnostics.
         found: Receives SB226 and SB227.
     """
     sums = _Summing(definitions, bodies)
@@ -92,7 +92,7 @@ class _Summing:
         self._known: dict[int, _Sums] = {}
 
     def of(self, subject: Subject) -> _Sums:
-        """What was read of a subject; of an occurrence, in the frame of the assembly."""
+        """The measured value of a subject; for an occurrence, in the frame of the assembly."""
         if subject.body != NONE:
             return _of_body(self._bodies.get((subject.definition, subject.body)))
         sums = self._of_definition(subject.definition)
@@ -159,7 +159,7 @@ def _report(
 
 
 def _described(validation: Validation) -> str:
-    """A validation property and what was read, for people."""
+    """A validation property and the measured value, for messages."""
     unit, factor = {
         Quantity.VOLUME: ("cm^3", 1e6),
         Quantity.AREA: ("cm^2", 1e4),

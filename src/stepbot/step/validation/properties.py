@@ -1,7 +1,7 @@
-"""Validation properties in a STEP file: volumes, areas and centroids that its writer stated, for readers to compare.
+"""Validation properties in a STEP file: volumes, areas and centroids stated by its writer for comparison.
 
 AP214 and AP242 call them geometric validation properties. They are properties of a product definition, of an
-occurrence, or of an aspect of a shape that stands for a solid; occurrences give their centroid in the assembly's frame.
+occurrence, or of an aspect of a shape that represents a solid; occurrences give their centroid in the assembly's frame.
 """
 
 import math
@@ -27,9 +27,9 @@ from ..exchange.selection import described_by, entities, items, shaped, text
 
 _TITLE = "geometric validation property"
 _POWERS = {Quantity.VOLUME: 3.0, Quantity.AREA: 2.0}
-"""Of the length in the quantity's unit."""
+"""Exponents of the length in the quantity's unit."""
 _OF_ELEMENTS = ("curve", "independent", "point set")
-"""Words in the names of values that are about loose curves, surfaces and points, not about solids."""
+"""Words in the names of values of loose curves, surfaces and points, not of solids."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,10 @@ class Statement:
     """A value that the file states."""
 
     subject: Any
-    """Entity that it is about: a product definition, an occurrence, or an aspect of a shape."""
+    """Its subject: a product definition, an occurrence, or an aspect of a shape."""
     quantity: Quantity
     value: tuple[float, ...]
-    """[m^3, m^2 or m]; empty where its unit makes no sense."""
+    """[m^3, m^2 or m]; empty if its unit is invalid."""
 
 
 def read_statements(session: Any) -> list[Statement]:
@@ -65,7 +65,7 @@ def read_statements(session: Any) -> list[Statement]:
 
 
 class Solids:
-    """Which solid of which product definition an aspect of a shape stands for."""
+    """Finds the solid and the product definition of an aspect of a shape."""
 
     def __init__(self, session: Any) -> None:
         """Look them all up.
@@ -73,7 +73,7 @@ class Solids:
         Args:
             session: The reader's work session.
         """
-        self._kept: list[Any] = []  # entities are told by identity, so they must not be made anew
+        self._kept: list[Any] = []  # entities are compared by identity, so they must not be created again
         self._named: dict[int, list[Any]] = defaultdict(list)
         self._shapes: dict[int, list[Any]] = defaultdict(list)
         for relation in entities(session, StepShape_ShapeDefinitionRepresentation):
@@ -92,9 +92,9 @@ class Solids:
                 self._kept += [relation.Rep1(), relation.Rep2()]
 
     def of(self, aspect: Any) -> tuple[Any, int, int] | None:
-        """The product definition, the place of the solid among those of its shape, and how many these are.
+        """The product definition, the index of the solid in its shape, and the number of its solids.
 
-        None for an aspect that stands for anything else than one solid.
+        None for an aspect that does not represent exactly one solid.
         """
         definition = shaped(aspect.OfShape()) if isinstance(aspect, StepRepr_ShapeAspect) else None
         named = {id(solid): solid for solid in self._named[id(aspect)]}

@@ -1,4 +1,4 @@
-"""What validation properties are about: entities of the file found again among definitions and components."""
+"""Subjects of validation properties: entities of the file found again among definitions and components."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ class Subject:
     definition: int
     body: int = NONE
     matrix: Array | None = None
-    """Of an occurrence, shape (4, 4): where it is in the assembly that it is a part of."""
+    """For an occurrence, shape (4, 4): its pose in its assembly."""
 
 
 class Subjects:
-    """Finds what statements are about, in the tree of components."""
+    """Finds the subjects of statements in the tree of components."""
 
     def __init__(self, session: Any, products: Products, definitions: Sequence[Definition], tree: Tree) -> None:
         self._solids = Solids(session)
@@ -46,7 +46,7 @@ class Subjects:
                 self._children[component.parent].append(component.index)
 
     def of(self, entity: Any) -> Subject | None:
-        """What an entity stands for; None where it is nothing that occurs."""
+        """The subject of an entity; None if it does not occur."""
         if id(entity) in self._occurrences:
             return self._occurrence(self._occurrences[id(entity)])
         if (solid := self._solids.of(entity)) is not None:
@@ -76,7 +76,7 @@ class Subjects:
         return Subject(component, definition, body) if component != NONE else None
 
     def _bodies(self, index: int) -> Iterator[tuple[int, int]]:
-        """The solids of a product, some of which the kernel may have put into definitions of their own."""
+        """The solids of a product, some of which the kernel may have put into separate definitions."""
         definition = self._definitions[index]
         for number, source in enumerate(definition.bodies):
             if source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID:
