@@ -29,7 +29,7 @@ COMMANDS = (
     "library",
     "cache",
 )
-"""In the order of `--help`; the module of the same name holds it as ``command``."""
+"""In the order of `--help`; each is the object ``command`` of the module of the same name."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: Arguments without the program name; default ``sys.argv[1:]``.
     """
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not end in an error where the locale is ASCII
+        if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not raise an exception if the locale is ASCII
             stream.reconfigure(errors="backslashreplace")
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:

@@ -25,10 +25,10 @@ _NAMED = "the one that the sidecar names"
 
 
 class CheckCommand(Command):
-    """Lets ``--step`` stand alone or before a STEP file, so that a hook may append sidecars right after it."""
+    """Allows ``--step`` without a value or before a STEP file, so that a hook may append sidecars right after it."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Give ``--step`` its value before click looks for one."""
+        """Supply the value of ``--step`` before click looks for one."""
         joined: list[str] = []
         for argument in args:
             if joined and joined[-1] == "--step":

@@ -1,29 +1,29 @@
-"""Text in columns, as wide as its cells."""
+"""Text in aligned columns."""
 
 import unicodedata
 from collections.abc import Sequence
 from itertools import zip_longest
 
 WIDEST = 60
-"""Columns of the screen; a longer cell pushes only the rest of its own line."""
+"""Width of the screen; a longer cell shifts only the rest of its own line."""
 
 NARROWEST_COLUMN = 8
-"""Columns of the screen; a column of a table that is wrapped gets no narrower."""
+"""Width of the screen; minimum width of a wrapped column of a table."""
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of cells as lines, the cells of a column below each other."""
+    """Rows of cells as lines, with aligned columns."""
     widths = [min(max(cells(cell) for cell in column), WIDEST) for column in zip(*rows, strict=True)]
     return ["  ".join(map(padded, row, widths)).rstrip() for row in rows]
 
 
 def wrapped_rows(rows: Sequence[Sequence[str]], width: int | None) -> list[list[list[str]]]:
-    """For each row its lines, for each line its padded cells: text too long for its column goes on below itself.
+    """For each row its lines, for each line its padded cells: text too long for its column is wrapped.
 
     Args:
-        rows: Rows of as many cells.
-        width: Columns of the screen; the widest columns give way until all of them fit. None for no bound: each row
-            is one line, as :func:`aligned` has it.
+        rows: Rows of equal numbers of cells.
+        width: Width of the screen; the widest columns are narrowed until all of them fit. None for unlimited: each row
+            is one line, as in :func:`aligned`.
     """
     widths = [max(cells(cell) for cell in column) for column in zip(*rows, strict=True)]
     if width is None:
@@ -37,7 +37,7 @@ def wrapped_rows(rows: Sequence[Sequence[str]], width: int | None) -> list[list[
 
 
 def wrapped(text: str, width: int) -> list[str]:
-    """``text`` in lines of ``width`` columns, broken at blanks; a word that is too long is broken anywhere."""
+    """``text`` in lines of ``width`` columns, broken at spaces; a word that is too long is broken anywhere."""
     lines = [""]
     for word in text.split():
         if lines[-1] and cells(lines[-1]) + 1 + cells(word) <= width:
@@ -52,7 +52,7 @@ def wrapped(text: str, width: int) -> list[str]:
 
 
 def shortened(text: str, width: int) -> str:
-    """``text`` in ``width`` columns, with an ellipsis where it is longer."""
+    """``text`` in ``width`` columns, truncated with an ellipsis."""
     if cells(text) <= width:
         return text
     while text and cells(text) > width - 1:
@@ -61,10 +61,10 @@ def shortened(text: str, width: int) -> str:
 
 
 def padded(text: str, width: int) -> str:
-    """``text`` with blanks up to ``width``."""
+    """``text`` padded with spaces to ``width``."""
     return text + " " * (width - cells(text))
 
 
 def cells(text: str) -> int:
-    """Columns of the screen that ``text`` takes: wide characters two, combining ones none."""
+    """Width of ``text`` on the screen: wide characters take two columns, combining ones none."""
     return sum(0 if unicodedata.combining(c) else 2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)

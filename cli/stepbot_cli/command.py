@@ -19,7 +19,7 @@ class Group(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that the first argument names.
+        """Find the command named by the first argument.
 
         Raises:
             click.UsageError: There is no such command.
@@ -51,7 +51,7 @@ def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
 
 
 def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Codes of findings that may be ignored."""
+    """Codes of diagnostics to suppress."""
     codes = tuple(code.upper() for code in _split(context, option, given))
     for code in codes:
         if code not in CODES:
@@ -79,7 +79,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 
 
 def display_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add how much is printed; the command gets it as ``display``."""
+    """Add the options for verbosity; the command receives them as ``display``."""
 
     @wraps(command)
     def with_display(*, concise: bool, verbose: bool, quiet: bool, **others: Any) -> int:

@@ -15,15 +15,15 @@ class Contents:
 
     solids: int = 0
     surfaces: int = 0
-    """Bodies that are seen but enclose no volume."""
+    """Number of bodies with a surface that encloses no volume."""
     volume: float = 0.0
     """[m^3]."""
     box: Box | None = None
-    """Lowest and highest corner [m], along the axes of the assembly; None where nothing can be seen."""
+    """Lowest and highest corner [m], along the axes of the assembly; None without geometry."""
 
     @property
     def center(self) -> Vector3 | None:
-        """Middle of the box [m]: what an origin ``{center: PATH}`` means."""
+        """Centre of the bounding box [m], as in an origin ``{center: PATH}``."""
         if self.box is None:
             return None
         (a, b, c), (x, y, z) = self.box
@@ -31,14 +31,14 @@ class Contents:
 
     @property
     def size(self) -> Vector3 | None:
-        """Extent of the box [m] along the axes of the assembly."""
+        """Extent of the bounding box [m] along the axes of the assembly."""
         if self.box is None:
             return None
         (a, b, c), (x, y, z) = self.box
         return (x - a, y - b, z - c)
 
     def add(self, other: "Contents") -> None:
-        """Take in what is below."""
+        """Add the totals of a child."""
         self.solids += other.solids
         self.surfaces += other.surfaces
         self.volume += other.volume
@@ -47,11 +47,11 @@ class Contents:
 
 
 def contents(assembly: Assembly, measures: tuple[VolumeProperties | None, ...]) -> list[Contents]:
-    """For each component what is in it.
+    """Totals of each component.
 
     Args:
-        assembly: What was read.
-        measures: For each body what was measured on its mesh.
+        assembly: The assembly.
+        measures: Mass properties of the mesh of each body.
     """
     found = []
     for component in assembly.components:

@@ -162,7 +162,7 @@ def written_to(conversion: "Conversion", output: Path) -> Path:
 
 
 def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the formats to write, each once, whatever alias they were given by."""
+    """Names of the formats to write, without duplicates and with aliases resolved."""
     if not given:
         return default_formats()
     names = []
@@ -177,7 +177,7 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
-    """The checks of a robot as cases; named after the sidecar where there is no robot."""
+    """The checks of a robot as test cases; named after the sidecar if there is no robot."""
     from stepbot.pipeline.conversion import REPORT
     from stepbot.report.junit import Suite
 
@@ -187,7 +187,7 @@ def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
 
 
 def _document(conversion: "Conversion", output: Path) -> dict[str, object]:
-    """What ``--json`` prints."""
+    """The output of ``--json``."""
     from stepbot.pipeline.conversion import REPORT
 
     report = json.loads(conversion.files[REPORT]) if conversion.files else None

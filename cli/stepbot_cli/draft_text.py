@@ -1,4 +1,4 @@
-"""A draft as ``stepbot init`` prints it: what was found, on what evidence, and what to do next."""
+"""The output of ``stepbot init``: what was found, on what evidence, and what to do next."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from stepbot.authoring.draft import Draft, DraftClosure, DraftJoint
 
 _LONGEST_FACTS = 96
-"""Columns of evidence; -v prints all of it."""
+"""Width of the evidence; -v prints all of it."""
 
 
 def draft_text(draft: "Draft", sidecar: Path, *, verbose: bool = False) -> str:
@@ -94,7 +94,7 @@ def _counts(draft: "Draft") -> str:
 
 
 def _reviews(draft: "Draft") -> int:
-    """Links, joints, closures and densities that carry a mark."""
+    """Links, joints, closures and densities marked for review."""
     links = sum(not link.confidence.is_sure for link in draft.links)
     connections = sum(one.is_reviewed for one in (*draft.joints, *draft.closures))
     return links + connections + len(draft.without_density) + (draft.equal_density > 0.0)

@@ -18,7 +18,7 @@ require_option = names_option(
 
 
 def _limit(text: str) -> int | None:
-    """A size, or none at all."""
+    """A size, or ``none``."""
     return None if text.strip().lower() == "none" else size(text)
 
 
@@ -34,7 +34,7 @@ def _seconds(text: str) -> float:
 
 
 def _default_limit() -> str:
-    """In the words of the option."""
+    """In the format of the option."""
     return str(worker_limit() or "none")
 
 

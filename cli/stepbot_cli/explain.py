@@ -40,7 +40,7 @@ def _explanation(code: Code) -> str:
 
 
 def _filled(text: str) -> str:
-    """``text`` in lines that fit a terminal; lines that are indented are snippets and stay as they are."""
+    """``text`` in lines that fit a terminal; indented lines are snippets and not wrapped."""
     return "\n".join(
         line if line.startswith(" ") else textwrap.fill(line, WIDTH, break_long_words=False, break_on_hyphens=False)
         for line in text.splitlines()

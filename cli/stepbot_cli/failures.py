@@ -12,7 +12,7 @@ from .terminal import show_diagnostics, write_error, write_json
 
 _OURS = ("stepbot", "stepbot_cli")
 _EXTRAS = {"dask": "dask", "distributed": "dask"}
-"""Packages that come with an extra of stepbot, and its name."""
+"""Packages that are installed with an extra of stepbot, and its name."""
 
 
 def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
@@ -38,7 +38,7 @@ def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
     if not as_json:
         text = io.StringIO()
         error.show(text)
-        write_error(printable(text.getvalue()))  # it may name an argument, or what is in a file
+        write_error(printable(text.getvalue()))  # it may be an argument, or contained in a file
         return 2
     context = error.ctx if isinstance(error, click.UsageError) else None
     command = context.command_path if context is not None else "stepbot"

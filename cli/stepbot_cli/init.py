@@ -1,4 +1,4 @@
-"""``stepbot init``: a first sidecar, drafted from a STEP file."""
+"""``stepbot init``: draft a sidecar from a STEP file."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     help="Sidecar to write.  [default: name of STEP with .robot.yaml, in the same folder]",
 )
 @click.option("--force", is_flag=True, help="Overwrite an existing sidecar.")
-@click.option("-i", "--interactive", is_flag=True, help="Ask which link stands, and how doubtful joints move.")
+@click.option("-i", "--interactive", is_flag=True, help="Ask for the root link and the types of uncertain joints.")
 @reading_options
 @json_option
 @display_options
@@ -47,10 +47,11 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Draft a sidecar: links, joints and densities of STEP, each guess with its evidence.
+    """Draft a sidecar from STEP: links, joints and densities, each guess with its evidence.
 
-    Joints are the kinematic pairs that STEP states, else what its shapes and names suggest. What is doubtful is marked
-    REVIEW; limits are `todo`, since no drawing has them. The result passes `check --step` and converts as it is.
+    Joints are the kinematic pairs in STEP, or else inferred from shapes and names. Uncertain lines are marked REVIEW.
+    Limits are `todo`, because STEP files do not contain them. The draft passes `check --step` and can be converted
+    without changes.
     """
     from stepbot.pipeline.drafting import draft_step
 
@@ -85,7 +86,7 @@ def _beside(step: Path) -> Path:
 
 
 def _write(draft: "Draft", sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> None:
-    """Write the sidecar, and the schema for editors where there is none yet."""
+    """Write the sidecar, and the schema for editors if it does not exist."""
     from stepbot.authoring.sidecar_text import SCHEMA_FILE, sidecar_text
     from stepbot.authoring.step_path import relative_step
     from stepbot.runtime.file import write_file

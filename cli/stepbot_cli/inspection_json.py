@@ -1,4 +1,4 @@
-"""An assembly as JSON: everything that ``inspect`` knows, in SI, for scripts."""
+"""An assembly as JSON: everything that ``inspect`` reports, in SI, for scripts."""
 
 from math import isfinite
 from typing import Any
@@ -18,8 +18,8 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
     """The file, its components, and its bodies, to which components refer by index.
 
     Args:
-        inspection: What was read and measured.
-        features: Whether components list their axis lines.
+        inspection: The assembly with its mass properties.
+        features: Whether to list the axis lines of each component.
     """
     assembly = inspection.assembly
     if assembly is None:
@@ -47,7 +47,7 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
 
 
 def shared_axes_document(shared: SharedAxes) -> dict[str, Any]:
-    """What two components or links share, and what they nearly share."""
+    """The axes that two components or links share, or nearly share."""
     return {
         "lines": [
             {**_line(line), "weight": line.weight, "chosen": line is shared.chosen, "origin": snippet}
@@ -98,7 +98,7 @@ def _body(body: Body, measured: VolumeProperties | None) -> dict[str, Any]:
 
 
 def _validation(assembly: Assembly, validation: Validation) -> dict[str, Any]:
-    """A value that the file states for readers to compare, in SI."""
+    """A validation property of the file, in SI."""
     return {
         "component": assembly.components[validation.component].path,
         "quantity": validation.quantity.value,

@@ -1,4 +1,4 @@
-"""Which components ``inspect`` lists: down to a depth, those that match a glob, repeated parts once."""
+"""Selects the components that ``inspect`` lists: up to a depth, matching a glob, repeated parts once."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,29 +18,29 @@ class Choice:
     glob: str = ""
     """A path or glob as in a sidecar; empty for every component."""
     folded: bool = True
-    """Whether occurrences of one part in one subassembly share a line."""
+    """Whether occurrences of one part in one subassembly share a row."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the list."""
+    """One row of the list."""
 
     component: Component
-    """The first of those that share the line."""
+    """The first component of the row."""
     count: int = 1
     last: str = ""
-    """Path of the last of those that share the line; empty where there is one."""
+    """Path of the last component of the row; empty if there is only one."""
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The list, and what is not in it."""
+    """The rows, and the number of components left out."""
 
     rows: tuple[Row, ...]
     deeper: int = 0
-    """Components that lie deeper than was asked for."""
+    """Number of components below the depth limit."""
     unmatched: int = 0
-    """Components that the glob does not match."""
+    """Number of components that do not match the glob."""
 
 
 def listed(assembly: Assembly, choice: Choice) -> Rows:
@@ -77,7 +77,7 @@ def _depths(components: tuple[Component, ...]) -> list[int]:
 
 
 def _folded(components: tuple[Component, ...], indices: list[int]) -> Iterator[Row]:
-    """A row for each component; siblings of one definition share that of the first, and what is below it."""
+    """A row for each component; siblings of one definition share that of the first, including everything below."""
     ends, chosen = subtree_ends(components), set(indices)
     groups: dict[tuple[object, ...], list[int]] = {}
     for index in indices:
@@ -93,7 +93,7 @@ def _folded(components: tuple[Component, ...], indices: list[int]) -> Iterator[R
 
 
 def _likeness(component: Component) -> tuple[object, ...]:
-    """Equal for components that share a line."""
+    """Equal for components that share a row."""
     if component.definition < 0:
         return (component.index,)
     return (component.parent, component.definition, component.product, component.material, component.density)

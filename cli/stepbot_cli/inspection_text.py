@@ -19,25 +19,25 @@ from .shared_axes import SharedAxes
 
 _VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")
 _MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}
-"""Unit, and how many of it are one of SI."""
+"""Unit, and its number per SI unit."""
 _HEADINGS = ("component", "count", "solids", "volume", "size [mm]", "center [mm]", "density", "product, occurrence", "")
 _INDENT = "    "
 
 
 def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, width: int | None) -> str:
-    """The head of the file, then the components, as a table or, where that is too wide, in blocks.
+    """The header of the file, then the components, as a table or, if that is too wide, in blocks.
 
     Args:
-        inspection: What was read and measured.
+        inspection: The assembly with its mass properties.
         choice: Which components to list.
         features: Whether to list axis lines below each component.
-        width: Columns of the screen; None for no bound.
+        width: Width of the screen; None for unlimited.
 
     Raises:
         click.BadParameter: Nothing matches the glob of the choice.
     """
     assembly = inspection.assembly
-    assert assembly is not None  # errors end the command before
+    assert assembly is not None  # errors have ended the command before
     sums = contents(assembly, inspection.measures)
     rows = listed(assembly, choice)
     cells_of_rows = [_row(assembly, row, sums[row.component.index]) for row in rows.rows]
@@ -51,7 +51,7 @@ def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, w
 
 
 def _blocks(rows: list[tuple[str, ...]], width: int | None) -> list[list[str]]:
-    """The lines of the headings, then those of each component: one each, or its path and below it what is in it."""
+    """The lines of the headings, then those of each component: one each, or its path with its properties below."""
     table = aligned([_HEADINGS, *rows])
     if width is None or max(map(cells, table)) <= width:
         return [[line] for line in table]
@@ -72,7 +72,7 @@ def _blocks(rows: list[tuple[str, ...]], width: int | None) -> list[list[str]]:
 
 
 def _left_out(rows: Rows, choice: Choice) -> Iterator[str]:
-    """What of the file the list does not have."""
+    """The number of components left out of the list."""
     if rows.deeper or rows.unmatched:
         yield ""
     if rows.deeper:
@@ -83,7 +83,7 @@ def _left_out(rows: Rows, choice: Choice) -> Iterator[str]:
 
 
 def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
-    """Lines broken at blanks; a path or a snippet is pasted, so that a word is never broken."""
+    """Lines broken at spaces; words are never broken, because paths and snippets are pasted."""
     if width is None:
         return list(lines)
     fitted = []
@@ -125,14 +125,14 @@ def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
 
 
 def _solids(assembly: Assembly) -> Iterator[tuple[Component, Body]]:
-    """The components that are, or mean to be, solids, each with its body."""
+    """The components that are, or should be, solids, each with its body."""
     for component in assembly.components:
         if component.body >= 0 and assembly.bodies[component.body].kind in (BodyKind.SOLID, BodyKind.TESSELLATED):
             yield component, assembly.bodies[component.body]
 
 
 def _closed(assembly: Assembly) -> str:
-    """How many meshes of solids are watertight."""
+    """Number of watertight meshes of solids."""
     closed = [body.watertight for _, body in _solids(assembly)]
     if not closed:
         return ""
@@ -140,7 +140,7 @@ def _closed(assembly: Assembly) -> str:
 
 
 def _materials(assembly: Assembly) -> str:
-    """Each material and density in the STEP, and how many solids are of it; empty where the STEP gives none."""
+    """Each material and density in the STEP with the number of its solids; empty without any."""
     counts = Counter((component.material, component.density) for component, _ in _solids(assembly))
     if not any(material or density for material, density in counts):
         return ""
@@ -188,7 +188,7 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
 
 
 def _validations(assembly: Assembly) -> list[str]:
-    """What the file states for readers to compare, beside what was read."""
+    """The validation properties of the file, with the measured values."""
     if not assembly.validations:
         return []
     agree = sum(validation.agrees for validation in assembly.validations)
@@ -213,7 +213,7 @@ def _values(quantity: Quantity, values: tuple[float, ...]) -> str:
 
 
 def _component_axes(assembly: Assembly, component: Component) -> Iterator[str]:
-    """The lines that carry cylinders and cones of a component, each with the origin that means it."""
+    """The axis lines of a component, each with the origin that selects it."""
     found = lines(axis_faces(assembly, [component.index]))
     for line, selector in zip(found, selectors(found), strict=True):
         yield f"{_described(line)}  origin: {{axis_of: {quoted(component.path)}{selector}}}"

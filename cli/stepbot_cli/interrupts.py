@@ -1,7 +1,7 @@
 """Handles signals that end a command: SIGINT, SIGTERM and SIGHUP.
 
-Python unwinds for them, so that processes are ended and half-written files removed on the way. Some libraries swallow
-what unwinds while they import their own: it is raised again at the next occasion.
+They raise exceptions, so that processes are ended and half-written files removed. Some libraries catch such an
+exception while they import optional modules: it is raised again at the next opportunity.
 """
 
 import signal
@@ -18,7 +18,7 @@ _SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP
 def interruptible() -> Iterator[Callable[[], None]]:
     """Raise KeyboardInterrupt for Ctrl-C within the block, SystemExit for a request to end.
 
-    Yields a function to call now and then: it raises again what was swallowed. So does the end of the block.
+    Yields a function to call periodically: it raises an exception that was caught again. So does the end of the block.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: None  # only the main thread may handle signals
@@ -33,7 +33,7 @@ def interruptible() -> Iterator[Callable[[], None]]:
         if received:
             raise KeyboardInterrupt if received[0] == signal.SIGINT else SystemExit(128 + received[0])
 
-    # What whoever started the program had it ignore stays ignored.
+    # A signal that the parent process ignores stays ignored.
     before = {number: signal.getsignal(number) for number in _SIGNALS}
     taken = [number for number, handler in before.items() if handler is not signal.SIG_IGN]
     for number in taken:

@@ -12,12 +12,12 @@ from .terminal import write_result
 
 _NARROWEST = 60
 _ALONG = 1e-6
-"""Largest component of a direction that counts as along one of the others."""
+"""Largest component of a direction along another axis at which it still counts as axis-aligned."""
 _INDENT = "    "
 
 
 def show_joint_table(rows: Sequence[JointRow], *, verbose: bool = False) -> None:
-    """Print the joint table to standard output, as wide as the terminal; nothing where there are no joints."""
+    """Print the joint table to standard output, as wide as the terminal; nothing without joints."""
     if rows:
         width = get_terminal_size((120, 24)).columns
         write_result("\n".join(joint_lines(rows, width, verbose=verbose)))
@@ -28,7 +28,7 @@ def joint_lines(rows: Sequence[JointRow], width: int, *, verbose: bool = False) 
 
     Args:
         rows: The joints.
-        width: Columns of the screen; only a word that is longer than a line exceeds them, or 60 if that is more.
+        width: Width of the screen, at least 60; only a word longer than a line exceeds it.
         verbose: Whether to name the components whose faces were found, and the other lines.
     """
     width = max(width, _NARROWEST)
@@ -73,7 +73,7 @@ def point_words(point: Vector3) -> str:
 
 
 def evidence_words(evidence: Evidence) -> str:
-    """What a joint's place was found by, in one phrase; empty for a file's."""
+    """The evidence for a joint's position, in one phrase; empty for a file's."""
     selected = ", selected by the sidecar" if evidence.selected else ""
     if evidence.basis is Basis.FILE:
         return ""
@@ -91,7 +91,7 @@ def evidence_words(evidence: Evidence) -> str:
 
 
 def rival_words(rival: Rival) -> str:
-    """Another line that the origin could have meant, in one phrase."""
+    """Another line that matches the origin, in one phrase."""
     radii = ", ".join(map(millimetres, rival.radii[:4]))
     share = f"{100.0 * rival.share:.3g} % as wide"
     return (

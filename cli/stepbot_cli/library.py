@@ -116,7 +116,7 @@ def export(
 
 
 def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, display: Display) -> int:
-    """Write the drawing, the sidecar and its schema; where another file of such a name is there, nothing is written."""
+    """Write the drawing, the sidecar and its schema; if a different file of such a name exists, nothing is written."""
     files, found = robot.source(), Diagnostics()
     help = ["choose another folder with -o DIR"]
     for name, content in files.items():

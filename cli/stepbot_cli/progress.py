@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rich.progress import ProgressColumn
 
 BAR_WIDTH = 20
-"""Columns of a progress bar."""
+"""Width of a progress bar."""
 STAGES = {
     "read": "reading the STEP file",
     "build": "building the robot",
@@ -20,12 +20,12 @@ STAGES = {
     "verify": "verifying in the engines",
     "save": "saving the files",
 }
-"""Stages of a conversion, in their order, and what the bar says meanwhile."""
+"""Stages of a conversion, in order, and the text of the bar."""
 
 
 @contextmanager
 def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[str], None]]:
-    """Yield a function to call at the start of each stage; Ctrl-C takes effect there at the latest.
+    """Yield a function to call at the start of each stage, where Ctrl-C takes effect at the latest.
 
     Args:
         stages: Stages to expect, of :data:`STAGES`.
@@ -53,7 +53,7 @@ def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[st
 
 
 def bar_column(color: bool) -> "ProgressColumn":
-    """The bar itself; rich's tells what is done from what is left by colour alone."""
+    """The bar itself; rich's own distinguishes done from remaining by colour only."""
     from rich.progress import BarColumn, ProgressColumn, Task
     from rich.text import Text
 

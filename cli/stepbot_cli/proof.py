@@ -13,18 +13,18 @@ if TYPE_CHECKING:
 
 _HEADINGS = ("format", "file", RESULT, "engines", "worst deviation")
 _ROBOT = "robot"
-"""What checks belong to that belong to no file."""
+"""Label of checks that do not belong to a file."""
 
 
 def show_proof(report: "Report") -> None:
-    """Print for each file which engines read it, the outcome and the worst deviation, then the counts."""
+    """Print for each file its engines, the result and the worst deviation, then the counts."""
     width = screen_width(sys.stdout)
     lines = proof_lines(report, width, color=wants_color(sys.stdout))
     write_result("\n".join(lines))
 
 
 def proof_lines(report: "Report", width: int | None, *, color: bool = False) -> list[str]:
-    """The proof as lines no wider than ``width``; None for no bound."""
+    """The summary as lines no wider than ``width``; None for unlimited."""
     by_file: dict[str, list[Row]] = {}
     for row in report.rows():
         by_file.setdefault(row.file, []).append(row)
@@ -51,7 +51,7 @@ def _cells(rows: Sequence["Row"]) -> tuple[str, ...]:
 
 
 def _deviation(check: "Check | None") -> str:
-    """The deviation that came nearest to its tolerance, and that tolerance."""
+    """The deviation that is largest relative to its tolerance, and that tolerance."""
     if check is None or check.deviation is None:
         return "-"
     unit = f" {check.unit}" if check.unit else ""
@@ -59,7 +59,7 @@ def _deviation(check: "Check | None") -> str:
 
 
 def _counts(report: "Report") -> str:
-    """How many checks passed, failed and did not run; what only stepbot's own parsers confirm is counted too."""
+    """The number of checks that passed, failed and did not run, and of those confirmed by own parsers only."""
     statuses = [check.status.value for check in report.checks]
     own = len(report.read_back)
     passed = f"{statuses.count('passed')} passed" + (f" ({own} by stepbot's parsers only)" if own else "")

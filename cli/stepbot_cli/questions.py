@@ -1,4 +1,4 @@
-"""The questions of ``stepbot init --interactive``: what decides most of a draft, and only its owner knows."""
+"""The questions of ``stepbot init --interactive``: decisions that a STEP file cannot answer."""
 
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def asked(draft: "Draft") -> "Draft":
-    """The draft after its owner's answers; Enter keeps what was drafted."""
+    """The draft after the user's answers; Enter keeps the drafted value."""
     from stepbot.authoring.answers import chosen, confirmed, fixed, rerooted
 
     root = _root(draft)
@@ -29,7 +29,7 @@ def asked(draft: "Draft") -> "Draft":
 
 
 def _root(draft: "Draft") -> str:
-    """Which link stands."""
+    """Ask for the root link."""
     if len(draft.links) == 1:
         return draft.root
     click.echo("Which link stands (the base)?", err=True)
@@ -37,7 +37,7 @@ def _root(draft: "Draft") -> str:
 
 
 def _motion(joint: "DraftJoint") -> int:
-    """How a joint moves: 0 as drafted, then its alternatives, then fixed, then unknown."""
+    """Ask for the type of a joint: 0 as drafted, then its alternatives, then fixed, then unknown."""
     what = f"{joint.name}: how do '{joint.parts[0]}' and '{joint.parts[1]}' move ({joint.parent} -> {joint.child})?"
     click.echo(printable(what), err=True)
     options = [f"{joint.type} (drafted, score {joint.confidence.score:.2f})"]

@@ -11,7 +11,7 @@ from .engines import limit_options
 
 
 def working_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add what workers may take and where results are kept; the command gets both as ``options``, to add its own to."""
+    """Add the limits of workers and the cache; the command receives both as ``options`` and adds its own."""
 
     @wraps(command)
     def with_options(
@@ -38,5 +38,5 @@ def working_options(command: Callable[..., int]) -> Callable[..., int]:
 
 
 def reading_options(command: Callable[..., int]) -> Callable[..., int]:
-    """The same, and the code page of STEP files that may be anyone's."""
+    """The same, and the code page of STEP files."""
     return encoding_option(working_options(command))

@@ -11,25 +11,25 @@ from stepbot.diagnostics.codes import CODES
 from .columns import cells, shortened
 
 FRAME_WIDTH = 120
-"""Columns of a code frame where nobody says how wide the screen is."""
+"""Width of a code frame if the width of the screen is unknown."""
 MOST_JUNK = 0.3
-"""Share of characters that cannot be printed; a line with more is not text, and gets no code frame."""
+"""Share of unprintable characters in a line above which it is not text, and gets no code frame."""
 MOST_WARNINGS = 3
-"""Warnings of one code that a first look shows in full."""
+"""Number of warnings of one code that the default output shows in full."""
 LARGEST_SOURCE = 16 * 2**20
-"""Bytes; a larger file gets no code frames, because reading it again would take longer than it helps."""
+"""Size [bytes] of a file above which it gets no code frames, because reading it again would take too long."""
 
 _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
 
 
 def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int = FRAME_WIDTH) -> str:
-    """Each finding with the line that it is about, what is known, and what to do.
+    """Each diagnostic with its source line, notes and help.
 
     Args:
         diagnostics: What to show.
         color: Whether to use the terminal's colours.
-        width: Columns that a code frame may take.
+        width: Width of a code frame.
     """
     lines = _source_lines(diagnostics)
     return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in diagnostics)
@@ -38,13 +38,13 @@ def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int =
 def screen(
     diagnostics: Sequence[Diagnostic], *, ignored: int = 0, color: bool = False, width: int | None = None
 ) -> str:
-    """Findings for a first look: errors and warnings in full, one line for all notes of a code, and the counts.
+    """The default output: errors and warnings in full, one line for all notes of a code, and the counts.
 
     Args:
         diagnostics: What to show.
-        ignored: How many findings somebody asked not to see.
+        ignored: Number of suppressed diagnostics.
         color: Whether to use the terminal's colours.
-        width: Columns of the screen; None where nobody says, for lines that are not cut.
+        width: Width of the screen; None if unknown, for lines that are not truncated.
     """
     in_full, folded = _sorted_out(diagnostics)
     lines = [full(in_full, color=color, width=width or FRAME_WIDTH), ""] if in_full else []
@@ -53,7 +53,7 @@ def screen(
 
 
 def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[list[Diagnostic]]]:
-    """What to show in full: all errors, some warnings of each code; and the rest by code."""
+    """Diagnostics to show in full (all errors, some warnings of each code), and the rest by code."""
     in_full: list[Diagnostic] = []
     folded: dict[str, list[Diagnostic]] = {}
     warnings: Counter[str] = Counter()
@@ -67,7 +67,7 @@ def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], li
 
 
 def _fold(diagnostics: Sequence[Diagnostic], in_full: Sequence[Diagnostic], color: bool, width: int | None) -> str:
-    """One line for findings of one code: the only one's message, else their number and what the code stands for."""
+    """One line for diagnostics of one code: the message of a single one, else their number and the code's title."""
     first = diagnostics[0]
     more = " more" if any(shown.code == first.code for shown in in_full) else ""
     several = f"{len(diagnostics)}{more} x {CODES[first.code].title}"
@@ -83,7 +83,7 @@ def concise(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
 
 
 def plain(diagnostic: Diagnostic) -> dict[str, Any]:
-    """A finding as JSON; ``line`` 0 means the file as a whole."""
+    """A diagnostic as JSON; ``line`` 0 means the file as a whole."""
     return {
         "code": diagnostic.code,
         "severity": diagnostic.severity,
@@ -110,7 +110,7 @@ def summary(diagnostics: Iterable[Diagnostic], *, all_shown: bool = True, ignore
 
 
 def printable(text: str) -> str:
-    """``text`` without control characters: names from a file must not steer the terminal."""
+    """``text`` without control characters: names from a file must not control the terminal."""
     return "".join(c if c.isprintable() or c in "\n " else repr(c)[1:-1] for c in text.replace("\t", " "))
 
 
@@ -134,7 +134,7 @@ def _headline(diagnostic: Diagnostic, color: bool) -> str:
 
 
 def _frame(diagnostic: Diagnostic, source_line: str, gutter: str, color: bool, width: int) -> list[str]:
-    """The source line, with the place marked below it; nothing where the line is not text."""
+    """The source line, with the place marked below it; empty if the line is not text."""
     span = diagnostic.span
     start = max(span.column - 1, 0)
     end = max(span.end_column - 1, start + 1)
@@ -154,7 +154,7 @@ def _frame(diagnostic: Diagnostic, source_line: str, gutter: str, color: bool, w
 
 
 def _window(line: str, start: int, room: int) -> tuple[int, int]:
-    """Begin and end of the part of a line that is shown: around ``start``, with ellipses no wider than ``room``."""
+    """Start and end of the displayed part of a line: around ``start``, with ellipses no wider than ``room``."""
     if len(line) <= 2 * room and cells(line) <= room:
         return 0, len(line)
     cut = stop = min(start, len(line))
@@ -166,13 +166,13 @@ def _window(line: str, start: int, room: int) -> tuple[int, int]:
 
 
 def _is_binary(text: str) -> bool:
-    """Whether a text is the content of a file that holds no text, or text in some other encoding."""
+    """Whether a text is the content of a binary file, or in another encoding."""
     junk = sum(c == "\ufffd" or not (c.isprintable() or c.isspace()) for c in text)
     return "\0" in text or junk > MOST_JUNK * len(text)
 
 
 def _source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str]:
-    """The lines that diagnostics are about, each file read once; a file that cannot be read gives none."""
+    """The source lines of diagnostics, each file read once; an unreadable file gives none."""
     wanted: dict[str, set[int]] = {}
     for diagnostic in diagnostics:
         if diagnostic.span.line:
@@ -188,16 +188,16 @@ def _source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], st
                         found[file, number] = line.removeprefix("\ufeff").rstrip("\n")
                     if number >= max(numbers):
                         break
-        except OSError:  # gone or unreadable by now: the headline says it all
+        except OSError:  # missing or unreadable now: the headline is sufficient
             continue
     return found
 
 
 def _one_cell_controls(text: str) -> str:
-    """Each control character as one blank or one replacement mark, so that the mark below stays in place."""
+    """Each control character replaced by one space or replacement character, so that the mark below stays in place."""
     return "".join(c if c.isprintable() else " " if c.isspace() else "\ufffd" for c in text)
 
 
 def paint(text: str, codes: str, color: bool) -> str:
-    """``text`` in a colour of the terminal, if it is to have colours."""
+    """``text`` in a colour of the terminal, if colours are enabled."""
     return f"\x1b[{codes}m{text}\x1b[0m" if color else text

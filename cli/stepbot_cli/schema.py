@@ -8,7 +8,7 @@ from .command import Command
 from .terminal import write_result
 
 FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
-"""What sidecars are called."""
+"""File names of sidecars."""
 
 
 @click.command(

@@ -12,33 +12,33 @@ from stepbot.step.structure.paths import ComponentPaths, quoted
 
 @dataclass(frozen=True)
 class SharedAxes:
-    """What ``inspect --between A B`` shows."""
+    """The result of ``inspect --between A B``."""
 
     words: tuple[str, str]
-    """What is compared, for people."""
+    """The compared elements, for messages."""
     lines: tuple[AxisLine, ...]
     """The heaviest first."""
     chosen: AxisLine | None
-    """The line that is taken where an origin says no more."""
+    """The line used by an origin without selectors."""
     snippets: tuple[str, ...]
-    """For each line the ``origin`` that means it."""
+    """For each line the ``origin`` that selects it."""
     misses: tuple[NearMiss, ...]
     """Lines that nearly coincide."""
     miss_places: tuple[tuple[str, str], ...]
-    """For each miss the paths of the two components."""
+    """For each near miss the paths of the two components."""
 
 
 def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str, b: str) -> SharedAxes:
     """Compare two components or links.
 
     Args:
-        assembly: What was read.
-        links: Indices of the components of each link; empty where there is no sidecar.
+        assembly: The assembly.
+        links: Indices of the components of each link; empty without a sidecar.
         a: Name of a link, or path of a component.
         b: Name of a link, or path of a component.
 
     Raises:
-        click.BadParameter: A name means nothing, or more than one component.
+        click.BadParameter: A name matches nothing, or more than one component.
     """
     paths = ComponentPaths(assembly.components)
     faces_a, faces_b = (axis_faces(assembly, _components(paths, links, name)) for name in (a, b))

@@ -9,7 +9,7 @@ _FACTORS = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
 
 
 def size(text: str) -> int:
-    """Bytes, with a binary prefix if wanted.
+    """Bytes, from a number with an optional binary prefix.
 
     Raises:
         click.BadParameter: The text is not a size.

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from stepbot.report.record import Check, Report, Row
 
 RESULT = "result"
-"""Heading of the column with the outcome."""
+"""Heading of the column with the result."""
 _HEADINGS = ("format", "file", "engine", "compared with", RESULT, "quantities", "worst deviation")
 _MODEL = "model"
 STATUS_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 
 
 def show_table(report: "Report") -> None:
-    """Print what was compared, the worst deviation and the outcome for each file and engine, then the reasons."""
+    """Print the compared quantities, the worst deviation and the result for each file and engine, then the reasons."""
     color = wants_color(sys.stdout)
     width = screen_width(sys.stdout)
     absent = absent_engines(report)
@@ -32,12 +32,12 @@ def show_table(report: "Report") -> None:
 
 
 def absent_engines(report: "Report") -> tuple[str, ...]:
-    """Engines that most people do without, and that are not installed here."""
+    """Optional engines that are not installed here."""
     return tuple(dict.fromkeys(row.engine for row in report.rows() if _is_absent(row)))
 
 
 def _is_absent(row: "Row") -> bool:
-    """Whether an engine that most people do without said nothing of a file because it is not there."""
+    """Whether an optional engine is missing from the result of a file because it is not installed."""
     from stepbot.engines import optional_engines
 
     return not row.compared and row.engine in optional_engines() and row.why.endswith("is not installed")
@@ -45,7 +45,7 @@ def _is_absent(row: "Row") -> bool:
 
 def _table(rows: Sequence["Row"], width: int | None, color: bool) -> list[str]:
     texts = [_HEADINGS, *map(_cells, rows)]
-    if all(row.against == _MODEL for row in rows):  # then it goes without saying
+    if all(row.against == _MODEL for row in rows):  # then the name is omitted
         texts = [_without_against(cells) for cells in texts]
     return status_lines(texts, [row.status.value for row in rows], width, color)
 
@@ -56,7 +56,7 @@ def status_lines(texts: Sequence[Sequence[str]], statuses: Sequence[str], width:
     Args:
         texts: The headings, and the cells of each row.
         statuses: The result of each row, in the column of that heading.
-        width: Columns of the screen; None for no bound.
+        width: Width of the screen; None for unlimited.
         color: Whether to use the terminal's colours.
     """
     result = texts[0].index(RESULT)
@@ -88,7 +88,7 @@ def _without_against(cells: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _deviation(check: "Check | None") -> str:
-    """The deviation that came nearest to its tolerance, what is allowed, and where."""
+    """The deviation that is largest relative to its tolerance, the tolerance, and the place."""
     if check is None or check.deviation is None:
         return "-"
     unit = f" {check.unit}" if check.unit else ""
@@ -96,7 +96,7 @@ def _deviation(check: "Check | None") -> str:
 
 
 def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
-    """What the quantities are, what failed or did not run and why, and the count of all checks."""
+    """Legend of the quantities, failed or omitted checks with reasons, and the count of all checks."""
     quantities = list(dict.fromkeys(check.quantity for check in report.checks))
     lines = ["", *filled(f"quantities: {', '.join(quantities)}", width)]
     for row in rows:
@@ -114,7 +114,7 @@ def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
 
 
 def driven_words(report: "Report") -> str:
-    """The degrees of freedom of a robot with loops, and the joints that drive it; empty for one without."""
+    """The degrees of freedom of a robot with loops, and its independent joints; empty for one without."""
     if not report.driven:
         return ""
     several = "s" if report.degrees_of_freedom != 1 else ""

@@ -1,6 +1,6 @@
-"""Where the command line writes: results to standard output, diagnostics and progress to standard error.
+"""Output of the command line: results to standard output, diagnostics and progress to standard error.
 
-Colour only on a terminal, and none where ``NO_COLOR`` is set (https://no-color.org) or ``TERM`` is ``dumb``.
+Colour only on a terminal, and not if ``NO_COLOR`` is set (https://no-color.org) or ``TERM`` is ``dumb``.
 """
 
 import json
@@ -15,7 +15,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from . import render
 
 NARROWEST = 40
-"""Columns of the screen; nothing is fitted into fewer."""
+"""Minimum width of the screen for layouts."""
 
 
 def wants_color(stream: TextIO) -> bool:
@@ -24,13 +24,13 @@ def wants_color(stream: TextIO) -> bool:
 
 
 def screen_width(stream: TextIO) -> int | None:
-    """Columns of the terminal behind ``stream``, or of ``COLUMNS``; None in a pipe, where nobody says."""
+    """Width of the terminal of ``stream``, or ``COLUMNS``; None for a pipe."""
     columns = os.environ.get("COLUMNS", "")
     if columns.isdecimal() and int(columns):
         return max(int(columns), NARROWEST)
     try:
         return max(os.get_terminal_size(stream.fileno()).columns, NARROWEST)
-    except (OSError, ValueError):  # a pipe, or no file at all
+    except (OSError, ValueError):  # a pipe, or not a file
         return None
 
 
@@ -47,13 +47,13 @@ def write_error(text: str) -> None:
 def write_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document; diagnostics in it are written out."""
     text = json.dumps(document, indent=2, ensure_ascii=False, default=_plain)
-    # What JSON lets through may still steer a terminal: U+009B begins an escape sequence, U+202E turns text round.
+    # Some characters valid in JSON control a terminal: U+009B starts an escape sequence, U+202E reverses text.
     write_result("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
 
 
 @dataclass(frozen=True)
 class Display:
-    """How much a command prints."""
+    """The verbosity of a command."""
 
     concise: bool = False
     """One line per diagnostic."""
@@ -64,12 +64,12 @@ class Display:
 
 
 def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), *, as_result: bool = False) -> None:
-    """Print diagnostics, and how many there are of each severity.
+    """Print diagnostics, and the number of each severity.
 
     Args:
         found: What to print.
-        display: How much of it.
-        as_result: Whether they are what was asked for, and go to standard output.
+        display: The verbosity.
+        as_result: Whether they are the command's result, and go to standard output.
     """
     diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]
     ignored = len(found.ignored) if isinstance(found, Diagnostics) and not (display.quiet or display.concise) else 0
