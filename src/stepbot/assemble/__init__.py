@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.report.record import MeasuredBody
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
@@ -34,7 +35,7 @@ from .links import Links, is_complete
 from .masses import masses
 from .material_assignment import assign_materials
 from .unsupported import report_unsupported
-from .weigh import Weighing, report_weighing, report_weightless, weigh
+from .weigh import report_weighing, report_weightless, weigh
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,9 @@ class Built:
     robot: Robot
     double_counting: DoubleCounting
     """Must report before anything is written."""
-    joint_table: tuple[JointRow, ...] = ()
+    bodies: tuple[MeasuredBody, ...]
+    """Each body of the assembly, measured."""
+    joint_table: tuple[JointRow, ...]
     """The pose of every joint and closure as drawn, and how it was found."""
 
 
@@ -79,11 +82,11 @@ def build_robot(
     named = build_frames(binder, frames)
     sensors = build_sensors(binder, frames)
 
-    weighings = weigh(assembly, measures(), document.mass)
-    weighed = masses(binder, materials, weighings)
-    links = Links(binder, claims, materials.of, weighed, weighings)
+    bodies = weigh(assembly, measures(), document.mass)
+    weighed = masses(binder, materials, bodies)
+    links = Links(binder, claims, materials.of, weighed, bodies)
     links.report_unknown_masses()
-    _report_bodies(binder, claims, weighings)
+    _report_bodies(binder, claims, bodies)
     binder.report_fragile()
     X_WR = frames.link(root)
     if found.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
@@ -105,7 +108,7 @@ def build_robot(
         assembly.source,
         sensors,
     )
-    return Built(robot, double_counting, joint_table(frames, joints, closures))
+    return Built(robot, double_counting, bodies, joint_table(frames, joints, closures))
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
@@ -115,13 +118,13 @@ def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) ->
     return {link: claims.parts_of(link) for link in sidecar.document.links}
 
 
-def _report_bodies(binder: Binder, claims: Claims, weighings: Sequence[Weighing]) -> None:
+def _report_bodies(binder: Binder, claims: Claims, bodies: Sequence[MeasuredBody]) -> None:
     """Report bodies with unexpected mass properties, except in links whose mass properties are given."""
     links = binder.document.links
     given = {name for name, link in links.items() if link.inertial is not None and is_complete(link.inertial)}
     weighed = [index for index, link in enumerate(claims.link_of) if link and link not in given]
-    report_weighing(binder, weighings, weighed)
-    report_weightless(binder, weighings, weighed)
+    report_weighing(binder, bodies, weighed)
+    report_weightless(binder, bodies, weighed)
 
 
 __all__ = ["Built", "build_robot", "link_components"]

@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.solids.overlapping import Overlaps, Pair
 from stepbot.geometry.sums import exact_sum
+from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
 from stepbot.step.structure.paths import quoted
 
 from .binder import Binder, listed
 from .claims import Claims
-from .masses import PartMass
 from .overlaps import MAX_FACES, OverlapSearch
 from .reading import MASS_TOLERANCE
 
@@ -26,7 +26,7 @@ class DoubleCounting:
         self,
         binder: Binder,
         claims: Claims,
-        masses: Mapping[int, PartMass],
+        masses: Mapping[int, ComponentMass],
         max_faces: int = MAX_FACES,
         cache: Cache | None = None,
         process: Worker | None = None,
@@ -59,7 +59,7 @@ class DoubleCounting:
             return
         slight: dict[str, Overlaps] = {}
         for link, overlaps in found.items():
-            total = exact_sum(self._masses[index].mass for index in self._parts[link] if index in self._masses)
+            total = exact_sum(self._masses[index].mass or 0.0 for index in self._parts[link] if index in self._masses)
             if overlaps.mass >= MASS_TOLERANCE * total > 0.0:
                 _warn(self._binder, link, overlaps, total)
             elif overlaps.pairs:

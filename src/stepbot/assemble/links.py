@@ -7,7 +7,8 @@ import numpy as np
 
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Link, MassSource
+from stepbot.report.record import MeasuredBody
+from stepbot.robot.model import ComponentMass, Link
 from stepbot.sidecar.document import InertialSection
 from stepbot.step.structure.paths import quoted
 
@@ -16,10 +17,8 @@ from .binder import Binder, listed
 from .claims import Claims
 from .collisions import Collisions, Placed
 from .joints import tidy
-from .masses import PartMass
 from .material_assignment import MaterialAssignment
 from .visuals import visuals
-from .weigh import Weighing
 
 
 class Links:
@@ -30,13 +29,13 @@ class Links:
         binder: Binder,
         claims: Claims,
         of: Sequence[MaterialAssignment],
-        masses: Mapping[int, PartMass],
-        weighings: Sequence[Weighing],
+        masses: Mapping[int, ComponentMass],
+        bodies: Sequence[MeasuredBody],
     ) -> None:
         self._binder = binder
         self._of = of
         self._masses = masses
-        self._weighings = weighings
+        self._bodies = bodies
         self._parts = {link: claims.parts_of(link) for link in binder.document.links}
         self.assets = MeshAssets(binder.assembly)
         self._collisions = Collisions(binder, self.assets)
@@ -47,7 +46,7 @@ class Links:
         for name, section in self._binder.document.links.items():
             weighed = [index for index in self._parts[name] if index in self._masses]
             if section.inertial is None:
-                unknown += [index for index in weighed if not self._masses[index].origin]
+                unknown += [index for index in weighed if self._masses[index].mass is None]
             elif not is_complete(section.inertial) and not weighed:
                 self._binder.report(
                     "SB503",
@@ -80,13 +79,13 @@ class Links:
         components = self._binder.assembly.components
         X_LW = X_WL.inverse()
         parts = [Placed(i, self._of[i], tidy(X_LW @ components[i].X_WC)) for i in self._parts[name]]
-        properties, sources = self._mass(name, parts)
+        properties, masses = self._mass(name, parts)
         return Link(
             name,
             properties,
             visuals(self._binder, self.assets, name, parts),
             self._collisions.of(name, parts),
-            sources,
+            masses,
             tuple(components[part.index].path for part in parts),
         )
 
@@ -94,38 +93,40 @@ class Links:
         """Report components without collision geometry."""
         self._collisions.report_flat()
 
-    def _mass(self, name: str, parts: Sequence[Placed]) -> tuple[MassProperties, tuple[MassSource, ...]]:
+    def _mass(self, name: str, parts: Sequence[Placed]) -> tuple[MassProperties, tuple[ComponentMass, ...]]:
         inertial = self._binder.document.links[name].inertial
         if inertial is not None and is_complete(inertial):
-            given = MassSource("", inertial.mass, 0.0, f"inertial of link '{name}'", "given")
+            given = ComponentMass("", inertial.mass, None, None, f"inertial of link '{name}'", "given")
             return _overruled(MassProperties(), inertial), (given,)
         weighed = [part for part in parts if part.index in self._masses]
         # If an `inertial` gives the total, parts without a density share it by volume.
-        by_volume = inertial is not None and any(not self._masses[part.index].origin for part in weighed)
+        by_volume = inertial is not None and any(self._masses[part.index].mass is None for part in weighed)
         bodies = [self._part(part, by_volume) for part in weighed]
-        sources = tuple(self._source(part.index) for part in weighed)
+        masses = tuple(self._masses[part.index] for part in weighed)
         computed = combined(bodies)
         if inertial is None:
-            return computed, sources
+            return computed, masses
         factor = inertial.mass / computed.mass
         origin = f"inertial of link '{name}'"
         return _overruled(computed.scaled(factor), inertial), tuple(
-            replace(source, mass=body.mass * factor, density=0.0, origin=origin)
-            for source, body in zip(sources, bodies, strict=True)
+            replace(known, mass=body.mass * factor, density=None, origin=origin)
+            for known, body in zip(masses, bodies, strict=True)
         )
 
     def _part(self, part: Placed, by_volume: bool) -> MassProperties:
         """Mass properties of a component in its link's frame."""
-        weighing = self._weighings[self._binder.assembly.components[part.index].body]
-        assert weighing.properties is not None  # only components with a volume have a mass
-        known = self._masses[part.index]
-        density = 1.0 if by_volume else known.density or known.mass / weighing.properties.volume
-        return weighing.properties.unit_density.scaled(density).moved(part.X_LC)
+        used = self._bodies[self._binder.assembly.components[part.index].body].used
+        assert used is not None  # only components with a volume have a mass
+        return used.scaled(1.0 if by_volume else _density(self._masses[part.index])).moved(part.X_LC)
 
-    def _source(self, index: int) -> MassSource:
-        known = self._masses[index]
-        method = self._weighings[self._binder.assembly.components[index].body].method
-        return MassSource(self._binder.path(index), known.mass, known.density, known.origin, method)
+
+def _density(known: ComponentMass) -> float:
+    """Density [kg/m^3] of a component with a known mass."""
+    if known.density is not None:
+        return known.density
+    assert known.mass is not None
+    assert known.volume is not None
+    return known.mass / known.volume
 
 
 def is_complete(inertial: InertialSection) -> bool:

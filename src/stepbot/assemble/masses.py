@@ -7,48 +7,42 @@ remainder is divided; if the remainder is not positive, only the outer mass coun
 
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 from stepbot.geometry.sums import exact_sum
+from stepbot.report.record import MeasuredBody
+from stepbot.robot.model import ComponentMass
 from stepbot.step.structure.paths import subtree_ends
 
 from .binder import Binder
 from .material_assignment import GivenMass, MaterialAssignments
-from .weigh import Weighing
 
 _EQUAL = 1e-9
 
 
-@dataclass(frozen=True)
-class PartMass:
-    """The mass of one component and its source."""
-
-    mass: float
-    """[kg]; 0 if unknown."""
-    density: float
-    """[kg/m^3] used for the mass; 0 if the mass was given or is unknown."""
-    volume: float
-    """[m^3]."""
-    origin: str
-    """For messages: ``parts rule '**/M3*'``, ``STEP``, ``defaults``; empty if the mass is unknown."""
-
-
-def masses(binder: Binder, materials: MaterialAssignments, weighings: Sequence[Weighing]) -> dict[int, PartMass]:
+def masses(binder: Binder, materials: MaterialAssignments, bodies: Sequence[MeasuredBody]) -> dict[int, ComponentMass]:
     """Mass of every component that has a volume and is not ignored, by index."""
-    computed: dict[int, PartMass] = {}
+    computed: dict[int, ComponentMass] = {}
     for component in binder.assembly.components:
         assignment = materials.of[component.index]
-        properties = weighings[component.body].properties if component.body >= 0 else None
-        if properties is not None and not assignment.ignored:
-            mass = assignment.density * properties.volume
-            computed[component.index] = PartMass(mass, assignment.density, properties.volume, assignment.density_origin)
+        body = bodies[component.body] if component.body >= 0 else None
+        if body is not None and body.used is not None and not assignment.ignored:
+            volume, density = body.used.mass, assignment.density
+            computed[component.index] = ComponentMass(
+                component.path,
+                None if density is None else density * volume,
+                density,
+                volume,
+                assignment.density_origin,
+                body.written,
+            )
     return _Sharing(binder, materials, computed).settle()
 
 
 class _Sharing:
     """Divides given masses among the components below them."""
 
-    def __init__(self, binder: Binder, materials: MaterialAssignments, computed: dict[int, PartMass]) -> None:
+    def __init__(self, binder: Binder, materials: MaterialAssignments, computed: dict[int, ComponentMass]) -> None:
         self._binder = binder
         self._materials = materials
         self._computed = computed
@@ -58,7 +52,7 @@ class _Sharing:
         self._indices = list(self._given)
         self._result = dict(computed)
 
-    def settle(self) -> dict[int, PartMass]:
+    def settle(self) -> dict[int, ComponentMass]:
         for index in self._topmost(0, len(self._ends)):
             self._settle(index, self._given[index])
         return self._result
@@ -81,12 +75,12 @@ class _Sharing:
 
     def _share(self, members: list[int], given: GivenMass, total: float) -> None:
         parts = [self._computed[i] for i in members]
-        by_mass = all(part.density > 0.0 for part in parts)
-        weights = [part.mass if by_mass else part.volume for part in parts]
+        computed = [part.mass for part in parts if part.mass is not None]
+        weights = computed if len(computed) == len(parts) else [part.volume or 0.0 for part in parts]
         whole = exact_sum(weights)
-        for i, weight in zip(members, weights, strict=True):
-            volume = self._computed[i].volume
-            self._result[i] = PartMass(total * weight / whole, 0.0, volume, f"parts rule '{given.pattern}'")
+        origin = f"parts rule '{given.pattern}'"
+        for i, part, weight in zip(members, parts, weights, strict=True):
+            self._result[i] = replace(part, mass=total * weight / whole, density=None, origin=origin)
 
     def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
         """Topmost components with a given mass in a range of indices, without those of the rule ``beside``."""

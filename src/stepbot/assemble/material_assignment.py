@@ -23,8 +23,8 @@ class MaterialAssignment:
     """The material, colour and geometry settings of one component."""
 
     ignored: bool = False
-    density: float = 0.0
-    """[kg/m^3]; 0 if no source gives one."""
+    density: float | None = None
+    """[kg/m^3]; None if no source gives one."""
     density_origin: str = ""
     """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty without a density."""
     color: Rgba | None = None
@@ -123,10 +123,10 @@ def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], do
     )
 
 
-def _density(component: Component, named: tuple[str, PartRule] | None, document: Document) -> tuple[float, str]:
+def _density(component: Component, named: tuple[str, PartRule] | None, document: Document) -> tuple[float | None, str]:
     """Density [kg/m^3] and its source; a density of zero in the STEP counts as missing."""
     if named is not None:
-        return _rule_density(named[1], document) or 0.0, f"parts rule '{named[0]}'"
+        return _rule_density(named[1], document), f"parts rule '{named[0]}'"
     if component.density > 0.0 and document.step_density is StepDensity.USE:
         return component.density, "STEP"
     name = component.material.strip()
@@ -134,7 +134,7 @@ def _density(component: Component, named: tuple[str, PartRule] | None, document:
         return density, f"material '{name}' in the STEP"
     defaults = document.defaults
     default = defaults.density if defaults.density is not None else _material(document, defaults.material).density
-    return (default, "defaults") if default is not None else (0.0, "")
+    return default, "defaults" if default is not None else ""
 
 
 def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:

@@ -13,11 +13,10 @@ from stepbot.geometry.solids.box_pairs import box_pairs, moved_boxes
 from stepbot.geometry.solids.manifolds import TOUCHING
 from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
 from stepbot.step.assembly import Assembly
-
-from .masses import PartMass
 
 MAX_FACES = 2_000_000
 """Maximum number of faces to intersect in one robot: about two seconds of work."""
@@ -41,7 +40,7 @@ class OverlapSearch:
         self,
         assembly: Assembly,
         parts: Mapping[str, Sequence[int]],
-        masses: Mapping[int, PartMass],
+        masses: Mapping[int, ComponentMass],
         max_faces: int = MAX_FACES,
         cache: Cache | None = None,
         process: Worker | None = None,
@@ -85,7 +84,7 @@ class OverlapSearch:
 
 
 def _key(
-    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
+    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, ComponentMass], max_faces: int
 ) -> str:
     """Key of everything that the overlaps depend on: meshes, poses and densities."""
     digest = Digest("solids that overlap").add(environment(), str(max_faces))
@@ -94,7 +93,7 @@ def _key(
         components = [assembly.components[index] for index in indices]
         bodies.update(dict.fromkeys(component.body for component in components))
         numbers = np.array([(component.index, component.body) for component in components], dtype=np.int64)
-        numbered = [(masses[index].density, masses[index].volume) for index in indices]
+        numbered = [(masses[index].density or 0.0, masses[index].volume) for index in indices]
         places = [component.X_WC.matrix for component in components]
         digest.add(link, numbers.tobytes(), np.array(numbered, float).tobytes(), np.array(places, float).tobytes())
     for body in bodies:
@@ -104,7 +103,7 @@ def _key(
 
 
 def _search(
-    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, PartMass], max_faces: int
+    assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, ComponentMass], max_faces: int
 ) -> Search:
     groups: dict[bytes, _Collected] = {}
     for link, indices in weighed.items():
@@ -136,15 +135,15 @@ def _collect(
     assembly: Assembly,
     link: str,
     indices: Sequence[int],
-    masses: Mapping[int, PartMass],
+    masses: Mapping[int, ComponentMass],
     groups: dict[bytes, _Collected],
 ) -> None:
     """Sort the pairs of a link with overlapping boxes into groups."""
     bodies = np.array([assembly.components[index].body for index in indices])
     R = np.array([assembly.components[index].X_WC.rotation for index in indices])
     p = np.array([assembly.components[index].X_WC.position for index in indices])
-    density = np.array([masses[index].density for index in indices])
-    volume = np.array([masses[index].volume for index in indices])
+    density = np.array([masses[index].density or 0.0 for index in indices])
+    volume = np.array([masses[index].volume for index in indices], float)
     extent = {body: assembly.bodies[body].mesh.bounds for body in dict.fromkeys(bodies.tolist())}
     extents = np.array([extent[body] for body in bodies.tolist()])
     low, high = moved_boxes(extents[:, 0], extents[:, 1], R, p)

@@ -5,10 +5,12 @@ mesh available; ``exact`` uses the solid. If only one of them encloses a volume,
 two integration methods agree is not used.
 """
 
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from math import ceil, floor, log10
 
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.report.record import MeasuredBody
 from stepbot.sidecar.document import MassMode
 from stepbot.step.assembly import CERTAIN, Assembly, Body, BodyKind
 
@@ -16,55 +18,56 @@ from .binder import Binder, listed
 from .reading import MASS_TOLERANCE
 
 
-@dataclass(frozen=True)
-class Weighing:
-    """Volume properties of a body, and their source."""
+def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode) -> tuple[MeasuredBody, ...]:
+    """Each body of the assembly, measured on its mesh and exactly, and which of the two is used.
 
-    properties: VolumeProperties | None
-    """None if the body encloses no volume."""
-    method: str = ""
-    """``mesh`` or ``exact``, with the reason if it differs from the requested one."""
-    deviation: float = 0.0
-    """Largest relative deviation of the mesh from the exact solid; 0 if one of them is missing."""
+    Args:
+        assembly: The content of the STEP file.
+        measures: trimesh's mass properties of the mesh of each of ``assembly.bodies``.
+        mode: Which mass properties the sidecar selects.
+    """
+    occurrences = Counter(component.body for component in assembly.components)
+    names: dict[int, str] = {}
+    for component in assembly.components:
+        names.setdefault(component.body, component.path)
+    return tuple(
+        _weigh(names.get(number, ""), occurrences[number], body, body.refined or measure, mode)
+        for number, (body, measure) in enumerate(zip(assembly.bodies, measures, strict=True))
+    )
 
 
-def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode) -> tuple[Weighing, ...]:
-    """Volume properties of each body; ``measures`` are trimesh's, of the written meshes."""
-    return tuple(_weigh(body, measure, mode) for body, measure in zip(assembly.bodies, measures, strict=True))
-
-
-def report_weighing(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
+def report_weighing(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
     """Report the robot's components whose mass properties are not the mesh's, and why."""
     first: dict[int, int] = {}
     for index in sorted(components):
         first.setdefault(binder.assembly.components[index].body, index)
     mode = binder.document.mass
     deviating = tuple(
-        f"{binder.path(index)}: {weighings[body].method}"
-        for body, index in first.items()
-        if weighings[body].properties is not None and ":" in weighings[body].method
+        f"{binder.path(index)}: {bodies[number].written}"
+        for number, index in first.items()
+        if bodies[number].used is not None and ":" in bodies[number].written
     )
     if not deviating:
         return
     span = binder.span(("mass",))
-    bodies = f"{len(deviating)} of {len(first)} bodies"
+    which = f"{len(deviating)} of {len(first)} bodies"
     if mode is MassMode.MESH:
-        message = f"{bodies}: mesh and exact solid differ by more than {MASS_TOLERANCE:g}, or one of them is missing"
+        message = f"{which}: mesh and exact solid differ by more than {MASS_TOLERANCE:g}, or one of them is missing"
         binder.found.add("SB511", f"mass: {message}", span, notes=listed(deviating))
     else:
         used = "mesh's" if mode is MassMode.EXACT else "exact solid's"
-        message = f"{bodies}: {used} mass properties used"
+        message = f"{which}: {used} mass properties used"
         binder.found.add("SB505", f"mass: {message}", span, notes=listed(deviating))
 
 
-def report_weightless(binder: Binder, weighings: Sequence[Weighing], components: Collection[int]) -> None:
+def report_weightless(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
     """Report components without mass properties: expected for surfaces, an error for solids."""
     surfaces: dict[int, list[int]] = {}
     broken: dict[int, list[int]] = {}
     uncertain: dict[int, list[int]] = {}
     for index in sorted(components):
         number = binder.assembly.components[index].body
-        if weighings[number].properties is None:
+        if bodies[number].used is None:
             body = binder.assembly.bodies[number]
             group = uncertain if _is_uncertain(body) else broken if body.kind is BodyKind.SOLID else surfaces
             group.setdefault(number, []).append(index)
@@ -120,30 +123,44 @@ def _is_uncertain(body: Body) -> bool:
     return body.exact is not None and body.exact_error > CERTAIN
 
 
-def _weigh(body: Body, measure: VolumeProperties | None, mode: MassMode) -> Weighing:
-    if _is_uncertain(body):
-        return Weighing(None)
+def _weigh(name: str, occurrences: int, body: Body, mesh: VolumeProperties | None, mode: MassMode) -> MeasuredBody:
     exact = body.exact
-    mesh = body.refined or measure if mode is MassMode.MESH else measure
-    if exact is None or mesh is None:
-        return _only_one(exact, mesh, mode, body.defect)
-    worst, quantity = mesh.deviation_from(exact)
-    differs = f"differs by {worst:.1e} in {quantity}"
-    if mode is MassMode.EXACT:
-        return Weighing(exact, "exact", worst)
-    if mode is MassMode.MESH:
-        return Weighing(mesh, "mesh" if worst <= MASS_TOLERANCE else f"mesh: {differs}", worst)
-    return (
-        Weighing(mesh, "mesh", worst) if worst <= MASS_TOLERANCE else Weighing(exact, f"exact: mesh {differs}", worst)
+    deviation, quantity = mesh.deviation_from(exact) if mesh is not None and exact is not None else (None, "")
+    used, written = None, body.defect or f"a {body.kind} has no volume"
+    if not _is_uncertain(body):
+        if deviation is None:
+            used, written = _only_one(exact, mesh, mode, body.defect) or (used, written)
+        elif mode is MassMode.EXACT:
+            used, written = exact, "exact"
+        elif deviation <= MASS_TOLERANCE:
+            used, written = mesh, "mesh"
+        else:
+            differs = f"differs by {deviation:.1e} in {quantity}"
+            used, written = (mesh, f"mesh: {differs}") if mode is MassMode.MESH else (exact, f"exact: mesh {differs}")
+    return MeasuredBody(
+        name,
+        occurrences,
+        mesh=mesh.unit_density if mesh is not None else None,
+        exact=exact.unit_density if exact is not None else None,
+        deviation=deviation,
+        error=_shown(body.exact_error) if exact is not None and body.exact_error else None,
+        used=used.unit_density if used is not None else None,
+        written=written,
     )
 
 
-def _only_one(exact: VolumeProperties | None, mesh: VolumeProperties | None, mode: MassMode, defect: str) -> Weighing:
+def _only_one(
+    exact: VolumeProperties | None, mesh: VolumeProperties | None, mode: MassMode, defect: str
+) -> tuple[VolumeProperties, str] | None:
     """The mass properties available if the solid or its mesh encloses no volume."""
     if exact is not None:
-        return Weighing(
-            exact, "exact" if mode is MassMode.EXACT else f"exact: {defect or 'the mesh is not watertight'}"
-        )
+        return exact, "exact" if mode is MassMode.EXACT else f"exact: {defect or 'the mesh is not watertight'}"
     if mesh is not None:
-        return Weighing(mesh, "mesh" if mode is not MassMode.EXACT else "mesh: there is no exact solid")
-    return Weighing(None)
+        return mesh, "mesh" if mode is not MassMode.EXACT else "mesh: there is no exact solid"
+    return None
+
+
+def _shown(error: float) -> float:
+    """One digit, rounded up: further digits differ between processors."""
+    size = 10.0 ** floor(log10(error))
+    return float(f"{ceil(error / size - 1e-6) * size:.0e}")

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepbot.assemble import build_robot, link_components
-from stepbot.assemble.provenance import emitted_names, measured_bodies
 from stepbot.assemble.reading import read_options
 from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError, did_you_mean
 from stepbot.engines.workers import check_required
@@ -133,8 +132,8 @@ def _produce(
         progress("verify")
         report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
     _report_unused(found, _JUDGED_BY_BUILD + _judged_by_files(options))
-    bodies = measured_bodies(assembly, measures(), sidecar.document.mass)
-    report = replace(report, names=emitted_names(robot), bodies=bodies, joint_table=built.joint_table)
+    names = {asset.path: asset.source for asset in robot.meshes}
+    report = replace(report, names=names, bodies=built.bodies, joint_table=built.joint_table)
     if options.strict:
         found.make_strict()
     files = {**joined(by_format), REPORT: report_bytes(report, found)}

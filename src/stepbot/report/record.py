@@ -79,8 +79,10 @@ class MeasuredBody:
     """The largest relative difference between the two, of volume, centre and inertia."""
     error: float | None
     """Estimated relative error of ``exact``; None without an exact solid or an estimate."""
+    used: MassProperties | None
+    """The one that masses are computed from; None if neither is known."""
     written: str
-    """Which of the two is used in the files, and why."""
+    """Which of the two is used in the files, and why; why the body has no mass if neither is."""
 
 
 @dataclass(frozen=True)

@@ -73,11 +73,11 @@ def _link(link: Link) -> Json:
             {
                 "component": source.component,
                 "mass": source.mass,
-                "density": number(source.density or None),
+                "density": number(source.density),
                 "origin": source.origin,
                 "method": source.method,
             }
-            for source in link.mass_sources
+            for source in link.masses
         ],
     }
 

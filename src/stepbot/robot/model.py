@@ -133,19 +133,21 @@ class Collision:
 
 
 @dataclass(frozen=True)
-class MassSource:
-    """The source of a part of a link's mass."""
+class ComponentMass:
+    """The mass of one component and its source."""
 
     component: str
-    """Path of the component in the assembly."""
-    mass: float
-    """Mass [kg] that it adds to the link."""
-    density: float
-    """Density [kg/m^3] used for the mass; 0 if the mass was given."""
+    """Path of the component in the assembly; empty for a mass that is given for a whole link."""
+    mass: float | None
+    """Mass [kg]; None if no source gives a mass or a density. Known in a robot that was built without errors."""
+    density: float | None
+    """Density [kg/m^3] that the mass was computed with; None if the mass is given or unknown."""
+    volume: float | None
+    """Volume [m^3]; None for a mass that is given for a whole link."""
     origin: str
-    """For messages: ``parts rule '**/M3*'``, ``STEP``, ``defaults``, ``inertial``."""
+    """For messages: ``parts rule '**/M3*'``, ``STEP``, ``defaults``, ``inertial``; empty if the mass is unknown."""
     method: str
-    """``mesh`` or ``exact``: the source of volume, com and inertia; ``given`` if neither was used."""
+    """``mesh`` or ``exact``: the source of volume, com and inertia; ``given`` for neither."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +159,8 @@ class Link:
     """In the link's frame."""
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
-    mass_sources: tuple[MassSource, ...] = ()
-    """Sources of the mass."""
+    masses: tuple[ComponentMass, ...] = ()
+    """Mass of each component that adds to the link's."""
     components: tuple[str, ...] = ()
     """Paths of the link's components in the assembly."""
 

@@ -9,7 +9,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import rotation_from_rpy
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.robot.model import Link, MassSource, Robot
+from stepbot.robot.model import ComponentMass, Link, Robot
 from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop, at, box_inertia, build, built, cylinder_inertia
@@ -23,8 +23,8 @@ CUBE = 1e-6
 """Volume [m^3] of the cube of 10 mm."""
 
 
-def _sources(robot: Robot) -> dict[str, MassSource]:
-    return {source.component: source for link in robot.links for source in link.mass_sources}
+def _sources(robot: Robot) -> dict[str, ComponentMass]:
+    return {source.component: source for link in robot.links for source in link.masses}
 
 
 def _masses(robot: Robot) -> dict[str, float]:
@@ -219,7 +219,8 @@ def test_mass_on_a_component_scales_its_inertia(tmp_path: Path) -> None:
     assert properties.mass == pytest.approx(0.06)
     np.testing.assert_allclose(properties.com, (0.005, 0, 0), atol=1e-15)
     np.testing.assert_allclose(properties.inertia, box_inertia((0.01, 0.02, 0.03)) * 1e4, rtol=1e-12)
-    assert _sources(robot)["a"] == MassSource("a", pytest.approx(0.06), 0.0, "parts rule 'a'", "mesh")
+    volume = pytest.approx(6e-6, rel=1e-12)
+    assert _sources(robot)["a"] == ComponentMass("a", pytest.approx(0.06), None, volume, "parts rule 'a'", "mesh")
 
 
 def test_mass_of_a_subassembly_is_shared_by_computed_mass_across_links(tmp_path: Path) -> None:
@@ -363,7 +364,7 @@ def test_inertial_overrules(tmp_path: Path) -> None:
     assert _mass(robot.root) == MassProperties(
         0.11, (0.0, 0.0, 0.02), ((1e-5, 1e-6, 0.0), (1e-6, 1e-5, 0.0), (0.0, 0.0, 1.5e-5))
     )
-    assert robot.root.mass_sources == (MassSource("", 0.11, 0.0, "inertial of link 'base'", "given"),)
+    assert robot.root.masses == (ComponentMass("", 0.11, None, None, "inertial of link 'base'", "given"),)
 
 
 def test_inertial_mass_alone_scales(tmp_path: Path) -> None:

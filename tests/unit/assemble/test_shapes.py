@@ -108,7 +108,7 @@ def test_visual_false(tmp_path: Path) -> None:
     shop.box("b")
     robot = built(shop, tmp_path, "    parts: {a: {visual: false}}\n" + ONE)
     assert [v.geometry for v in robot.root.visuals] == [MeshRef("b")]
-    assert len(robot.root.collisions) == len(robot.root.mass_sources) == 2
+    assert len(robot.root.collisions) == len(robot.root.masses) == 2
     text = "    parts: {a: {visual: true}}\n" + ONE.replace("rest: true", "rest: true, visual: false")
     assert [v.geometry for v in built(shop, tmp_path, text).root.visuals] == [MeshRef("a")]
 

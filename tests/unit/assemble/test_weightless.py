@@ -103,7 +103,7 @@ def test_closed_triangles_have_a_volume(tmp_path: Path, found: ReadDiagnostics) 
     properties = robot.root.mass_properties
     assert properties.mass == pytest.approx(1000 * drawing.body.mass, rel=1e-9)
     np.testing.assert_allclose(properties.inertia, 1000 * drawing.body.inertia, rtol=1e-8, atol=1e-15)
-    assert [source.method for source in robot.root.mass_sources] == ["mesh"]
+    assert [source.method for source in robot.root.masses] == ["mesh"]
     assert not list(found)
     assert _convert(drawing, tmp_path, WATER + "    mass: exact\n" + ONE, found) is not None
     (note,) = found

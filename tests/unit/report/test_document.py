@@ -13,7 +13,7 @@ from stepbot.geometry.inertia import MassProperties
 from stepbot.report.document import report_bytes, report_document
 from stepbot.report.record import Check, MeasuredBody, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
-from stepbot.robot.model import Limit, MassSource
+from stepbot.robot.model import ComponentMass, Limit
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS, four_bar, two_link_arm
 
@@ -91,11 +91,12 @@ def test_every_robot_keeps_the_schema(name: str, validator: jsonschema.Draft2020
 def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validator, found: ReadDiagnostics) -> None:
     """Mass sources, measured bodies, names, notes and diagnostics."""
     found.add("SB810", "links overlap", Span("arm.step", 3, 4), help=["move them"], notes=["by 1 mm"])
-    source = MassSource("arm/upper", 0.9, 2700.0, "parts rule '**'", "mesh")
-    given = MassSource("arm/motor", 0.1, 0.0, "parts rule 'motor'", "given")
+    source = ComponentMass("arm/upper", 0.9, 2700.0, 0.9 / 2700.0, "parts rule '**'", "mesh")
+    given = ComponentMass("arm/motor", 0.1, None, 5e-5, "parts rule 'motor'", "given")
     robot = two_link_arm()
-    links = (replace(robot.links[0], mass_sources=(source, given), components=("arm/upper",)), *robot.links[1:])
-    body = MeasuredBody("upper", 2, MassProperties.of(1e-4, (0, 0, 0), [[0] * 3] * 3), None, None, None, "mesh")
+    links = (replace(robot.links[0], masses=(source, given), components=("arm/upper",)), *robot.links[1:])
+    measured = MassProperties.of(1e-4, (0, 0, 0), [[0] * 3] * 3)
+    body = MeasuredBody("upper", 2, measured, None, None, None, measured, "mesh")
     report = Report(
         (PASSED,),
         robot=replace(robot, links=links),
