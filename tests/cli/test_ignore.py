@@ -6,7 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from robot_library.moments import pose
+from robot_library.step_file import Assembly, Occurrence
 from stepbot.diagnostics import Diagnostics, Ignore, Span
+from tests.parts import drawn, write_same_names, write_step
+from tests.solids import box
 
 from .conftest import Stepbot
 
@@ -124,3 +128,57 @@ def test_what_an_entry_covers(
     assert bool(found.unused_ignores) != covered
     found.ignore([Ignore("SB602", Span("stepbot"))])
     assert len(found.ignored) == 1, "also of what was found before"
+
+
+NUMBERED = """version: 1
+robot: row
+step: robot.step
+defaults: {density: 1000}
+links:
+  base: {rest: true}
+  pin:
+    parts: ['pin#2']
+    ignore_findings: [SB305]
+  other: {parts: ['pin#3']}
+joints:
+  weld: {type: fixed, parent: base, child: pin, origin: {xyz: [0, 0, 0]}}
+  glue: {type: fixed, parent: base, child: other, origin: {xyz: [0, 0, 0]}}
+"""
+
+
+@pytest.mark.slow
+def test_entry_of_a_link_takes_its_path_out_of_a_summary(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
+) -> None:
+    """SB305 is one warning for all links: one that ignores it is left out, and the others are reported."""
+    monkeypatch.chdir(tmp_path)
+    write_same_names(Path("robot.step"))
+    Path(SIDECAR).write_text(NUMBERED, encoding="utf-8")
+    run = stepbot("check", "--step", "-v", SIDECAR)
+    assert run.out.count("warning[SB305]") == 1
+    assert f"{SIDECAR}:10:19: warning[SB305]: robot.step: one path holds only by #n" in run.out
+    assert "pin#2" not in run.out.split("warning[SB305]")[1].split("\n\n")[0]
+    assert "1 ignored" in run.out
+    Path(SIDECAR).write_text(NUMBERED.replace("    ignore_findings: [SB305]\n", ""), encoding="utf-8")
+    assert "2 paths hold only by #n" in stepbot("check", "--step", SIDECAR).out
+
+
+@pytest.mark.slow
+def test_entry_of_a_link_holds_for_its_overlapping_solids(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
+) -> None:
+    """SB512 is ignored for one link and reported for the other."""
+    monkeypatch.chdir(tmp_path)
+    blocks = [drawn(name, box(40, 10, 10)) for name in "abcd"]
+    places = [(20.0 * i, 0.0, 0.0) for i in range(2)] + [(20.0 * i, 50.0, 0.0) for i in range(2)]
+    children = [Occurrence(block, f"{block.name}:1", pose(at)) for block, at in zip(blocks, places, strict=True)]
+    write_step(Path("robot.step"), Assembly("row", children))
+    text = NUMBERED[: NUMBERED.index("links:")] + (
+        "links:\n  base: {parts: [a, b], ignore_findings: [SB512]}\n  lid: {parts: [c, d]}\n"
+        "joints:\n  weld: {type: fixed, parent: base, child: lid, origin: {xyz: [0, 0, 0]}}\n"
+    )
+    Path(SIDECAR).write_text(text, encoding="utf-8")
+    run = stepbot("check", "--step", SIDECAR)
+    assert run.out.count("warning[SB512]") == 1
+    assert "warning[SB512]: link 'lid'" in run.out
+    assert "1 ignored" in run.out

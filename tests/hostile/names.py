@@ -240,6 +240,7 @@ EXPERIMENT = Experiment(
     repaired=(
         "a robot could be called `CON`, `nul` or `LPT1`, a device on Windows whatever the extension (SB126)",
         "names of robots and links could hold characters that change the direction of text (SB126)",
+        "names of robots and links could hold characters without width, and so look like others (SB126)",
         "errors about arguments printed escape sequences of these, and of names in the STEP that are near to them",
     ),
 )

@@ -1,5 +1,7 @@
 """Resolves the sidecar's component paths in the assembly and reports unresolved ones at their place in the sidecar."""
 
+from collections.abc import Mapping
+
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar
@@ -49,17 +51,24 @@ class Binder:
         return self.sidecar.key_span(*keys) if len(keys) <= 2 else self.sidecar.span(*keys)
 
     def report_fragile(self) -> None:
-        """Warn once for all paths that depend on an occurrence number ``#n``."""
-        if self._fragile:
-            named = tuple(f"line {span.line}: {quoted(pattern)}" for pattern, span in self._fragile.items())
-            count = f"{len(named)} paths hold" if len(named) > 1 else "one path holds"
-            self.found.add(
-                "SB305",
-                f"{self.assembly.source}: {count} only by #n, because equal siblings have no names in the CAD",
-                next(iter(self._fragile.values())),
-                help=("name these occurrences in the CAD",),
-                notes=listed(named),
-            )
+        """Warn once for all paths that depend on an occurrence number ``#n``, except in sections that ignore it."""
+        ignored = {pattern: span for pattern, span in self._fragile.items() if self.found.ignores_at("SB305", span)}
+        for pattern, span in ignored.items():
+            self._warn_fragile({pattern: span}, notes=False)
+        left = {pattern: span for pattern, span in self._fragile.items() if pattern not in ignored}
+        if left:
+            self._warn_fragile(left, notes=True)
+
+    def _warn_fragile(self, paths: Mapping[str, Span], *, notes: bool) -> None:
+        named = tuple(f"line {span.line}: {quoted(pattern)}" for pattern, span in paths.items())
+        count = f"{len(named)} paths hold" if len(named) > 1 else "one path holds"
+        self.found.add(
+            "SB305",
+            f"{self.assembly.source}: {count} only by #n, because equal siblings have no names in the CAD",
+            next(iter(paths.values())),
+            help=("name these occurrences in the CAD",),
+            notes=listed(named) if notes else (),
+        )
 
     def path(self, index: int) -> str:
         """Canonical path of a component."""

@@ -80,8 +80,11 @@ class Ignore:
         named = re.match(r"'(.+?)': ", diagnostic.message)
         if self.pattern and named:
             return _matches(named[1], self.pattern)
-        here = diagnostic.span.file == self.span.file and 0 < self.first_line <= diagnostic.span.line <= self.last_line
-        return here and not diagnostic.notes
+        return self.holds_at(diagnostic.span) and not diagnostic.notes
+
+    def holds_at(self, span: Span) -> bool:
+        """Whether the rule is about one subject, and a place is within that subject."""
+        return span.file == self.span.file and 0 < self.first_line <= span.line <= self.last_line
 
 
 def _matches(path: str, pattern: str) -> bool:
@@ -122,6 +125,10 @@ class Diagnostics:
         self._ignores += rules
         found, self._found = self._found, {}
         self.extend(found)
+
+    def ignores_at(self, code: str, span: Span) -> bool:
+        """Whether a rule of the subject at a place suppresses a code, for summaries, which no such rule covers."""
+        return any(rule.code == code and rule.holds_at(span) for rule in self._ignores)
 
     def add_ignored(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Add diagnostics that were suppressed in another run."""

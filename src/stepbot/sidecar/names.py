@@ -1,6 +1,6 @@
 """Check for reserved and duplicate names."""
 
-import re
+import unicodedata
 from collections.abc import Iterator
 
 from stepbot.diagnostics import Diagnostics
@@ -10,8 +10,6 @@ from .document import Document
 from .located import Sidecar
 from .subjects import subject
 
-_BIDI = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
-"""Bidirectional control characters, which can make different names look the same."""
 Named = tuple[str, str]
 """A top-level key and a name below it."""
 
@@ -58,17 +56,16 @@ def _reserved(section: str, name: str) -> str:
         return "'assembly' is reserved for the STEP assembly frame in `relative_to`"
     if name.startswith("__") and name.endswith("__"):
         return "names with leading and trailing double underscores are reserved by SDFormat"
-    return "'::' is the scope separator of SDFormat" if "::" in name else _direction_changes(name)
+    return "'::' is the scope separator of SDFormat" if "::" in name else _invisible_characters(name)
 
 
 def _not_a_file(robot: str) -> str:
     """Why files cannot be named after a robot, or an empty string."""
-    return f"'{robot}' is a device name on Windows" if is_device(robot) else _direction_changes(robot)
+    return f"'{robot}' is a device name on Windows" if is_device(robot) else _invisible_characters(robot)
 
 
-def _direction_changes(name: str) -> str:
-    """The bidirectional control characters of a name, or an empty string."""
-    characters = sorted({f"U+{ord(character):04X}" for character in _BIDI.findall(name)})
-    return (
-        f"'{name}' contains characters that change the direction of text: {', '.join(characters)}" if characters else ""
-    )
+def _invisible_characters(name: str) -> str:
+    """The format characters of Unicode in a name, or an empty string; with them, different names look the same."""
+    characters = sorted({f"U+{ord(character):04X}" for character in name if unicodedata.category(character) == "Cf"})
+    what = "characters that are invisible or change the direction of text"
+    return f"'{name}' contains {what}: {', '.join(characters)}" if characters else ""

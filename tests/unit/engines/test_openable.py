@@ -41,12 +41,3 @@ def test_path_in_utf8_stays(tmp_path: Path) -> None:
     """No link is made."""
     (tmp_path / "arm.urdf").write_bytes(b"")
     assert openable(tmp_path / "arm.urdf") == (tmp_path / "arm.urdf").resolve()
-
-
-def test_relative_path_follows_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A file of the same name in another folder is another file, in the same process too."""
-    for name in ("first", "second"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "arm.urdf").write_text(name, encoding="utf-8")
-        monkeypatch.chdir(tmp_path / name)
-        assert openable(Path("arm.urdf")).read_text(encoding="utf-8") == name

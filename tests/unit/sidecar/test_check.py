@@ -191,9 +191,9 @@ def test_robots_are_not_called_like_devices(name: str) -> None:
     assert codes(robot(1, []).replace("l0", name)) == []
 
 
-@pytest.mark.parametrize("character", ["\u202e", "\u2066", "\u200f"])
+@pytest.mark.parametrize("character", ["\u202e", "\u2066", "\u200f", "\u200b", "\ufeff", "\u00ad"])
 def test_names_are_what_they_look_like(character: str) -> None:
-    """Characters that change the direction of text are refused in names of robots and links."""
+    """Characters that are invisible or change the direction of text are refused in names of robots and links."""
     name = f'"arm\\u{ord(character):04x}jbo.exe"'
     for sidecar in (robot(1, []).replace("robot: tree", f"robot: {name}"), robot(1, []).replace("l0", name)):
         diagnostics = list(checked(sidecar))

@@ -161,8 +161,8 @@ CODES = (
         "SB126",
         "error",
         "invalid name",
-        "The name is empty, is too long, contains characters that an output format does not support or that change the "
-        "direction of text, is reserved by a format, or, for a robot, is a device name on Windows.",
+        "The name is empty, is too long, contains characters that an output format does not support, that are invisible "
+        "or that change the direction of text, is reserved by a format, or, for a robot, is a device name on Windows.",
         "A name is the same in the sidecar, in every output file and in client code. stepbot never renames silently.",
         "Use letters, digits, `_`, `-` and `.`. SDFormat reserves `world`, `::` and names such as `__x__`; the "
         "sidecar reserves `assembly`; Windows reserves `CON`, `NUL`, `AUX`, `PRN`, `COM1` and `LPT1`.",
