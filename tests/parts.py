@@ -362,6 +362,20 @@ def write_external_reference(path: Path) -> Drawing:
     return Drawing(path, "mm")
 
 
+def write_needless_reference(path: Path) -> Drawing:
+    """A box whose product also refers to another file, ``elsewhere.step``."""
+    drawing = write_box(path)
+    text = path.read_text(encoding="utf-8")
+    definition = re.search(r"(#\d+) *= *PRODUCT_DEFINITION *\(", text)
+    assert definition is not None
+    reference = (
+        "#900001=DOCUMENT_TYPE('geometry');\n#900002=DOCUMENT_FILE('elsewhere.step','','',#900001,'',$);\n"
+        f"#900003=APPLIED_DOCUMENT_REFERENCE(#900002,'',({definition[1]}));\n"
+    )
+    path.write_text(text.replace("ENDSEC;\nEND-ISO", f"{reference}ENDSEC;\nEND-ISO"), encoding="utf-8", newline="\n")
+    return drawing
+
+
 def write_without_unit(path: Path) -> Drawing:
     """A box in a file that does not say what its lengths are in."""
     drawing = write_box(path)

@@ -176,11 +176,12 @@ def about(
 
 
 def test_references_to_other_files(read: Read) -> None:
-    """An assembly whose parts are other files is refused, and the files are named."""
+    """An assembly whose parts are in four other files, which are missing, is refused, and each of them is named."""
     reading = read(next(file for file in FILES if file not in READABLE))
-    (fault,) = reading.findings
-    assert (fault.code, fault.severity) == ("SB203", "error")
-    assert fault.help
+    assert [(fault.code, fault.severity) for fault in reading.findings] == [("SB203", "error")] * 4
+    for fault, name in zip(reading.findings, ("TAIL.stp", "HEAD.stp", "MAINBODY.stp", "FOOT.stp"), strict=True):
+        assert f"'{name}'" in fault.message
+        assert fault.help
 
 
 VALIDATION_VOLUMES = {  # [mm^3] as the CAD programs wrote them into their files

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import Assembly, ReadOptions
-from stepbot.step.exchange.part21 import check_step
+from stepbot.step.exchange.file_set import check_files
 from stepbot.step.reader import Reading, start_reading
 
 from .forking import ForkServer, can_fork
@@ -36,8 +36,8 @@ def reading_by(server: ForkServer) -> Read:
 
     def read(step: Path, found: Diagnostics) -> Assembly | None:
         looked = Diagnostics()
-        part21 = check_step(step, str(step), looked)
-        worker = None if part21 is None else server.call(str(step), str(step), part21, ReadOptions())
+        files = check_files(step, str(step), looked)
+        worker = None if files is None else server.call(files, ReadOptions())
         return Reading(worker, None, str(step), looked).finish(found, timeout=TIMEOUT)
 
     return read

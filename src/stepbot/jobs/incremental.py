@@ -1,6 +1,7 @@
 """Converts and checks changed robots, and returns cached results for unchanged ones.
 
-The cache key includes everything that a result depends on: the sidecar, the STEP file, the options, the environment.
+The cache key includes everything that a result depends on: the sidecar, the STEP file and those that it
+refers to, the options, the environment.
 A lookup loads neither kernel, engines nor numpy; the pipeline is imported on a cache miss only. Errors of the kernel
 or an engine are never cached, because they may be temporary.
 """
@@ -15,6 +16,7 @@ from stepbot.pipeline.conversion import Checked, Conversion, Options, write
 from stepbot.pipeline.prestart import started_kernel, started_server
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, own_code
 from stepbot.runtime.output import check_writable
+from stepbot.step.exchange.file_set import input_digest
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not affect results; the STEP is in the key by its content."""
@@ -79,7 +81,7 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
         return None
     content = _content(sidecar, options.cache)
     step = options.step or _named_step(sidecar, content, options.cache)
-    geometry = file_digest(step) if step is not None else None
+    geometry = input_digest(step) if step is not None else None
     if step is None or geometry is None:
         return None
     return TypedCache(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
@@ -92,7 +94,7 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
         sidecar: Path of the sidecar, as in messages.
         content: Hash of its bytes.
         step: Path of the STEP, as in messages.
-        geometry: Hash of its bytes.
+        geometry: Hash of its bytes, and of the files that it refers to.
         options: Conversion options.
     """
     digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
@@ -180,5 +182,5 @@ def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
     if not open_step:
         return digest.key
     source = options.step or _named_step(sidecar, content, options.cache)
-    geometry = file_digest(source) if source is not None else None
+    geometry = input_digest(source) if source is not None else None
     return digest.add(environment(), str(source), geometry, *_asked(options)).key if geometry is not None else ""

@@ -1,18 +1,20 @@
 """The assembly of a STEP file and trimesh's mass properties: from the cache, or read by the kernel.
 
-Cache entries depend on the bytes of the file and the read options, not on the sidecar as a whole: editing a joint does
-not read the STEP again. Only results without errors are cached.
+Cache entries depend on the bytes of the file and of those that it refers to, and on the read options, not on the
+sidecar as a whole: editing a joint does not read the STEP again. Only results without errors are cached.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mesh_worker import MESH_WORKER, report_death
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment, file_digest
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.exchange.file_set import input_digest, input_files
 from stepbot.step.reader import Reading, start_reading
 
 from .conversion import Options
@@ -90,7 +92,7 @@ class Loading:
 
     @property
     def content(self) -> str:
-        """Hash of the file that was read; empty if it changed meanwhile."""
+        """Hash of the file that was read and of those that it refers to; empty if one changed meanwhile."""
         return self._memory.content
 
     def close(self) -> None:
@@ -125,7 +127,7 @@ class _Memory:
     def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
         self._cache, self._results, self._step = cache, TypedCache(cache, Geometry), step
         self._state = _state(step)
-        self._content = file_digest(step) or ""
+        self._content = input_digest(step) or ""
         asked = codec_of(ReadOptions).encode(what)
         self._key = Digest("geometry").add(environment(), self._content, step.name, asked).key if self._content else ""
 
@@ -135,30 +137,38 @@ class _Memory:
 
     def recall(self) -> Geometry | None:
         kept = self._results.get(self._key) if self._key else None
-        return _named(kept, "", str(self._step)) if kept is not None else None
+        return _renamed(kept, self._names(kept)) if kept is not None else None
 
     def keep(self, geometry: Geometry) -> None:
-        """Store it, unless the file was changed during the read: then it is unknown which version was read."""
+        """Store it, unless a file was changed during the read: then it is unknown which version was read."""
         if self.content:
-            self._results.put(self._key, _named(geometry, str(self._step), ""))
+            names = {place: name for name, place in self._names(geometry).items()}
+            self._results.put(self._key, _renamed(geometry, names))
             note_read(self._cache, self._content)
 
-
-def _state(path: Path) -> tuple[int, int] | None:
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size
+    def _names(self, geometry: Geometry) -> dict[str, str]:
+        """The path of each file in diagnostics, by its name in the cache: entries do not depend on the path."""
+        others = {name: str(self._step.parent / name) for name in geometry.assembly.external_files}
+        return {**others, "": str(self._step)}
 
 
-def _named(geometry: Geometry, place: str, other: str) -> Geometry:
-    """The same geometry with another path in its diagnostics: entries do not depend on the path."""
+def _state(step: Path) -> tuple[tuple[str, int, int], ...]:
+    """Names, times and sizes of the files of an assembly; those that are missing are left out."""
+    found = []
+    for name, path in input_files(step).items():
+        try:
+            status = path.stat()
+        except OSError:
+            continue
+        found.append((name, status.st_mtime_ns, status.st_size))
+    return tuple(found)
+
+
+def _renamed(geometry: Geometry, names: Mapping[str, str]) -> Geometry:
+    """The same geometry with other paths in its diagnostics."""
 
     def moved(diagnostics: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-        return tuple(
-            replace(one, span=replace(one.span, file=other)) if one.span.file == place else one for one in diagnostics
-        )
+        return tuple(replace(d, span=replace(d.span, file=names.get(d.span.file, d.span.file))) for d in diagnostics)
 
     assembly = replace(geometry.assembly, diagnostics=moved(geometry.assembly.diagnostics))
     return Geometry(assembly, geometry.measures, moved(geometry.diagnostics))

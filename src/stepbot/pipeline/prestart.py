@@ -9,10 +9,11 @@ import re
 from pathlib import Path
 
 from stepbot.engines.prestart import started_engine_server
-from stepbot.runtime.cache import Cache, Digest, environment, file_digest
+from stepbot.runtime.cache import Cache, Digest, environment
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.step import KERNEL
+from stepbot.step.exchange.file_set import input_digest
 
 from .conversion import Options
 
@@ -25,7 +26,7 @@ def started_kernel(sidecar: Path, options: Options) -> Worker | None:
     step = options.step or _guessed_step(sidecar)
     if step is None or not step.is_file():
         return None
-    if options.cache is not None and was_read(options.cache, file_digest(step) or ""):
+    if options.cache is not None and was_read(options.cache, input_digest(step) or ""):
         return None
     return Worker(KERNEL, memory_limit=options.memory_limit)
 

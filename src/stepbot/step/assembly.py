@@ -202,6 +202,8 @@ class Assembly:
     bodies: tuple[Body, ...]
     definitions: int = 0
     """Number of product definitions."""
+    external_files: tuple[str, ...] = ()
+    """Further files that hold shapes of parts, relative to the folder of this one, with slashes."""
     validations: tuple[Validation, ...] = ()
     """Validation properties of the file, in file order."""
     diagnostics: tuple[Diagnostic, ...] = ()

@@ -17,7 +17,7 @@ from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerD
 from . import KERNEL
 from .assembly import Assembly, ReadOptions
 from .attempts import BODY_SECONDS, Attempt
-from .exchange.part21 import Part21, check_step
+from .exchange.file_set import StepFile, check_files
 
 __all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
 
@@ -32,15 +32,14 @@ _MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file"
 class _Order:
     """A request to the kernel's process."""
 
-    path: Path
-    part21: Part21
+    files: tuple[StepFile, ...]
     options: ReadOptions
     memory_limit: int | None
     folder: "tempfile.TemporaryDirectory[str]"
     """File in which that process records the current body."""
 
     def submit(self, worker: Worker, attempt: Attempt) -> Worker:
-        return worker.submit(str(self.path), str(self.path), self.part21, self.options, attempt)
+        return worker.submit(self.files, self.options, attempt)
 
 
 class Reading:
@@ -125,10 +124,10 @@ def start_reading(
     place = str(path)
     worker = kernel or Worker(KERNEL, memory_limit=memory_limit)
     try:
-        part21 = check_step(path, place, found, options.encoding)
-        if part21 is not None:
+        files = check_files(path, place, found, options.encoding)
+        if files is not None:
             folder = tempfile.TemporaryDirectory(prefix="stepbot-", ignore_cleanup_errors=True)
-            return Reading(worker, _Order(path, part21, options, memory_limit, folder), place, found)
+            return Reading(worker, _Order(files, options, memory_limit, folder), place, found)
     except BaseException:  # Ctrl-C: the process is no longer needed
         worker.close()
         raise

@@ -1,20 +1,17 @@
 """Converts a STEP file to an Assembly, in the kernel's process.
 
-    read       entities, unit, materials, names
-    transfer   shapes, not healed; definitions; the tree of components
+    one_file   entities, unit, materials, names; shapes, not healed; definitions
+    content    all files of the assembly; the tree of components
     bodies     each healed, measured, meshed, in parallel
 
 Only modules imported from here import the geometry kernel.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
-from OCP.StepShape import StepShape_SolidModel
 from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp
 
@@ -25,67 +22,43 @@ from stepbot.runtime.processes import thread_count
 
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
 from .attempts import BODY_SECONDS, Attempt
-from .exchange.encodings import as_utf8, encoding_fact
-from .exchange.integrity import check_integrity
-from .exchange.length_unit import LengthUnit, read_length_unit
-from .exchange.operators import correct_operators
+from .content import Content, read_content
+from .exchange.encodings import encoding_fact
+from .exchange.file_set import StepFile
 from .exchange.part21 import Part21
-from .exchange.selection import entities, mechanism_count
-from .kernel import StepUnreadable, read_model, transfer
 from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
 from .parallel import Died, Raised, run
 from .shapes.bodies import BodyRequest, Finding, ReadBody, read_body
 from .shapes.mirroring import variant
-from .structure.definitions import Definitions
-from .structure.materials import Materials
-from .structure.products import Products
-from .structure.repetition import MisplacedOccurrence
-from .structure.source import NONE, BodySource, Definition, StepMaterial
+from .structure.source import NONE, BodySource, Definition
 from .structure.tolerances import definition_tolerances
-from .structure.tree import MAX_COMPONENTS, Tree, grow, report_too_large
-from .validation.comparison import Stated, compare
-from .validation.properties import read_statements
-from .validation.subjects import Subjects
-
-
-@dataclass(frozen=True, eq=False)
-class _Content:
-    """A STEP file before its bodies are made."""
-
-    unit: LengthUnit
-    definitions: list[Definition]
-    tree: Tree
-    stated: list[Stated]
-    """Values stated in the file for comparison."""
-    mechanisms: int
-    """Number of kinematic mechanisms in the file."""
+from .validation.comparison import compare
 
 
 def read(
-    path: str, place: str, part21: Part21, options: ReadOptions, attempt: Attempt | None = None
+    files: tuple[StepFile, ...], options: ReadOptions, attempt: Attempt | None = None
 ) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
-    """Read a STEP file.
+    """Read an assembly.
 
     Args:
-        path: The file.
-        place: Name of the file in diagnostics.
-        part21: Its text, already checked.
+        files: Its STEP file, and then the files that this one refers to.
         options: What to compute.
         attempt: Records the current body for the case that this process ends, if bodies have no processes of their own.
 
     Returns:
-        The assembly, or None, and the diagnostics.
+        The assembly, None where there is none, and what there is to say about the files.
     """
     found = Diagnostics()
-    content = _read_content(path, place, part21, found)
+    content = read_content(files, found)
     if content is None:
         return None, tuple(found)
+    place, part21 = files[0].place, files[0].part21
     bodies = _Bodies(content, place, found)
     made = bodies.make(options, attempt)
     components = content.tree.components
     stated = content.stated if options.geometry else []
     assembly = Assembly(
-        source=Path(path).name.encode("utf-8", "backslashreplace").decode(),
+        source=files[0].name.encode("utf-8", "backslashreplace").decode(),
         schema=part21.header.schema,
         originating_system=part21.header.originating_system,
         unit=content.unit.name,
@@ -93,6 +66,7 @@ def read(
         components=components,
         bodies=bodies.variants(made),
         definitions=content.tree.definition_count,
+        external_files=content.external,
         validations=compare(stated, content.definitions, components, made, place, found),
         diagnostics=tuple(found),
         facts=_facts(part21, content),
@@ -100,87 +74,14 @@ def read(
     return assembly, tuple(found)
 
 
-def _read_content(path: str, place: str, part21: Part21, found: Diagnostics) -> _Content | None:
-    """Everything but the bodies; None, with the reason in ``found``, after an error."""
-    remedy = ["open it in another CAD program and export it again"]
-    try:
-        try:
-            content = _read_products(path, place, part21, found, take_out=True)
-        except MisplacedOccurrence:
-            content = _read_products(path, place, part21, found, take_out=False)
-    except StepUnreadable as error:
-        found.add("SB205", str(error), Span(place), help=remedy)
-        return None
-    except OUT_OF_MEMORY:
-        raise MemoryError from None  # the process ends, and its parent reports why
-    except KERNEL_ERRORS as error:
-        message = f"kernel error: {type(error).__name__} {error}".rstrip()
-        found.add("SB205", message, Span(place), help=remedy)
-        return None
-    if content is not None and not content.tree.variants:
-        found.add("SB206", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
-        return None
-    return content
-
-
-def _read_products(path: str, place: str, part21: Part21, found: Diagnostics, *, take_out: bool) -> _Content | None:
-    with as_utf8(Path(path), part21.encoding) as text:
-        model = read_model(text)
-        if not check_integrity(model.session, text, place, found):
-            return None
-    unit = read_length_unit(model.session, place, found)
-    if unit is None:
-        return None
-    materials = Materials(model.session, place, found)
-    products = Products(model.session, take_out=take_out)
-    if products.tree_size() > MAX_COMPONENTS:  # the kernel would expand each of them
-        report_too_large(products.tree_size(), place, found)
-        return None
-    correct_operators(model.session)
-    definitions = Definitions(transfer(model), products)
-    _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
-    made_of = [_material(definition, materials, products) for definition in definitions.all]
-    tree = grow(definitions.all, definitions.roots, made_of, place, found)
-    if tree is None:
-        return None
-    stated = _stated(model.session, products, definitions.all, tree)
-    return _Content(unit, definitions.all, tree, stated, mechanism_count(model.session))
-
-
-def _stated(session: Any, products: Products, definitions: list[Definition], tree: Tree) -> list[Stated]:
-    statements = read_statements(session)
-    if not statements:
-        return []
-    subjects = Subjects(session, products, definitions, tree)
-    return [Stated(subjects.of(s.subject), s.quantity, s.value) for s in statements]
-
-
-def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
-    """Report if the kernel built fewer solids than the file describes."""
-    sources = [source for definition in definitions for source in definition.bodies]
-    read = sum(source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID for source in sources)
-    if read < written:
-        found.add(
-            "SB220",
-            f"{written - read} of the {written} solids in the file are not part of a product, or could not be built",
-            Span(place),
-            help=["compare the solids of `stepbot inspect` with those in CAD"],
-        )
-
-
-def _material(definition: Definition, materials: Materials, products: Products) -> StepMaterial:
-    if definition.product == NONE:
-        return StepMaterial()
-    return materials.of(products.products[definition.product].entity, definition.name)
-
-
-def _facts(part21: Part21, content: _Content) -> dict[str, str]:
+def _facts(part21: Part21, content: Content) -> dict[str, str]:
     header = part21.header
     facts = {
         "encoding": encoding_fact(part21.encoding),
         "written": header.time_stamp,
         "preprocessor": header.preprocessor,
         "further units": ", ".join(content.unit.others),
+        "further files": ", ".join(content.external),
         "mechanisms": f"{content.mechanisms}; `stepbot init` drafts joints from them" if content.mechanisms else "",
     }
     return {name: value for name, value in facts.items() if value}
@@ -189,7 +90,7 @@ def _facts(part21: Part21, content: _Content) -> dict[str, str]:
 class _Bodies:
     """Makes the bodies of a file: every one once, then the mirrored and scaled ones from them."""
 
-    def __init__(self, content: _Content, place: str, found: Diagnostics) -> None:
+    def __init__(self, content: Content, place: str, found: Diagnostics) -> None:
         self._place, self._found = place, found
         self._components = content.tree.components
         self._variants = content.tree.variants

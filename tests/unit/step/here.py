@@ -4,7 +4,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import Assembly, Component, ReadOptions
-from stepbot.step.exchange.part21 import check_step
+from stepbot.step.exchange.file_set import check_files
 
 
 def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None) -> Assembly | None:
@@ -12,10 +12,10 @@ def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None
     from stepbot.step.worker import read
 
     options = options or ReadOptions()
-    part21 = check_step(path, path.name, found, options.encoding)
-    if part21 is None:
+    files = check_files(path, path.name, found, options.encoding)
+    if files is None:
         return None
-    assembly, diagnostics = read(str(path), path.name, part21, options)
+    assembly, diagnostics = read(files, options)
     found.extend(diagnostics)
     return assembly
 

@@ -23,11 +23,12 @@ CODES = (
     Code(
         "SB203",
         "error",
-        "geometry in external files",
-        "The STEP file refers to external files for the geometry of some or all parts.",
+        "missing external file",
+        "The geometry of a part is in another file, which is missing, is not in the folder of the STEP file or below "
+        "it, or is not a STEP file. Absolute paths, `..`, URLs and links that lead out of the folder are not followed.",
         "Missing parts would make every mass property wrong. stepbot does not convert an incomplete assembly.",
-        'Export the assembly as a single STEP file. CAD programs call the option "external references" or "one file '
-        'per part".',
+        "Put the files of the parts beside the file of the assembly, as they were exported. Or export the assembly as a "
+        'single STEP file: CAD programs call the option "external references" or "one file per part".',
     ),
     Code(
         "SB204",
@@ -233,5 +234,22 @@ CODES = (
         "A code page is declared, but all names are valid UTF-8, which is unlikely for text in a code page.",
         "If the file is encoded in UTF-8, the decoded names differ from those in the CAD program.",
         "Compare the two readings in the notes. Remove `--encoding` or `step_encoding` if UTF-8 is correct.",
+    ),
+    Code(
+        "SB229",
+        "error",
+        "circular external reference",
+        "Files of an assembly refer to each other in a circle: each needs the other one for the geometry of a part.",
+        "No part can contain itself.",
+        "Export the assembly as a single STEP file, or correct the name of the file in the reference.",
+    ),
+    Code(
+        "SB231",
+        "note",
+        "external file not needed",
+        "The STEP file refers to another file for a part whose geometry it contains, or for which another file was "
+        "read before. The other file was not read.",
+        "Both may differ where one of them is older.",
+        "No action is needed if `stepbot inspect` shows the part as it is in CAD.",
     ),
 )

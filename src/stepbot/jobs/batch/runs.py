@@ -12,6 +12,7 @@ from stepbot.pipeline.conversion import Conversion, Options, write
 from stepbot.runtime.cache import bytes_digest
 from stepbot.runtime.output import stamp
 from stepbot.runtime.worker import RemoteError, WorkerDied
+from stepbot.step.exchange.file_set import combined_digest, input_files
 
 from ..incremental import conversion_key
 from .state import State
@@ -107,12 +108,15 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
     if step is None:
         return Work({}, tuple(found))
     try:
-        text, geometry = task.sidecar.read_bytes(), step.read_bytes()
+        text = task.sidecar.read_bytes()
+        files = {name: path.read_bytes() for name, path in input_files(step).items()}
     except OSError as error:
         found.add("SB001", f"cannot be read: {error.strerror or error}", Span(str(error.filename)))
         return Work({}, tuple(found))
-    key = conversion_key(task.sidecar, bytes_digest(text), step, bytes_digest(geometry), options)
-    return Parcel(task.sidecar.as_posix(), text, str(step), geometry, replace(options, output=Path()), key)
+    geometry = combined_digest({name: bytes_digest(content) for name, content in files.items()})
+    assert geometry is not None  # the first file was read
+    key = conversion_key(task.sidecar, bytes_digest(text), step, geometry, options)
+    return Parcel(task.sidecar.as_posix(), text, str(step), files, replace(options, output=Path()), key)
 
 
 def _result(future: "Future[Work]", task: Task) -> Work:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from stepbot.pipeline.conversion import Options
 from stepbot.runtime.cache import file_digest
+from stepbot.step.exchange.file_set import input_digest
 
 from ..incremental import conversion_key
 from .tasks import Task
@@ -41,7 +42,7 @@ class State:
         if done is None:
             return False
         step = Path(done.step)
-        sidecar, geometry = file_digest(task.sidecar), file_digest(step)
+        sidecar, geometry = file_digest(task.sidecar), input_digest(step)
         if sidecar is None or geometry is None:
             return False
         if conversion_key(task.sidecar, sidecar, step, geometry, options) != done.input:

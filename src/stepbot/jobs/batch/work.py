@@ -35,7 +35,8 @@ class Parcel:
     text: bytes
     step: str
     """The user's path."""
-    geometry: bytes
+    files: Mapping[str, bytes]
+    """The STEP, and then the files that it refers to, by their names relative to its folder."""
     options: Options
     """Without a cache: the other machine has its own."""
     input: str
@@ -67,11 +68,13 @@ def carry_out_parcel(parcel: Parcel) -> Work:
 
     with TemporaryDirectory(dir=run_folder()) as folder:
         sidecar = _put(Path(folder) / "sidecar", parcel.sidecar, parcel.text)
-        step = _put(Path(folder) / "step", parcel.step, parcel.geometry)
+        step = _put_all(Path(folder) / "step", parcel.files)
         # Whole conversions are cached by path, geometry and observations by content only: the latter are reused.
         options = replace(parcel.options, step=step, cache=Cache(default_folder()) if parcel.options.cache else None)
         conversion = pipeline.produce(sidecar, options)
-        known = {sidecar.as_posix(): parcel.sidecar, str(step): parcel.step}
+        owner = Path(parcel.step).parent
+        known = {sidecar.as_posix(): parcel.sidecar}
+        known |= {str(step.parent / name): str(owner / name) for name in parcel.files}
         is_done = not conversion.diagnostics.has_errors
         return Work(conversion.files, _renamed(conversion, known), parcel.step, parcel.input if is_done else "")
 
@@ -81,6 +84,15 @@ def _put(folder: Path, name: str, content: bytes) -> Path:
     path = folder / Path(name).name
     path.write_bytes(content)
     return path
+
+
+def _put_all(folder: Path, files: Mapping[str, bytes]) -> Path:
+    """The first file, written with the others beside it."""
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    return folder / next(iter(files))
 
 
 def _renamed(conversion: Conversion, known: Mapping[str, str]) -> tuple[Diagnostic, ...]:

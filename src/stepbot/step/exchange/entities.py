@@ -85,6 +85,16 @@ class Entities:
         texts = (value for value in self._values(number) if isinstance(value, bytes) and value.strip())
         return decode_string(next(texts, b""), self._encoding, "replace").strip()
 
+    def product_name(self, definition: int) -> str:
+        """Name of the product of a product definition, as the tree of components has it; empty where there is none."""
+        reached = self.reachable(definition, depth=2)
+        product = next((r for r in reached if self.keyword(r, "PRODUCT")), None)
+        return "" if product is None else self.text(product, 1).strip() or self.text(product, 0).strip()
+
+    def records(self, number: int) -> tuple[Record, ...]:
+        """The types of an entity with their parameters; several of a complex instance."""
+        return self._parsed(number)
+
     def _values(self, number: int) -> list[Value]:
         return [value for record in self._parsed(number) for value in _flat(record.parameters)]
 

@@ -220,18 +220,11 @@ def _occurrences(entities: Entities) -> dict[int, Occurrence]:
         products = [r for r in entities.references(number) if entities.keyword(r, "PRODUCT_DEFINITION")]
         if len(products) != 2:
             continue
-        above, below = (product_name(entities, product) for product in products)
+        above, below = (entities.product_name(product) for product in products)
         key = (products[0], below)
         counts[key] = counts.get(key, 0) + 1
         found[number] = Occurrence(above, below, counts[key])
     return found
-
-
-def product_name(entities: Entities, definition: int) -> str:
-    """Name of the product of a product definition, as in the tree of components."""
-    reached = entities.reachable(definition, depth=2)
-    product = next((r for r in reached if entities.keyword(r, "PRODUCT")), None)
-    return "" if product is None else entities.text(product, 1).strip() or entities.text(product, 0).strip()
 
 
 def angle_unit(entities: Entities) -> float:

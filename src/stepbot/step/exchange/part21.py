@@ -14,6 +14,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
 from .encodings import BYTE_ORDER_MARK, FALLBACK, Text, check_encoding, line_of
+from .references import ExternalReference, external_references, is_step_name
 from .strings import decode_string
 
 _BLANK = re.compile(rb"\s*")
@@ -22,7 +23,6 @@ _END = b"END-ISO-10303-21"
 _DATA = re.compile(rb"\bDATA\s*[;(]")
 _FIRST_ENTITY = re.compile(rb"#\s*\d+\s*=")
 _HEADER_TOKEN = re.compile(rb"/\*.*?(?:\*/|\Z)|'(?:[^']|'')*'|[A-Z][A-Z0-9_]*|[(),;$*]", re.DOTALL)
-_DOCUMENT_FILE = re.compile(rb"DOCUMENT_FILE\s*\(\s*'((?:[^']|'')*)'\s*,\s*'((?:[^']|'')*)'", re.DOTALL)
 _HEADER_LIMIT = 1 << 20
 
 _GEOMETRY = (
@@ -32,12 +32,6 @@ _GEOMETRY = (
 )  # fmt: skip
 """Keywords that every geometry contains; the first occurs early in nearly every file."""
 
-_CAD_FILE = re.compile(
-    r"\.(stp|step|p21|stpz?|stpx|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)"
-    r"(\.\d+)?$",
-    re.IGNORECASE,
-)
-_STEP_FILE = re.compile(r"\.(stp|step|p21)$", re.IGNORECASE)
 _SHOWN = 5
 """Maximum number of files in a remedy."""
 _SCHEMAS = (
@@ -80,6 +74,8 @@ class Part21:
     header: Header
     encoding: str
     """``ascii``, ``utf-8``, or a declared code page; empty if unknown."""
+    references: tuple[ExternalReference, ...] = ()
+    """STEP files that hold the shapes of some products."""
 
 
 def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -> Part21 | None:
@@ -93,7 +89,7 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
     """
     span = Span(place)
     try:
-        with _opened(path) as data:
+        with opened(path) as data:
             return _check(data, encoding, place, found)
     except IsADirectoryError:
         found.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
@@ -108,7 +104,7 @@ def _meant(path: Path) -> tuple[str, ...]:
     """The STEP files in the folder of a missing one, the likeliest first."""
     folder = path if path.is_dir() else path.parent
     try:
-        beside = sorted(file.name for file in folder.iterdir() if _STEP_FILE.search(file.name))
+        beside = sorted(file.name for file in folder.iterdir() if is_step_name(file.name))
     except OSError:  # the folder does not exist, or is not readable
         beside = []
     if not beside:
@@ -118,7 +114,7 @@ def _meant(path: Path) -> tuple[str, ...]:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Text]:
+def opened(path: Path) -> Iterator[Text]:
     """The file's bytes, memory-mapped: a large assembly has hundreds of megabytes."""
     if path.is_dir():
         raise IsADirectoryError(path)
@@ -154,9 +150,10 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
         span = Span(place, line_of(data, section.start()), 1)
         found.add("SB202", "the DATA section is empty", span, help=["export the assembly again"])
         return None
-    if not _has_geometry(data, section.end(), encoding, place, found):
+    references = external_references(data, encoding)
+    if not _has_geometry(data, section.end(), references, place, found):
         return None
-    return Part21(header, encoding)
+    return Part21(header, encoding, tuple(reference for reference in references if reference.is_step))
 
 
 def _end_of_comments(data: bytes) -> int:
@@ -185,24 +182,24 @@ def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
     found.add("SB201", what, Span(place, 1, 1), help=[remedy])
 
 
-def _has_geometry(data: Text, start: int, encoding: str, place: str, found: Diagnostics) -> bool:
-    """Whether the file itself contains shapes, and all of them."""
-    names = (_decoded(match[1] or match[2], encoding) for match in _DOCUMENT_FILE.finditer(data, start))
-    documents = list(dict.fromkeys(names))
+def _has_geometry(
+    data: Text, start: int, references: tuple[ExternalReference, ...], place: str, found: Diagnostics
+) -> bool:
+    """Whether shapes are in the file itself or in other STEP files, and all of them."""
     geometry = any(data.find(word, start) >= 0 for word in _GEOMETRY)
-    elsewhere = [name for name in documents if _CAD_FILE.search(name)] if geometry else documents
+    is_complete = geometry or any(reference.is_step for reference in references)
+    elsewhere = [reference for reference in references if not is_complete or reference.is_cad]
     if not elsewhere:
-        if not geometry:
+        if not is_complete:
             remedy = "export it with its geometry, as a B-rep (AP203, AP214 or AP242)"
             found.add("SB206", "the file has no geometry", Span(place), help=[remedy])
-        return geometry
-    reference = data.find(b"DOCUMENT_FILE", start)
-    message = f"{'parts of the' if geometry else 'all'} geometry is in other files: {_listed(elsewhere)}"
+        return is_complete
+    names = list(dict.fromkeys(reference.name for reference in elsewhere))
     found.add(
         "SB203",
-        message,
-        Span(place, line_of(data, reference), 1),
-        help=["export the assembly as one STEP file, with external references switched off"],
+        f"{'parts of the' if is_complete else 'all'} geometry is in files that are not STEP: {_listed(names)}",
+        Span(place, elsewhere[0].line, 1),
+        help=["export the assembly as one STEP file, or its parts as STEP files beside it"],
     )
     return False
 

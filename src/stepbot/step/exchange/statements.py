@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from .encodings import Text
+
 # Each alternative ends where it must, at the latest at the end of the file: no byte is read twice.
 _TOKEN = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|(;)|#\s*(\d{1,18})\s*=", re.DOTALL)
 _REFERENCE = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|#\s*(\d{1,18})(?!\d)", re.DOTALL)
@@ -34,7 +36,7 @@ class Statement(NamedTuple):
         return f"#{self.number} {self.keyword}".rstrip()
 
 
-def find_statements(data: bytes) -> Iterator[Statement]:
+def find_statements(data: Text) -> Iterator[Statement]:
     """All statements that end with a semicolon, in file order."""
     head: re.Match[bytes] | None = None
     for token in _TOKEN.finditer(data):

@@ -1,6 +1,6 @@
 """Subjects of validation properties: entities of the file found again among definitions and components."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,10 +28,21 @@ class Subject:
 class Subjects:
     """Finds the subjects of statements in the tree of components."""
 
-    def __init__(self, session: Any, products: Products, definitions: Sequence[Definition], tree: Tree) -> None:
+    def __init__(
+        self, session: Any, products: Products, places: Mapping[int, int], definitions: Sequence[Definition], tree: Tree
+    ) -> None:
+        """Index what one file has.
+
+        Args:
+            session: Work session of the file's reader.
+            products: Its products.
+            places: For each of them the index of its definition.
+            definitions: Every definition once, those of other files included.
+            tree: The components.
+        """
         self._solids = Solids(session)
         self._definitions = definitions
-        self._by_product = {d.product: index for index, d in enumerate(definitions) if d.product != NONE}
+        self._by_product = places
         self._products = {id(product.entity): index for index, product in enumerate(products.products)}
         self._occurrences = {id(occurrence.entity): index for index, occurrence in enumerate(products.occurrences)}
         self._assemblies = [occurrence.assembly for occurrence in products.occurrences]

@@ -104,19 +104,43 @@ def test_file_without_rights(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert found.codes() == ["SB001"]
 
 
-EXTERNAL = "#7=DOCUMENT_FILE('TAIL.stp','','',#8,'',$);\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n"
+EXTERNAL = "#7=DOCUMENT_FILE('TAIL.sldprt','','',#8,'',$);\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n"
 
 
 def test_geometry_in_other_files(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """References to other files without geometry of its own, or to CAD files beside it, end the reading."""
+    """References to other files without geometry of its own, or to native CAD files beside it, end the reading."""
     only = DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", EXTERNAL)
     beside = DATA.replace("DATA;\n", "DATA;\n" + EXTERNAL)
     for text in (only, beside):
         assert check_step(write(tmp_path, HEADER + text), "x", found) is None
     first, second = found
     assert (first.code, first.span.line) == ("SB203", 10)
-    assert first.message.startswith("all geometry is in other files: 'TAIL.stp', 'manual.pdf'")
-    assert second.message == "parts of the geometry is in other files: 'TAIL.stp'"
+    assert first.message == "all geometry is in files that are not STEP: 'TAIL.sldprt', 'manual.pdf'"
+    assert second.message == "parts of the geometry is in files that are not STEP: 'TAIL.sldprt'"
+
+
+def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Product definition, product, name and line of each reference; shapes may be there alone."""
+    text = """#1=PRODUCT('id','tail','',(#2));
+#3=PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE('','',#1,.NOT_KNOWN.);
+#4=PRODUCT_DEFINITION('','',#3,#5);
+#6=DOCUMENT_FILE('document 6','','',#8,'',$);
+#7=APPLIED_DOCUMENT_REFERENCE(#6,'',(#3));
+#9=EXTERNAL_SOURCE(IDENTIFIER('parts/'));
+#10=APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT('tail ''7''.stp',#11,#9,(#6));
+#12=DOCUMENT_FILE('unplaced.p21','','',#8,'',$);
+#13=(CHARACTERIZED_OBJECT('a','b')DOCUMENT('wing.stpz','','',#8)DOCUMENT_FILE());
+#14=PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS('','',#3,#5,(#13));
+#15=DOCUMENT_FILE('manual.pdf','','',#8,'',$);
+"""
+    part21 = check_step(write(tmp_path, HEADER + DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", text)), "x", found)
+    assert part21 is not None
+    assert [(r.definition, r.product, r.name, r.line) for r in part21.references] == [
+        (4, "tail", "parts/tail '7'.stp", 13),
+        (14, "tail", "parts/tail '7'.stp", 13),
+        (0, "", "unplaced.p21", 17),
+        (14, "tail", "wing.stpz", 18),
+    ]
 
 
 def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: ReadDiagnostics) -> None:

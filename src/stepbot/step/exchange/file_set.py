@@ -1,0 +1,201 @@
+"""The files of an assembly: a STEP file and those that it refers to, directly or through each other.
+
+A reference is followed only to a regular file in the folder of the assembly or below it. Absolute paths, ``..``, URLs
+and links that lead out of the folder are never opened. Which file may be read is decided here, before the kernel sees
+any of them; the kernel's own search for such files is switched off (:func:`stepbot.step.kernel.read_model`).
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.runtime.cache import Digest, file_digest
+
+from .part21 import Part21, check_step, opened
+from .references import DOCUMENT_FILE, ExternalReference, external_references
+
+NONE = -1
+"""Index of no file."""
+_ONE_FILE = "or export the assembly as one STEP file, with external references switched off"
+_ABSOLUTE = re.compile(r"[A-Za-z]:|[/\\]|[A-Za-z][A-Za-z0-9+.-]+:")
+"""How a name begins that is a drive, an absolute or UNC path, or a URL."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A product whose shape is in another file."""
+
+    definition: int
+    """Entity number of the product definition; 0 where the file does not say which one it is."""
+    product: str
+    name: str
+    """The other file, as the reference names it."""
+    line: int
+    """Line of the reference."""
+    file: int = NONE
+    """Index of the other file; -1 where it cannot be read."""
+    fault: str = ""
+    """Why it cannot be read."""
+    help: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class StepFile:
+    """One of the files of an assembly."""
+
+    path: Path
+    """What to open."""
+    place: str
+    """What diagnostics call it."""
+    name: str
+    """Path relative to the folder of the assembly, with slashes."""
+    part21: Part21
+    links: tuple[Link, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Member:
+    """A file that was reached."""
+
+    path: Path
+    name: PurePosixPath
+    links: tuple[Link, ...]
+
+
+def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") -> tuple[StepFile, ...] | None:
+    """Look at an assembly's files, the first one first; None, with errors in ``found``, where one is no STEP file.
+
+    A reference that leads nowhere is a link without a file: whether its product needs that file is known later.
+
+    Args:
+        step: The file of the assembly.
+        place: What diagnostics call it; the other files by their place beside it.
+        found: Receives what is wrong with the files.
+        encoding: Code page that names are declared to be in; empty for none.
+    """
+    checked: dict[Path, Part21 | None] = {}
+
+    def references(path: Path, name: PurePosixPath) -> Sequence[ExternalReference]:
+        own = place if path == step else str(Path(place).parent / name)
+        checked[path] = part21 = check_step(path, own, found, encoding)
+        return part21.references if part21 is not None else ()
+
+    files = []
+    for member in _walk(step, references):
+        part21 = checked[member.path]
+        if part21 is not None:
+            own = place if member.path == step else str(Path(place).parent / member.name)
+            files.append(StepFile(member.path, own, str(member.name), part21, member.links))
+    return tuple(files) if len(files) == len(checked) else None
+
+
+def input_files(step: Path) -> dict[str, Path]:
+    """The files of an assembly by their names relative to its folder, the first one first; nothing is reported."""
+    return {str(member.name): member.path for member in _walk(step, _references)}
+
+
+def input_digest(step: Path) -> str | None:
+    """Hash of all files of an assembly; None where the first one cannot be read."""
+    digests = {name: file_digest(path) for name, path in input_files(step).items()}
+    return combined_digest(digests)
+
+
+def combined_digest(digests: Mapping[str, str | None]) -> str | None:
+    """Hash of all files of an assembly from the hash of each, the first one first; None where that has none."""
+    (_, root), *others = digests.items()
+    if root is None or not others:
+        return root
+    digest = Digest("files of an assembly").add(root)
+    for name, own in others:
+        digest.add(name, own or "")
+    return digest.key
+
+
+def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]:
+    """The references of a file that nobody has checked; none where it cannot be read."""
+    try:
+        with opened(path) as data:
+            if data.find(DOCUMENT_FILE) < 0:
+                return ()
+            return [reference for reference in external_references(data, "") if reference.is_step]
+    except OSError:
+        return ()
+
+
+def _walk(step: Path, references: Callable[[Path, PurePosixPath], Sequence[ExternalReference]]) -> Iterator[_Member]:
+    """All files that can be reached, each once, in the order of the references to them."""
+    folder = step.parent.resolve()
+    index = {step.resolve(): 0}
+    pending = [(step, PurePosixPath(step.name))]
+    while pending:
+        path, name = pending.pop(0)
+        links = []
+        for reference in references(path, name):
+            target = _resolve(reference, name.parent, step.parent, folder)
+            if isinstance(target, _Refusal):
+                links.append(_link(reference, fault=target.fault, help=(*target.help, _ONE_FILE)))
+                continue
+            real = target.resolve()
+            if real not in index:
+                index[real] = len(index)
+                pending.append((target, PurePosixPath(target.relative_to(step.parent).as_posix())))
+            links.append(_link(reference, index[real]))
+        yield _Member(path, name, tuple(links))
+
+
+@dataclass(frozen=True)
+class _Refusal:
+    """Why a reference is not followed."""
+
+    fault: str
+    help: tuple[str, ...]
+
+
+def _resolve(reference: ExternalReference, beside: PurePosixPath, root: Path, folder: Path) -> Path | _Refusal:
+    """The file of a reference, within the folder of the assembly.
+
+    Args:
+        reference: What another file says.
+        beside: Folder of that file, relative to the assembly's.
+        root: Folder of the assembly, as it was given.
+        folder: The same without links.
+    """
+    missing: Path | None = None
+    for reading in reference.readings:
+        name = reading.strip().replace("\\", "/")
+        if _ABSOLUTE.match(name) or ".." in name.split("/") or "\0" in name:
+            return _Refusal(
+                "which is not beside it: only files in its folder are read",
+                ("put the file beside it, and name it without a folder in the STEP file",),
+            )
+        path = root / beside / name
+        try:
+            real = path.resolve(strict=True)
+            if not real.is_file():
+                continue
+        except (OSError, RuntimeError, ValueError):  # missing, no access, a circle of links, no name of a file
+            missing = missing or path
+            continue
+        if not real.is_relative_to(folder):
+            return _Refusal(
+                "which is a link to a file outside of its folder",
+                ("put the file itself there",),
+            )
+        return path
+    where = root / beside
+    help = (f"put '{reference.name}' into '{where}'",) if str(where) != "." else (f"put '{reference.name}' beside it",)
+    return _Refusal("which does not exist", (*help, *_meant(missing)))
+
+
+def _meant(path: Path | None) -> tuple[str, ...]:
+    try:
+        beside = sorted(file.name for file in path.parent.iterdir()) if path is not None else []
+    except (OSError, ValueError):
+        return ()
+    return did_you_mean(path.name, beside) if path is not None else ()
+
+
+def _link(reference: ExternalReference, file: int = NONE, fault: str = "", help: tuple[str, ...] = ()) -> Link:
+    return Link(reference.definition, reference.product, reference.name, reference.line, file, fault, help)

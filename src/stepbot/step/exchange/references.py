@@ -1,0 +1,159 @@
+"""References of a STEP file to other files that hold the shapes of its products, as its text states them.
+
+CAD programs write an assembly with "external references" as one file with the structure alone, and one file per part. A
+product definition then refers to a DOCUMENT_FILE (ISO 10303-41), whose external identification is the file's name; see
+the CAx-IF recommended practices for external references. The text is read without the kernel.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from .encodings import FALLBACK, Text, line_of
+from .entities import Entities
+from .part21_values import Record, Value
+from .statements import find_statements
+from .strings import decode_string
+
+DOCUMENT_FILE = b"DOCUMENT_FILE"
+"""What the text of every file with such references contains."""
+_STEP_NAME = re.compile(r"\.(stp|step|p21)(z|\.z|\.gz|\.zip)?$", re.IGNORECASE)
+_CAD_NAME = re.compile(
+    r"\.(stpxz?|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)(\.\d+)?$",
+    re.IGNORECASE,
+)
+_WANTED = re.compile(rb"DOCUMENT|EXTERNAL|SPECIFICATION_REFERENCE|PRODUCT")
+_REFERRING = (
+    "APPLIED_DOCUMENT_REFERENCE",
+    "CC_DESIGN_SPECIFICATION_REFERENCE",
+    "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS",
+)
+"""Entities that connect a document with what it describes."""
+_LIKELY = ("utf-8", "cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
+"""Encodings in which the name of a file is looked for; a file that exists decides between them."""
+
+
+@dataclass(frozen=True)
+class ExternalReference:
+    """A product definition whose shape is in another file."""
+
+    definition: int
+    """Entity number of the product definition; 0 where the file does not say which one it is."""
+    product: str
+    """Name of its product; may be empty."""
+    raw: bytes
+    """Name of the other file, as it stands between its quotes."""
+    name: str
+    """The same, decoded."""
+    line: int
+    """Line of the document, from 1."""
+
+    @property
+    def is_step(self) -> bool:
+        """Whether the other file is a STEP file by its name."""
+        return is_step_name(self.name)
+
+    @property
+    def is_cad(self) -> bool:
+        """Whether it is a file of another CAD format by its name."""
+        return _CAD_NAME.search(self.name) is not None
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """The name in each encoding that it may be in, the likeliest first."""
+        found: dict[str, None] = {}
+        for encoding in _LIKELY:
+            try:
+                found[decode_string(self.raw, encoding)] = None
+            except UnicodeDecodeError:
+                continue
+        return tuple(found)
+
+
+def is_step_name(name: str) -> bool:
+    """Whether a file is a STEP file by its name, compressed or not."""
+    return _STEP_NAME.search(name) is not None
+
+
+def external_references(data: Text, encoding: str) -> tuple[ExternalReference, ...]:
+    """The references of a file, in file order; each product definition and file once.
+
+    Args:
+        data: The file.
+        encoding: What its bytes above 127 mean; empty where that is unknown.
+    """
+    if data.find(DOCUMENT_FILE) < 0:
+        return ()
+    bodies: dict[int, bytes] = {}
+    starts: dict[int, int] = {}
+    for statement in find_statements(data):
+        if _WANTED.search(statement.body) and statement.number not in bodies:
+            bodies[statement.number], starts[statement.number] = statement.body, statement.start
+    entities = Entities(bodies, encoding)
+    definitions, names = _definitions(entities), _file_names(entities)
+    found: dict[tuple[int, bytes], ExternalReference] = {}
+    for document in entities.of(DOCUMENT_FILE.decode()):
+        raw = names[document]
+        name = decode_string(raw, encoding or FALLBACK, "replace").strip()
+        for definition in definitions.get(document, (0,)) if name else ():
+            product = entities.product_name(definition) if definition else ""
+            reference = ExternalReference(definition, product, raw, name, line_of(data, starts[document]))
+            found.setdefault((definition, raw), reference)
+    return tuple(found.values())
+
+
+def _definitions(entities: Entities) -> dict[int, tuple[int, ...]]:
+    """For each document the product definitions that it describes."""
+    of_formation: dict[int, list[int]] = defaultdict(list)
+    product_definitions = _product_definitions(entities)
+    for definition in product_definitions:
+        for referred in entities.references(definition):
+            of_formation[referred].append(definition)
+    found: dict[int, dict[int, None]] = defaultdict(dict)
+    for keyword in _REFERRING:
+        for number in entities.of(keyword):
+            own = [number] if number in product_definitions else []
+            items = entities.references(number)
+            for document in (r for r in items if entities.keyword(r, DOCUMENT_FILE.decode())):
+                for item in own or items:
+                    if item in product_definitions:
+                        found[document][item] = None
+                    elif any(word.startswith("PRODUCT_DEFINITION_FORMATION") for word in entities.keywords(item)):
+                        found[document].update(dict.fromkeys(of_formation[item]))
+    return {document: tuple(items) for document, items in found.items() if items}
+
+
+def _product_definitions(entities: Entities) -> dict[int, None]:
+    kinds = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
+    return dict.fromkeys(number for kind in kinds for number in entities.of(kind))
+
+
+def _file_names(entities: Entities) -> dict[int, bytes]:
+    """For each document folder and name of its file, as they stand in the text; empty where there is no name."""
+    found: dict[int, bytes] = {}
+    for number in entities.of("APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT"):
+        referred = entities.references(number)
+        name, folder = _first_text(*entities.records(number)), b""
+        for source in (r for r in referred if entities.keyword(r, "EXTERNAL_SOURCE")):
+            folder = _first_text(*entities.records(source)).strip().rstrip(b"/\\")
+        if name and folder not in (b"", b"."):
+            name = folder + b"/" + name
+        for document in referred:
+            found.setdefault(document, name)
+    for document in entities.of(DOCUMENT_FILE.decode()):
+        records = [r for r in entities.records(document) if r.keyword in ("DOCUMENT", "DOCUMENT_FILE")]
+        found[document] = found.get(document) or _first_text(*records)
+    return found
+
+
+def _first_text(*records: Record) -> bytes:
+    return next((value for record in records for value in _texts(record.parameters)), b"")
+
+
+def _texts(values: tuple[Value, ...]) -> Iterator[bytes]:
+    for value in values:
+        if isinstance(value, bytes):
+            yield value
+        elif isinstance(value, Record):
+            yield from _texts(value.parameters)

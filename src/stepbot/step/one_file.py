@@ -1,0 +1,157 @@
+"""One STEP file as the kernel reads it: its products, before any body is made."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from OCP.StepShape import StepShape_SolidModel
+from OCP.TopAbs import TopAbs_ShapeEnum
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .exchange.encodings import as_utf8
+from .exchange.external_files import entity_of, forget_external_files
+from .exchange.file_set import NONE as NO_FILE
+from .exchange.file_set import Link, StepFile
+from .exchange.integrity import check_integrity
+from .exchange.length_unit import LengthUnit, read_length_unit
+from .exchange.operators import correct_operators
+from .exchange.selection import entities, mechanism_count
+from .kernel import StepUnreadable, read_model, transfer
+from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
+from .structure.definitions import Definitions
+from .structure.materials import Materials
+from .structure.products import Products
+from .structure.repetition import MisplacedOccurrence
+from .structure.source import NONE, Definition, StepMaterial
+from .structure.tree import MAX_COMPONENTS, report_too_large
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class FileContent:
+    """What a file holds."""
+
+    place: str
+    """What diagnostics call the file."""
+    session: Any
+    """Work session of its reader."""
+    unit: LengthUnit
+    products: Products
+    definitions: Definitions
+    materials: list[StepMaterial]
+    """For each definition what its product is made of."""
+    mechanisms: int
+    """Kinematic mechanisms that the file describes."""
+    elsewhere: Mapping[int, int]
+    """For each definition whose shape is in another file the index of that file."""
+
+
+def guarded(place: str, found: Diagnostics, read: Callable[[], T | None]) -> T | None:
+    """What a function reads; None, with SB205 in ``found``, where the kernel refuses the file or fails on it."""
+    remedy = ["open it in another CAD program and export it again"]
+    try:
+        return read()
+    except StepUnreadable as error:
+        found.add("SB205", str(error), Span(place), help=remedy)
+        return None
+    except OUT_OF_MEMORY:
+        raise MemoryError from None  # the process ends, and whoever waits for it knows why
+    except KERNEL_ERRORS as error:
+        message = f"kernel error: {type(error).__name__} {error}".rstrip()
+        found.add("SB205", message, Span(place), help=remedy)
+        return None
+
+
+def read_file(file: StepFile, found: Diagnostics) -> FileContent | None:
+    """Read a file; None, with the reason in ``found``, where there is nothing to go on with."""
+
+    def read() -> FileContent | None:
+        try:
+            return _read(file, found, take_out=True)
+        except MisplacedOccurrence:
+            return _read(file, found, take_out=False)
+
+    return guarded(file.place, found, read)
+
+
+def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent | None:
+    place = file.place
+    with as_utf8(file.path, file.part21.encoding) as text:
+        model = read_model(text)
+        if not check_integrity(model.session, text, place, found):
+            return None
+    unit = read_length_unit(model.session, place, found)
+    if unit is None:
+        return None
+    materials = Materials(model.session, place, found)
+    products = Products(model.session, take_out=take_out)
+    if products.tree_size() > MAX_COMPONENTS:  # the kernel would follow each of them
+        report_too_large(products.tree_size(), place, found)
+        return None
+    correct_operators(model.session)
+    forget_external_files(model.session)
+    definitions = Definitions(transfer(model), products)
+    _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
+    elsewhere = _elsewhere(file, model.session, products, definitions.all, found)
+    if elsewhere is None:
+        return None
+    made_of = [_material(definition, materials, products) for definition in definitions.all]
+    mechanisms = mechanism_count(model.session)
+    return FileContent(place, model.session, unit, products, definitions, made_of, mechanisms, elsewhere)
+
+
+def _elsewhere(
+    file: StepFile, session: Any, products: Products, definitions: list[Definition], found: Diagnostics
+) -> dict[int, int] | None:
+    """For each definition without a shape of its own the index of the file that has it; None where one is missing."""
+    product_of = {id(product.entity): index for index, product in enumerate(products.products)}
+    definition_of = {definition.product: index for index, definition in enumerate(definitions)}
+    elsewhere: dict[int, int] = {}
+    is_complete = True
+    for link in file.links:
+        product = product_of.get(id(entity_of(session, link.definition)), NONE)
+        index = definition_of.get(product, NONE) if product != NONE else NONE
+        if index != NONE and (definitions[index].bodies or definitions[index].children or index in elsewhere):
+            if elsewhere.get(index) != link.file:
+                _report_unused(link, file.place, found)
+        elif index == NONE or link.file == NO_FILE:
+            _report_missing(link, file.place, found)
+            is_complete = False
+        else:
+            elsewhere[index] = link.file
+    return elsewhere if is_complete else None
+
+
+def _report_unused(link: Link, place: str, found: Diagnostics) -> None:
+    message = f"'{link.product}': file '{link.name}' was not read, because its shape is known without it"
+    found.add("SB231", message, Span(place, link.line, 1))
+
+
+def _report_missing(link: Link, place: str, found: Diagnostics) -> None:
+    fault = link.fault or "but the assembly does not say where it is placed"
+    message = f"the geometry of '{link.product}' is in file '{link.name}', {fault}"
+    if not link.definition:
+        message = f"geometry is in file '{link.name}', but the assembly does not say which part it is"
+    help = link.help or ("export the assembly as one STEP file, with external references switched off",)
+    found.add("SB203", message, Span(place, link.line, 1), help=help)
+
+
+def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
+    """Say so where the kernel built fewer solids than the file describes."""
+    sources = [source for definition in definitions for source in definition.bodies]
+    read = sum(source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID for source in sources)
+    if read < written:
+        found.add(
+            "SB220",
+            f"{written - read} of the {written} solids in the file are not part of a product, or could not be built",
+            Span(place),
+            help=["compare the solids of `stepbot inspect` with those in CAD"],
+        )
+
+
+def _material(definition: Definition, materials: Materials, products: Products) -> StepMaterial:
+    if definition.product == NONE:
+        return StepMaterial()
+    return materials.of(products.products[definition.product].entity, definition.name)

@@ -1,0 +1,125 @@
+"""An assembly in many files as if it were in one: what a file leaves to another is taken from there.
+
+A product without a shape of its own that refers to another file stands for the product which that file is about. The
+path of a component does not depend on where its shape is: the name of a product is that in the assembly's file.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .source import NONE, Child, Definition, StepMaterial
+
+
+@dataclass(frozen=True, eq=False)
+class FileDefinitions:
+    """What one file defines."""
+
+    definitions: Sequence[Definition]
+    roots: Sequence[int]
+    materials: Sequence[StepMaterial]
+    """For each definition what its product is made of."""
+    elsewhere: Mapping[int, int] = field(default_factory=dict)
+    """For each definition that another file has, the index of that file, which comes later or is read elsewhere."""
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """The definitions of all files."""
+
+    definitions: list[Definition]
+    roots: list[int]
+    materials: list[StepMaterial]
+    places: list[dict[int, int]]
+    """For each file and each product in it the index of its definition here."""
+
+
+def compose(files: Sequence[FileDefinitions]) -> Composition:
+    """Put the definitions of files together; references between the files have no cycle.
+
+    Args:
+        files: The file of the assembly first.
+    """
+    composer = _Composer(files)
+    return Composition(
+        composer.definitions,
+        [composer.stand_in(root) for root in files[0].roots],
+        composer.materials,
+        [composer.places(number) for number in range(len(files))],
+    )
+
+
+class _Composer:
+    def __init__(self, files: Sequence[FileDefinitions]) -> None:
+        self._files = files
+        self._offsets: list[int] = []
+        self.definitions: list[Definition] = []
+        self.materials: list[StepMaterial] = []
+        for file in files:
+            offset = len(self.definitions)
+            self._offsets.append(offset)
+            self.definitions += [_moved(definition, offset) for definition in file.definitions]
+            self.materials += file.materials
+        self._instead: dict[int, int] = {}
+        self._named: set[int] = set()
+        for number in range(len(files)):
+            self._replace(number)
+        for number, file in enumerate(files):
+            for own in file.elsewhere:
+                self._name(self._offsets[number] + own)
+        for definition in self.definitions:
+            definition.children = [replace(c, definition=self.stand_in(c.definition)) for c in definition.children]
+
+    def stand_in(self, index: int) -> int:
+        """The definition that is used in place of another."""
+        while index in self._instead:
+            index = self._instead[index]
+        return index
+
+    def places(self, number: int) -> dict[int, int]:
+        """For each product of a file the index of its definition."""
+        offset = self._offsets[number]
+        return {
+            definition.product: self.stand_in(offset + index)
+            for index, definition in enumerate(self._files[number].definitions)
+            if definition.product != NONE
+        }
+
+    def _replace(self, number: int) -> None:
+        """Find what stands for each definition that a file leaves to another."""
+        offset = self._offsets[number]
+        for own, other in self._files[number].elsewhere.items():
+            index = offset + own
+            roots = [self._offsets[other] + root for root in self._files[other].roots]
+            empty = self.definitions[index]
+            same = [root for root in roots if self.definitions[root].name == empty.name]
+            if len(roots) > 1 and len(same) != 1:
+                empty.children = [Child(root, "", np.eye(4)) for root in roots]
+                continue
+            (self._instead[index],) = same if len(roots) > 1 else roots
+
+    def _name(self, index: int) -> None:
+        """Give what stands for a definition the name that it has in the referring file."""
+        if index not in self._instead:
+            return
+        target, referring = self.stand_in(index), self.definitions[index]
+        definition = self.definitions[target]
+        name = referring.name or definition.name
+        if target in self._named and definition.name != name:
+            self.definitions.append(replace(definition, name=name))
+            self.materials.append(self.materials[target])
+            self._instead[index] = len(self.definitions) - 1
+            return
+        self._instead[index] = target
+        self._named.add(target)
+        definition.name = name
+        if definition.color is None:
+            definition.color = referring.color
+        if self.materials[target] == StepMaterial():
+            self.materials[target] = self.materials[index]
+
+
+def _moved(definition: Definition, offset: int) -> Definition:
+    children = [replace(child, definition=child.definition + offset) for child in definition.children]
+    return replace(definition, children=children)

@@ -1,0 +1,148 @@
+"""Commands on an assembly whose parts are in files of their own: every one of them is an input."""
+
+import json
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from robot_library.moments import pose
+from robot_library.step_file import Assembly, Occurrence
+from stepbot.diagnostics import Diagnostics
+from stepbot.jobs.batch import plan, run_batch
+from stepbot.pipeline.conversion import Options
+from tests import parts
+from tests.command_line import snapshot
+from tests.parts import ALUMINIUM, STEEL, drawn
+from tests.separate_files import write_separately
+from tests.solids import box
+
+from .conftest import Stepbot
+
+FAST = ("-f", "urdf", "--no-verify")
+SIDECAR = """\
+version: 1
+robot: lever
+step: machine.step
+links:
+  base: {parts: [foot]}
+  lever: {parts: [arm]}
+joints:
+  hinge:
+    type: continuous
+    parent: base
+    child: lever
+    origin: {xyz: [0, 0, 0.01]}
+    axis: z
+"""
+
+
+def machine(thickness: float = 10.0) -> Assembly:
+    """A foot, and an arm of two bars on it."""
+    bar = drawn("bar", box(80, 10, thickness), "#222222", STEEL)
+    foot = drawn("foot", box(40, 40, 10).at(0, 0, 0), "#b0b0b0", ALUMINIUM)
+    arm = Assembly("arm", [Occurrence(bar, "bar:1"), Occurrence(bar, "bar:2", pose((0, 30, 0)))])
+    return Assembly("machine", [Occurrence(foot, "foot:1"), Occurrence(arm, "arm:1", pose((0, 0, 20)))])
+
+
+@pytest.fixture
+def lever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with ``lever.robot.yaml`` and the four files of its assembly; a cache is switched on."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("STEPBOT_NO_CACHE", "")
+    monkeypatch.setenv("STEPBOT_CACHE", str(tmp_path / "kept"))
+    write_separately(tmp_path, machine())
+    (tmp_path / "lever.robot.yaml").write_text(SIDECAR, encoding="utf-8")
+    return tmp_path
+
+
+def replace_part(folder: Path) -> None:
+    """Make the bar, two files below the one that the sidecar names, twice as thick."""
+    (folder / "new").mkdir()
+    write_separately(folder / "new", machine(thickness=20.0))
+    shutil.copy(folder / "new" / "bar.step", folder)
+
+
+def mass_of(report: Path, link: str) -> float:
+    """Mass [kg] of a link in a report."""
+    document = json.loads(report.read_bytes())
+    mass: float = next(one for one in document["robot"]["links"] if one["name"] == link)["mass"]
+    return mass
+
+
+def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
+    """`convert`, `check` and `uptodate` see that a file changed to which the STEP only refers over another one."""
+    assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
+    assert mass_of(Path("out/report.json"), "lever") == pytest.approx(2 * STEEL * 0.08 * 0.01 * 0.01)
+    assert stepbot("check", "--step", "lever.robot.yaml").code == 0
+    assert stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf").code == 0
+    before = snapshot(Path("out"))
+
+    replace_part(lever)
+    run = stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf")
+    assert run.code == 1
+    assert "SB007" in run.out
+    assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
+    assert mass_of(Path("out/report.json"), "lever") == pytest.approx(2 * STEEL * 0.08 * 0.01 * 0.02)
+    assert snapshot(Path("out")) != before
+
+
+def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
+    """What the cache has of an assembly does not stand for one of which a file is gone; and it is found again."""
+    assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
+    assert stepbot("check", "--step", "lever.robot.yaml").code == 0
+    Path("bar.step").rename("aside.step")
+    for command in (("check", "--step"), ("convert", "-o", "out", *FAST), ("uptodate", "-o", "out", "-f", "urdf")):
+        run = stepbot(*command, "lever.robot.yaml")
+        assert run.code == 1
+        assert "arm.step:" in run.out + run.err
+        assert "error[SB203]: the geometry of 'bar' is in file 'bar.step', which does not exist" in run.out + run.err
+    Path("aside.step").rename("bar.step")
+    assert stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf").code == 0
+
+
+def test_diagnostics_name_a_part_from_the_cache_too(lever: Path, stepbot: Stepbot) -> None:
+    """A finding about a part's file stands at that file, by the path from where the command runs."""
+    bar = parts.draw(lever / "bar.step", drawn("bar", box(80, 10, 10), "", STEEL)).path
+    bar.write_bytes(bar.read_bytes().replace(b"'bar'", b"'b\xe4r'"))
+    expected = stepbot("inspect", "machine.step").err
+    assert "bar.step:" in expected
+    assert "SB210" in expected
+    assert stepbot("inspect", "machine.step").err == expected
+    other = lever / "other"
+    other.mkdir()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(other)
+        assert "../bar.step:" in stepbot("inspect", "../machine.step").err.replace("\\", "/")
+
+
+def test_inspect_lists_the_files(lever: Path, stepbot: Stepbot) -> None:
+    """Tree and mass are those of one file, and the other files are listed."""
+    run = stepbot("inspect", "machine.step")
+    assert run.code == 0
+    assert "foot.step, arm.step, bar.step" in run.out
+    document = json.loads(stepbot("inspect", "--json", "machine.step").out)
+    assert document["facts"]["further files"] == "foot.step, arm.step, bar.step"
+    assert [c["path"] for c in document["components"]] == [".", "foot", "arm", "arm/bar:1", "arm/bar:2"]
+
+
+@pytest.mark.parametrize("as_bytes", [False, True], ids=["same machine", "other machine"])
+def test_batch(as_bytes: bool, lever: Path) -> None:
+    """Every file goes to the machine that converts; a changed part makes the robot run anew."""
+    found = Diagnostics()
+    tasks = plan([Path("lever.robot.yaml")], Path("all"), found)
+    options = Options(Path("all"), formats=("urdf",), verify=False)
+
+    def statuses() -> list[str]:
+        with ThreadPoolExecutor(1) as executor:
+            outcomes = list(run_batch(tasks, options, Path("all"), executor, at_once=1, as_bytes=as_bytes))
+        assert [str(d) for outcome in outcomes for d in outcome.diagnostics if d.severity == "error"] == []
+        return [outcome.status.value for outcome in outcomes]
+
+    assert statuses() == ["converted"]
+    assert mass_of(Path("all/lever/report.json"), "lever") == pytest.approx(2 * STEEL * 0.08 * 0.01 * 0.01)
+    assert statuses() == ["unchanged"]
+    replace_part(lever)
+    assert statuses() == ["converted"]
+    assert mass_of(Path("all/lever/report.json"), "lever") == pytest.approx(2 * STEEL * 0.08 * 0.01 * 0.02)

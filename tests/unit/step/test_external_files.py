@@ -1,0 +1,275 @@
+"""Assemblies whose parts are in files of their own."""
+
+import os
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robot_library.moments import pose, turn
+from robot_library.step_file import Assembly, LengthUnit, Occurrence
+from stepbot.step.assembly import Assembly as Read
+from tests import parts
+from tests.conftest import ReadDiagnostics
+from tests.parts import ALUMINIUM, STEEL, drawn
+from tests.separate_files import Component, write_separately, write_structure
+from tests.solids import box, cylinder, sphere
+
+from .here import by_path, read_here
+
+
+def machine() -> Assembly:
+    """Three levels, a part in two subassemblies, a subassembly that occurs twice, colours, densities."""
+    bolt = drawn("bolt", cylinder(4, 20) + cylinder(7, 5).at(0, 0, 20), "#222222", STEEL)
+    plate = drawn("plate", box(200, 100, 10), "#b0b0b0", ALUMINIUM)
+    carriage = drawn("carriage", box(40, 30, 20) - cylinder(5, 20).at(8, 4, -10), "#dd8800", ALUMINIUM)
+    slide = Assembly(
+        "slide",
+        [
+            Occurrence(carriage, "carriage:1"),
+            Occurrence(bolt, "bolt:1", pose((0, 0, 10), turn("y", pi / 2))),
+            Occurrence(drawn("knob", sphere(6), "#cc0000"), "knob:1", pose((0, 0, 40))),
+        ],
+    )
+    frame = Assembly(
+        "frame",
+        [
+            Occurrence(plate, "plate:1"),
+            Occurrence(bolt, "bolt:1", pose((80, 30, 5))),
+            Occurrence(bolt, "bolt:2", pose((-80, 30, 5), turn("x", pi))),
+        ],
+    )
+    tilted = turn("z", 0.3) @ turn("x", -0.7)
+    return Assembly(
+        "machine",
+        [
+            Occurrence(frame, "frame:1"),
+            Occurrence(slide, "slide:1", pose((50, 0, 60))),
+            Occurrence(slide, "slide:2", pose((-50, 20, 80), tilted)),
+        ],
+    )
+
+
+def assert_same(separate: Read, together: Read) -> None:
+    """Two readings have the same components, in all that a robot is made of."""
+    one, other = by_path(separate), by_path(together)
+    assert list(one) == list(other)
+    for path, component in one.items():
+        same = other[path]
+        for name in ("product", "occurrence", "material", "color"):
+            assert getattr(component, name) == getattr(same, name), (path, name)
+        assert component.density == pytest.approx(same.density)
+        assert np.allclose(component.X_WC.matrix, same.X_WC.matrix, atol=1e-12)
+        if component.body < 0:
+            assert same.body < 0
+            continue
+        body, expected = separate.bodies[component.body], together.bodies[same.body]
+        assert body.exact is not None
+        assert expected.exact is not None
+        assert body.exact.volume == pytest.approx(expected.exact.volume, rel=1e-9)
+        assert body.exact.unit_density.com == pytest.approx(expected.exact.unit_density.com, abs=1e-9)
+        assert body.face_colors.tolist() == expected.face_colors.tolist()
+
+
+@pytest.mark.parametrize(
+    "units",
+    [{}, {"machine": "m", "slide": "cm", "bolt": "inch", "knob": "m", "plate": "foot"}],
+    ids=["mm", "several units"],
+)
+def test_parts_in_their_own_files(units: dict[str, LengthUnit], tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Paths, names, poses, volumes, colours and materials are those of the same assembly in one file."""
+    (tmp_path / "apart").mkdir()
+    separate = read_here(write_separately(tmp_path / "apart", machine(), units), found)
+    drawing = parts.draw(tmp_path / "machine.step", machine())
+    together = read_here(drawing.path, found)
+    assert separate is not None
+    assert together is not None
+    assert [str(d) for d in found] == []
+    assert separate.external_files == (
+        "frame.step", "slide.step", "plate.step", "bolt.step", "carriage.step", "knob.step",
+    )  # fmt: skip
+    assert_same(separate, together)
+    assert len(separate.bodies) == len(together.bodies) == 4
+    for piece in drawing.pieces:
+        component = by_path(separate)[piece.path]
+        exact = separate.bodies[component.body].exact
+        assert exact is not None
+        moved = exact.unit_density.moved(component.X_WC)
+        assert moved.mass == pytest.approx(piece.body.mass, rel=1e-9)
+        assert np.allclose(moved.com, piece.body.com, atol=1e-9)
+    assert separate.definitions == together.definitions
+
+
+def test_the_name_of_a_product_is_that_in_the_assembly(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A path does not depend on what a part's own file calls the part; one file can be two products."""
+    parts.write_box(tmp_path / "part.step")  # the product 'block'
+    root = write_structure(
+        tmp_path / "root.step", "root", [Component("left", "part.step"), Component("right", "part.step")]
+    )
+    assembly = read_here(root, found)
+    assert assembly is not None
+    assert list(by_path(assembly)) == [".", "left", "right"]
+    assert [c.product for c in assembly.components] == ["root", "left", "right"]
+    assert found.codes() == []
+
+
+def test_a_part_file_with_several_roots(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The root with the product's name is meant; without one, all roots are."""
+    parts.write_several_roots(tmp_path / "two.step")  # 'block' and 'pin'
+    root = write_structure(
+        tmp_path / "root.step", "root", [Component("pin", "two.step"), Component("both", "two.step")]
+    )
+    assembly = read_here(root, found)
+    assert assembly is not None
+    assert list(by_path(assembly)) == [".", "pin", "both", "both/block", "both/pin"]
+
+
+def test_files_below_the_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A folder in the name or in the reference's source counts from the referring file."""
+    (tmp_path / "sub" / "deep").mkdir(parents=True)
+    parts.write_box(tmp_path / "sub" / "deep" / "block.step")
+    write_structure(tmp_path / "sub" / "arm.step", "arm", [Component("block", "block.step", folder="deep/")])
+    root = write_structure(tmp_path / "root.step", "root", [Component("arm", "sub\\arm.step")])
+    assembly = read_here(root, found)
+    assert found.codes() == []
+    assert assembly is not None
+    assert assembly.external_files == ("sub/arm.step", "sub/deep/block.step")
+    assert list(by_path(assembly)) == [".", "arm", "arm/block"]
+
+
+def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Product, file, line and remedy of each; files in other case are suggested."""
+    parts.write_box(tmp_path / "Plate.step")
+    parts.write_box(tmp_path / "bolt.step")
+    root = write_structure(
+        tmp_path / "root.step",
+        "root",
+        [Component("plate", "plate.step"), Component("bolt", "bolt.step"), Component("knob", "knob.step")],
+    )
+    assert read_here(root, found) is None
+    assert found.codes() == ["SB203", "SB203"]
+    first, second = found
+    assert first.message == "the geometry of 'plate' is in file 'plate.step', which does not exist"
+    assert "did you mean 'Plate.step'?" in first.help
+    assert second.message == "the geometry of 'knob' is in file 'knob.step', which does not exist"
+    assert root.read_text().splitlines()[second.span.line - 1].count("knob.step") == 1
+
+
+def test_a_missing_file_of_a_subassembly(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The place is the file that refers to it."""
+    write_structure(tmp_path / "arm.step", "arm", [Component("block", "block.step")])
+    assert read_here(write_structure(tmp_path / "root.step", "root", [Component("arm", "arm.step")]), found) is None
+    (fault,) = found
+    assert (fault.code, Path(fault.span.file).name) == ("SB203", "arm.step")
+
+
+OUTSIDE = [
+    "../block.step", "sub/../../block.step", "..\\block.step", "/etc/block.step", "\\\\host\\share\\block.step",
+    "C:\\parts\\block.step", "c:block.step", "file:///tmp/block.step", "http://example.org/block.step",
+    "https://example.org/block.step",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_paths_that_leave_the_folder(name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Absolute paths, parents and URLs are refused, though a file were there."""
+    (tmp_path / "inside").mkdir()
+    parts.write_box(tmp_path / "block.step")
+    root = write_structure(tmp_path / "inside" / "root.step", "root", [Component("block", name)])
+    assert read_here(root, found) is None
+    (fault,) = found
+    assert fault.code == "SB203"
+    assert "which is not beside it" in fault.message
+    assert fault.help
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
+@pytest.mark.parametrize("through", ["file", "folder"])
+def test_links_that_leave_the_folder(through: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A link to a file outside is refused; one within the folder is followed."""
+    (tmp_path / "inside").mkdir()
+    (tmp_path / "outside").mkdir()
+    parts.write_box(tmp_path / "outside" / "block.step")
+    if through == "file":
+        (tmp_path / "inside" / "block.step").symlink_to(tmp_path / "outside" / "block.step")
+    else:
+        (tmp_path / "inside" / "sub").symlink_to(tmp_path / "outside")
+    name = "block.step" if through == "file" else "sub/block.step"
+    root = write_structure(tmp_path / "inside" / "root.step", "root", [Component("block", name)])
+    assert read_here(root, found) is None
+    assert [d.code for d in found] == ["SB203"]
+    assert "link" in next(iter(found)).message
+
+    parts.write_box(tmp_path / "inside" / "real.step")
+    (tmp_path / "inside" / "alias.step").symlink_to("real.step")
+    root = write_structure(tmp_path / "inside" / "root.step", "root", [Component("block", "alias.step")])
+    assert read_here(root, found) is not None
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such files on Windows")
+def test_what_is_no_regular_file(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A folder, a pipe, a circle of links and a name that no file can have are missing files."""
+    (tmp_path / "folder.step").mkdir()
+    os.mkfifo(tmp_path / "pipe.step")
+    (tmp_path / "circle.step").symlink_to("circle.step")
+    names = ["folder.step", "pipe.step", "circle.step", "n" * 300 + ".step", "a\\X\\00b.step", "  .step"]
+    for name in names:
+        root = write_structure(tmp_path / "root.step", "root", [Component("block", name)])
+        assert read_here(root, found) is None
+    assert found.codes() == ["SB203"] * len(names)
+
+
+def test_the_kernel_opens_no_file_by_itself(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A file that stepbot leaves alone, because the part is drawn in the assembly too, is not read by the kernel."""
+    drawing = parts.write_needless_reference(tmp_path / "box.step")
+    parts.write_cylinder(tmp_path / "elsewhere.step")
+    assembly = read_here(drawing.path, found)
+    assert found.codes() == ["SB231"]
+    assert assembly is not None
+    assert assembly.external_files == ()
+    assert len(assembly.bodies) == 1
+    (fault,) = found
+    assert "elsewhere.step" in fault.message
+
+
+@pytest.mark.parametrize("chain", [["root"], ["root", "a"], ["root", "a", "b"]], ids=["self", "two", "three"])
+def test_circles(chain: list[str], tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Files that contain each other are an error that shows the circle."""
+    for name, next_name in zip(chain, [*chain[1:], chain[0]], strict=True):
+        write_structure(tmp_path / f"{name}.step", name, [Component(next_name, f"{next_name}.step")])
+    assert read_here(tmp_path / "root.step", found) is None
+    (fault,) = found
+    assert fault.code == "SB229"
+    assert fault.message.endswith(" -> ".join(f"{name}.step" for name in [*chain, "root"]))
+
+
+def test_a_part_file_that_is_damaged(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The error names the part's file."""
+    drawing = parts.write_box(tmp_path / "block.step")
+    drawing.path.write_bytes(drawing.path.read_bytes()[:5000])
+    root = write_structure(tmp_path / "root.step", "root", [Component("block", "block.step")])
+    assert read_here(root, found) is None
+    (fault,) = found
+    assert (fault.code, Path(fault.span.file).name) == ("SB204", "block.step")
+
+
+def test_a_file_name_in_a_code_page(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Nobody needs to declare the encoding for a file to be found, as the cache does not know it."""
+    parts.write_box(tmp_path / "Корпус.step")
+    root = write_structure(tmp_path / "root.step", "root", [Component("block", "Корпус.step")])
+    root.write_bytes(root.read_text(encoding="utf-8").encode("cp1251"))
+    assembly = read_here(root, found)
+    assert assembly is not None
+    assert found.codes() == ["SB210"]
+    assert assembly.external_files == ("Корпус.step",)
+
+
+def test_a_native_file_is_no_part(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Only STEP files are read."""
+    (tmp_path / "block.sldprt").write_bytes(b"")
+    root = write_structure(tmp_path / "root.step", "root", [Component("block", "block.sldprt")])
+    assert read_here(root, found) is None
+    (fault,) = found
+    assert fault.code == "SB203"
+    assert "not STEP: 'block.sldprt'" in fault.message
