@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stepbot.step.assembly import BodyKind
-from stepbot.step.structure.paths import inherited, quoted
+from stepbot.step.structure.paths import nearest_claim, quoted
 
 from .binder import Binder, listed
 from .material_assignment import MaterialAssignment
@@ -32,41 +32,52 @@ class Claims:
 def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
     """Assign every component with a body to a link, and report components that are in no link or in two."""
     components, document = binder.assembly.components, binder.document
-    claimed, named, incomplete = _named_by_links(binder)
+    claims, incomplete = _claims(binder)
     rest = next((name for name, link in document.links.items() if link.rest), "")
-    nearest = inherited(components, claimed, rest)
+    nearest = nearest_claim(components, ((one.indices, one.link) for one in claims), rest)
     takeable = [_can_be_taken(binder, index) for index in range(len(components))]
     link_of = tuple(
         name if takes and not assignment.ignored else ""
         for name, takes, assignment in zip(nearest, takeable, of, strict=True)
     )
-    for (link, position), indices in named.items():
-        below = binder.paths.below(indices)
-        if not any(link_of[index] == link for index in below):
-            _report_empty_claim(binder, link, position, below, of)
+    for one in claims:
+        below = binder.paths.below(one.indices)
+        if not (one.is_taken or any(link_of[index] == one.link for index in below)):
+            _report_empty_claim(binder, one.link, one.position, below, of)
     left = [i for i, takes in enumerate(takeable) if takes and not of[i].ignored and not link_of[i]]
     if left:
         _report_unclaimed(binder, left, incomplete)
     return Claims(link_of, frozenset(incomplete))
 
 
-def _named_by_links(binder: Binder) -> tuple[dict[int, str], dict[tuple[str, int], tuple[int, ...]], list[str]]:
-    """Link by component, components by link and position among its parts, and links with unresolved paths."""
-    claimed: dict[int, str] = {}
-    named: dict[tuple[str, int], tuple[int, ...]] = {}
+@dataclass(frozen=True)
+class _Claim:
+    """The components that one path of a link matches."""
+
+    link: str
+    position: int
+    """Index of the path in the link's ``parts``."""
+    indices: tuple[int, ...]
+    is_taken: bool
+    """Whether another link has claimed one of them before."""
+
+
+def _claims(binder: Binder) -> tuple[list[_Claim], list[str]]:
+    """The claims of all links in order, and the links with unresolved paths."""
+    claims: list[_Claim] = []
     incomplete: list[str] = []
+    first: dict[int, str] = {}
     for link, section in binder.document.links.items():
         for position, pattern in enumerate(section.parts):
             indices = binder.all(pattern, ("links", link, "parts", position))
             if not indices:
                 incomplete.append(link)
                 continue
-            taken = [index for index in indices if claimed.setdefault(index, link) != link]
+            taken = [index for index in indices if first.setdefault(index, link) != link]
             if taken:
-                _report_taken(binder, link, position, taken, claimed)
-            else:
-                named[link, position] = indices
-    return claimed, named, incomplete
+                _report_taken(binder, link, position, taken, first)
+            claims.append(_Claim(link, position, indices, bool(taken)))
+    return claims, incomplete
 
 
 def _report_taken(binder: Binder, link: str, position: int, taken: list[int], claimed: dict[int, str]) -> None:

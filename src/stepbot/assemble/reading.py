@@ -8,16 +8,16 @@ MASS_TOLERANCE = 1e-3
 
 
 def read_options(document: Document) -> ReadOptions:
-    """Options for reading the sidecar's STEP; a link's own tolerance applies to its parts."""
-    tolerance = _tolerance(document.mesh, MeshTolerance())
+    """Options for reading the sidecar's STEP; a link's own tolerance applies to its parts.
+
+    If a link has its own, the paths of all links count: a part of one link may be inside a subassembly of another.
+    """
+    common = _tolerance(document.mesh, MeshTolerance())
+    links = [(link, common if link.mesh is None else _tolerance(link.mesh, common)) for link in document.links.values()]
+    is_own = any(tolerance != common for _, tolerance in links)
     return ReadOptions(
-        tolerance=tolerance,
-        tolerance_of=tuple(
-            (pattern, _tolerance(link.mesh, tolerance))
-            for link in document.links.values()
-            if link.mesh is not None
-            for pattern in link.parts
-        ),
+        tolerance=next((tolerance for link, tolerance in links if link.rest), common),
+        tolerance_of=tuple((path, tolerance) for link, tolerance in links for path in link.parts) if is_own else (),
         encoding=document.step_encoding or "",
         refine_mass_to=MASS_TOLERANCE if document.mass == MassMode.MESH else 0.0,
     )

@@ -14,7 +14,7 @@ once.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
@@ -89,8 +89,18 @@ def subtree_ends(components: Sequence[Component]) -> list[int]:
     return ends
 
 
-def inherited(components: Sequence[Component], given: Mapping[int, _T], default: _T) -> list[_T]:
-    """For each component, its own value, else that of the nearest ancestor with one, else the default."""
+def nearest_claim(components: Sequence[Component], claims: Iterable[tuple[Iterable[int], _T]], default: _T) -> list[_T]:
+    """For each component the value of the nearest claim: on itself, else on the nearest component above it.
+
+    Args:
+        components: All components.
+        claims: Claimed components and the value of the claim; of several claims on one component, the first holds.
+        default: The value without a claim.
+    """
+    given: dict[int, _T] = {}
+    for indices, value in claims:
+        for index in indices:
+            given.setdefault(index, value)
     values: list[_T] = []
     for component in components:
         above = values[component.parent] if component.parent >= 0 else default

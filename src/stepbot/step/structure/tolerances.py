@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ..assembly import Component, MeshTolerance, ReadOptions
-from .paths import ComponentPaths, inherited
+from .paths import ComponentPaths, nearest_claim
 
 
 def definition_tolerances(
@@ -14,14 +14,14 @@ def definition_tolerances(
     Args:
         components: All components; a pattern that matches none of them is reported elsewhere.
         bodies: For each index in :attr:`Component.body`, its distinct body.
-        options: The default, and patterns with tolerances of their own; of equal matches the last one applies.
+        options: The default, and patterns with their tolerances; the nearest claim
+            applies, as it does for links.
     """
-    given: dict[int, MeshTolerance] = {}
+    claims: list[tuple[Sequence[int], MeshTolerance]] = []
     if options.tolerance_of:
         paths = ComponentPaths(components)
-        for pattern, tolerance in options.tolerance_of:
-            given |= dict.fromkeys(paths.find(pattern).topmost, tolerance)
-    effective = inherited(components, given, options.tolerance)
+        claims = [(paths.find(pattern).indices, tolerance) for pattern, tolerance in options.tolerance_of]
+    effective = nearest_claim(components, claims, options.tolerance)
     claimed: list[dict[MeshTolerance, None]] = [{} for _ in range(max(bodies, default=-1) + 1)]
     for component, tolerance in zip(components, effective, strict=True):
         if component.body >= 0:

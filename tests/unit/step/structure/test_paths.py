@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from stepbot.step.assembly import Component
 from stepbot.step.structure.naming import NamedComponent, assign_paths
-from stepbot.step.structure.paths import ComponentPaths, escape, inherited, plain_name, quoted
+from stepbot.step.structure.paths import ComponentPaths, escape, nearest_claim, plain_name, quoted
 
 
 def _tree(*rows: tuple[str, str, str], bodies: bool = True) -> list[Component]:
@@ -184,9 +184,9 @@ def test_below_lists_each_component_once() -> None:
     assert below == [1, 2, 3, 4, 5]
 
 
-def test_inherited_takes_the_nearest() -> None:
-    """A value given to a component beats the one given above it."""
-    values = inherited(ARM, {1: "a", 4: "b"}, "none")
+def test_the_nearest_claim_holds() -> None:
+    """A claim on a component beats one above it, and an earlier claim a later one on the same component."""
+    values = nearest_claim(ARM, (((1,), "a"), ((4,), "b"), ((4, 1), "c")), "none")
     assert values[:7] == ["none", "a", "a", "a", "b", "a", "none"]
 
 
