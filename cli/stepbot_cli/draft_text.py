@@ -17,7 +17,7 @@ def draft_text(draft: "Draft", sidecar: Path, *, verbose: bool = False) -> str:
     from stepbot.authoring.draft_names import names_of
 
     names = names_of(draft)
-    lines = [f"{printable(sidecar.as_posix())}: {_counts(draft)}; '{names.links[draft.root]}' stands"]
+    lines = [f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"]
     for joint, name in zip(draft.joints, names.joints, strict=True):
         ends = f"{names.links[joint.parent]} -> {names.links[joint.child]}"
         lines += _connection(joint, name, ends, verbose=verbose)

@@ -32,7 +32,7 @@ def _root(draft: "Draft") -> str:
     """Ask for the root link."""
     if len(draft.links) == 1:
         return draft.root
-    click.echo("Which link stands (the base)?", err=True)
+    click.echo("Which link is the root (the base)?", err=True)
     return draft.links[_choice([link.name for link in draft.links])].name
 
 
@@ -42,7 +42,7 @@ def _motion(joint: "DraftJoint") -> int:
     click.echo(printable(what), err=True)
     options = [f"{joint.type} (drafted, score {joint.confidence.score:.2f})"]
     options += [f"{one.type} (score {one.confidence.score:.2f})" for one in joint.alternatives]
-    options += ["they move as one", "leave the mark, I do not know"]
+    options += ["fixed, no relative motion", "unknown, keep the REVIEW mark"]
     return _choice(options, default=len(options) - 1)
 
 

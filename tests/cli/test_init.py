@@ -24,7 +24,7 @@ def test_draft_passes_the_check_and_converts(slider: Path, stepbot: Stepbot) -> 
     """A pair that the STEP states becomes a joint; the sidecar passes `check --step` and converts as it is."""
     run = stepbot("init", "slider.step")
     assert run.code == 0, run.err
-    assert run.out.startswith("slider.robot.yaml: 2 links, 1 joint; 'holder' stands\n")
+    assert run.out.startswith("slider.robot.yaml: 2 links, 1 joint; root link 'holder'\n")
     assert "  slide: prismatic, holder -> block, score 1.00\n" in run.out
     assert "stepbot check --step slider.robot.yaml" in run.out
     assert (slider / "robot-1.schema.json").read_bytes() == (stepbot("schema").out).encode()
@@ -102,14 +102,14 @@ def test_folder_that_cannot_be_written_is_a_finding(slider: Path, stepbot: Stepb
     assert "error[SB004]" in run.err
 
 
-def test_interactive_asks_which_link_stands(slider: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """The answer turns the tree round; questions go to standard error and Enter keeps the draft."""
     import io
 
     monkeypatch.setattr("sys.stdin", io.StringIO("2\n"))
     run = stepbot("init", "slider.step", "--interactive")
     assert run.code == 0, run.err
-    assert "Which link stands" in run.err
+    assert "Which link is the root" in run.err
     assert "  slide: prismatic, block -> holder, score 1.00\n" in run.out
     assert stepbot("check", "--step", "slider.robot.yaml").code == 0
     assert stepbot("init", "slider.step", "-i", "--json").code == 2

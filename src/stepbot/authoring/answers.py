@@ -9,7 +9,7 @@ from stepbot.robot.model import JointKind
 from .draft import Alternative, Confidence, Draft, DraftJoint, OriginForm, OriginSnippet
 from .origin_text import z_along
 
-STATED = "stated by the owner"
+STATED = "stated by the user"
 
 
 def rerooted(draft: Draft, root: str) -> Draft:

@@ -82,7 +82,7 @@ def _evidence(one: DraftConnection) -> list[str]:
         lines += comment(f"limits: {one.limits.why}", 2)
     reasons = [one.review] if one.review else []
     if isinstance(one, DraftJoint) and one.type is JointKind.SCREW and one.pitch is None:
-        reasons.append("the pitch of the screw is not known: cylindrical until `type: screw` has its `pitch`")
+        reasons.append("unknown pitch: cylindrical until replaced by `type: screw` with a `pitch`")
     if not reasons and one.is_reviewed:
         reasons.append("the evidence is weak; compare with the drawing")
     return [*lines, *(line for reason in reasons for line in comment(f"REVIEW: {reason}", 2))]
@@ -103,7 +103,9 @@ def _alternative(name: str, ends: Entries, other: Alternative, joint: DraftConne
     if isinstance(joint, DraftJoint) and other.type in _WITH_LIMITS:
         entries.append(("limits", "todo"))
     facts = one_line("; ".join(other.confidence.evidence))
-    return f"  # {name}: {flow(entries)}  # or this, score {other.confidence.score:.2f}{': ' if facts else ''}{facts}"
+    return (
+        f"  # {name}: {flow(entries)}  # alternative, score {other.confidence.score:.2f}{': ' if facts else ''}{facts}"
+    )
 
 
 def _commented(name: str, guess: Entries, one: DraftConnection) -> str:

@@ -91,7 +91,7 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
                 rank = round(gap, 5), -part.volume, i
                 best = rank if best is None else min(best, rank)
         if best is not None and clusters.join(case, best[-1]):
-            made.guess(motor.parts, "nothing holds this motor: it is with the nearest part")
+            made.guess(motor.parts, "unsupported motor: assigned to the nearest part")
 
 
 def _tightest_host(survey: Survey, small: int) -> int | None:
@@ -116,7 +116,7 @@ def _adopt(made: Decision, structure: Structure) -> None:
         if survey.total_volume(members) < _TINY * survey.volume or all(i in survey.small for i in members):
             target = nearest(survey, members)
             if target is not None and clusters.join(target, members[0]):
-                made.guess(members, "nothing ties it: it is with the nearest part")
+                made.guess(members, "not connected: assigned to the nearest part")
 
 
 def nearest(survey: Survey, members: Sequence[int]) -> int | None:

@@ -22,8 +22,8 @@ def note_doubts(arcs: Sequence[Arc], structure: Structure, *, has_drives: bool) 
         if h.review or h.drives or h.by_role or h.type == JointKind.FIXED:
             continue
         if not structure.are_across(h.a, h.b):
-            h.review = "its shape alone tells"
+            h.review = "inferred from its shape only"
         elif arc.could_slide and (motion is None or motion.slides):
-            h.review = "it could slide as well"
+            h.review = "could also be prismatic"
         elif not has_drives and not any(arc.is_closure for arc in arcs):
-            h.review = "nothing drives this assembly: it may be no mechanism"
+            h.review = "no motor found: the assembly may not be a mechanism"

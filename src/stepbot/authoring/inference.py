@@ -75,6 +75,6 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor]) -> Infe
     offered = [h for h in mechanism.offered if id(h) not in used]
     for arc in arcs:
         if arc.hinge.score < CHOSEN:
-            arc.hinge.review = arc.hinge.review or "nothing else ties them"
+            arc.hinge.review = arc.hinge.review or "no other connection between them"
     links = list(groups.values())
     return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses)

@@ -51,7 +51,7 @@ class LooseEnds:
         for r in loose:
             if r not in jointed:
                 target = self._nearest_cluster(groups[r], root)
-                self._made.guess(groups[r], "nothing ties it: it is with the nearest part")
+                self._made.guess(groups[r], "not connected: assigned to the nearest part")
                 if target not in jointed or not self._clusters.join(target, r):
                     self._clusters.join(root, r)
         for j in self._mechanism.joints:
@@ -76,8 +76,8 @@ class LooseEnds:
 
     def _placeholder(self, groups: dict[int, list[int]], a: int, b: int) -> Link:
         axis = Axis(self._survey.box_of(groups[b]).mean(axis=0), None)
-        review = "its type, axis and parent: nothing in the drawing tells"
-        why = "nothing ties them"
+        review = "type, axis and parent are unknown"
+        why = "no connection found"
         return Link(
             Hinge(0.0, groups[a][0], groups[b][0], JointKind.FIXED, axis, why, review=review, fate=Fate.TAKEN), a, b
         )
@@ -116,7 +116,7 @@ class LooseEnds:
                 for axis in self._survey.turned.get(i, [])[:3]:
                     if self._survey.parts[i].is_balanced(axis):
                         return self._guess(
-                            groups, r, other, JointKind.REVOLUTE, axis, "a wheel by its name; its own axis"
+                            groups, r, other, JointKind.REVOLUTE, axis, "wheel by name; about its own axis"
                         )
         paths = [self._survey.assembly.components[self._structure.link_of.get(i, i)].path.lower() for i in members]
         if Role.JAW not in roles or any(word in path for path in paths for word in _TRIMMINGS):
@@ -127,7 +127,7 @@ class LooseEnds:
                 along = direction_between(self._survey, members, groups[s])
                 if along is not None:
                     axis = Axis(middle, along)
-                    why = "one of two equal fingers by their names"
+                    why = "one of two equal fingers by name"
                     return self._guess(groups, r, other, JointKind.PRISMATIC, axis, why)
         return None
 

@@ -143,11 +143,11 @@ class Mechanism:
                     members = self._clusters.members(leaf)
                     if not self._unite(gone, one, two):
                         continue
-                    self._made.guess(members, "turns about the same axis as what it is put with")
+                    self._made.guess(members, "turns about the same axis as the parts it was merged with")
                     if gone.hinge.drives and not kept.hinge.drives:
                         kept.hinge.drives, kept.hinge.why = True, gone.hinge.why
                         kept.hinge.score = max(kept.hinge.score, gone.hinge.score)
-                    kept.hinge.review = kept.hinge.review or "two bodies that turn about it were taken for one"
+                    kept.hinge.review = kept.hinge.review or "two bodies that turn about it were merged"
                     return True
         return False
 

@@ -69,7 +69,7 @@ class _OneMotor:
                 self._idle(why)
             return
         if not motor.is_named:
-            why, review = f"used like the output of a motor, '{motor.name}'", "its name does not say that it is a motor"
+            why, review = f"used like the output of a motor, '{motor.name}'", "not named as a motor"
         self._drive(driven, score, why, review)
 
     def _sides(self, output: Output) -> list[_Side]:

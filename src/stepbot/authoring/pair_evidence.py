@@ -39,19 +39,19 @@ class PairEvidence:
         if r.via in by_via:
             by_via[r.via](r)
         elif r.is_rigid:
-            self._weld(r, *((0.92, f"{r.holes} holes in line") if r.holes >= 2 else (0.9, "faces that lock")))
+            self._weld(r, *((0.92, f"{r.holes} coaxial holes") if r.holes >= 2 else (0.9, "interlocking faces")))
         elif r.via == Via.GROOVE:
             across = self._across(r)
             self._hinge(r, 0.45 if across else 0.2, JointKind.PRISMATIC, "planes that leave one direction free")
-            self._weld(r, 0.44 if across else 0.66, "faces that lock but for one direction")
+            self._weld(r, 0.44 if across else 0.66, "interlocking faces with one free direction")
         elif r.patches:
             parts = self._survey.parts
             share = r.area / max(1e-9, min(parts[r.a].size, parts[r.b].size) ** 2)
-            self._weld(r, (0.46 if self._across(r) else 0.55) + min(0.04, share), "flat on each other")
+            self._weld(r, (0.46 if self._across(r) else 0.55) + min(0.04, share), "plane faces in contact")
         elif r.holes >= 2:
-            self._weld(r, 0.6, f"{r.holes} holes in line")
+            self._weld(r, 0.6, f"{r.holes} coaxial holes")
         else:
-            self._weld(r, 0.42, "on one line")
+            self._weld(r, 0.42, "coaxial")
 
     def _ball(self, r: Relation) -> None:
         score = 0.8 if self._structure.are_together(r.a, r.b) else 0.9
@@ -98,11 +98,11 @@ class PairEvidence:
         across = self._across(r)
         screwed = r.axis is not None and self._survey.has_screw_at(r.axis)
         score = 0.45 if across else 0.15 if self._structure.are_together(r.a, r.b) else 0.35
-        self._hinge(r, score - 0.15 * screwed, JointKind.REVOLUTE, "one hole in line with another")
+        self._hinge(r, score - 0.15 * screwed, JointKind.REVOLUTE, "a pair of coaxial holes")
         if screwed:
             self._weld(r, 0.53, "one screw through both")
         elif not across:
-            self._weld(r, 0.5, "one hole in line with another")
+            self._weld(r, 0.5, "a pair of coaxial holes")
 
     def _ring(self, r: Relation) -> None:
         why = f"flange with {r.ring} holes in a circle of r {_mm(r.ring_radius)}"

@@ -89,7 +89,7 @@ def tie_by_seams(made: Decision) -> None:
     if _is_one(tied, big):
         return
     for h in made.evidence.weaker_hinges(_WEAKEST):
-        _tie(made, tied, h, "nothing else ties them")
+        _tie(made, tied, h, "no other connection between them")
     if _is_one(tied, big):
         return
     for h in _Seams(made, big).hinges():
@@ -142,7 +142,7 @@ class _Seams:
         a, b = sorted((seam.a, seam.b))
         free = Freedom(FreedomKind.CYLINDRICAL, 2, seam.axis.point, seam.axis.direction)
         relation = Relation(a, b, (), (), (), free, Via.SEAM, seam.axis, radius=seam.radius)
-        why = f"surfaces of revolution on one line, {seam.gap * 1e3:.1f} mm apart"
+        why = f"coaxial surfaces of revolution, {seam.gap * 1e3:.1f} mm apart"
         return Hinge(score, a, b, JointKind.REVOLUTE, seam.axis, why, relation)
 
     def _seams(self) -> Iterator[tuple[tuple[int, int], _Seam]]:

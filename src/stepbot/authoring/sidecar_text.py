@@ -65,7 +65,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
 def _introduction(draft: Draft) -> list[str]:
     lines = [
         "# Drafted by `stepbot init` from the STEP: shapes, contacts, names. A score from 0 to 1 ranks the evidence.",
-        "# Look at each REVIEW, fill in each `limits: todo`, then run `stepbot check --step` and `stepbot convert`.",
+        "# Check each REVIEW, fill in each `limits: todo`, then run `stepbot check --step` and `stepbot convert`.",
     ]
     for note in draft.notes:
         lines += comment(f"Note: {note}")
@@ -89,9 +89,9 @@ def _densities(draft: Draft) -> list[str]:
             review = f"# REVIEW: typical of {typical.material}; the STEP names it without a density"
             lines += [f"  {scalar(name)}: {{density: {number(typical.density)} kg/m^3}}  {review}"]
     if unknown:
-        lines += comment(f"REVIEW: materials without a known density, which `defaults` is for: {', '.join(unknown)}")
+        lines += comment(f"REVIEW: materials without a known density, which use `defaults`: {', '.join(unknown)}")
     if unknown or "" in draft.without_density:
-        reason = "a placeholder for parts without a density: weigh one, or write their material's"
+        reason = "placeholder for parts without a density: weigh one, or use their material's"
         lines += [f"defaults: {{density: {number(_DEFAULT_DENSITY)} kg/m^3}}  # REVIEW: {reason}"]
     return [*lines, ""] if lines else []
 
@@ -103,7 +103,7 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
         lines += comment(f"REVIEW: which parts move as one here (score {link.confidence.score:.2f}): {facts}", 2)
     elif facts:
         lines += comment(facts, 2)
-    lines += [f"  {scalar(names.links[link.name])}:{'  # stands: no joint moves it' if is_root else ''}"]
+    lines += [f"  {scalar(names.links[link.name])}:{'  # root: no joint moves it' if is_root else ''}"]
     if link.rest:
         lines += ["    rest: true  # everything that no other link claims"]
     if link.parts or not link.rest:
@@ -123,7 +123,7 @@ def _offered(offered: Iterable[Alternative]) -> list[str]:
         return []
     lines = [
         "",
-        "# Also seen, and taken for fixed. To use one, make a link of what moves, and a joint of this type and origin:",
+        "# Further axes, drafted as fixed. To use one, add a link for the moving parts and such a joint:",
     ]
     for one in shown:
         between, facts = f"{quoted(one.a)} and {quoted(one.b)}", "; ".join(one.confidence.evidence)

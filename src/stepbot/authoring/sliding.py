@@ -27,6 +27,6 @@ def choose_slides(survey: Survey, arcs: Sequence[Arc]) -> None:
         called_so = r.length > _SLIM * r.radius and any(word in paths for word in _WORDS)
         motion = motions.get(k)
         if motion is not None and motion.slides and not motion.turns:
-            h.type, h.review = JointKind.PRISMATIC, "the loop moves only if it slides"
+            h.type, h.review = JointKind.PRISMATIC, "the loop can move only if it is prismatic"
         elif called_so and (motion is None or motion.slides):
-            h.type, h.review = JointKind.PRISMATIC, "it could turn as well"
+            h.type, h.review = JointKind.PRISMATIC, "could also be revolute"

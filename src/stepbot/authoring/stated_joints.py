@@ -54,9 +54,9 @@ def draft_of_mechanism(mechanism: Mechanism, assembly: Assembly, robot: str) -> 
         joints.append(_joint(pair, parent, child, members, names, assembly, scale))
     joints += [_held(link, root, members, names, assembly) for link in apart]
     loops = [_closure(pair, members, names, assembly, scale) for pair in closures]
-    notes = [f"joints are the kinematic pairs that the STEP states ({len(mechanism.pairs)})"]
+    notes = [f"joints are the kinematic pairs in the STEP ({len(mechanism.pairs)})"]
     if mechanism.unread:
-        notes.append(f"pairs without a joint of this kind: {', '.join(mechanism.unread)}")
+        notes.append(f"pairs without an equivalent joint: {', '.join(mechanism.unread)}")
     links = [
         DraftLink(
             names[link],
@@ -142,9 +142,7 @@ def _joint(
     zero = _drawn_position(kind, np.abs(axis), drawn)
     limits = _limits(pair, kind, scale)
     if limits is not None and not limits.lower <= zero <= limits.upper:
-        review = (
-            review or "drawn outside of the range that the STEP states: zero and limits may count from another pose"
-        )
+        review = review or "drawn outside the range in the STEP: zero and limits may refer to another pose"
         limits, zero = None, 0.0
     base = DraftJoint(
         name=pair.name or f"{names[child]}_joint",
@@ -202,9 +200,9 @@ def _held(
         "z",
         (0.0, 0.0, 0.0),
         None,
-        Confidence(0.5, ("no pair of the STEP connects it",)),
+        Confidence(0.5, ("not connected by any pair of the STEP",)),
         (paths[0], paths[1]),
-        review="fixed to the base, since no pair of the STEP connects it",
+        review="fixed to the base, since not connected by any pair of the STEP",
         parent=names[root],
         child=names[link],
     )
@@ -217,14 +215,14 @@ def _placed(
     own = [Pose(p.rotation, vector3(p.p * scale)) for p in pair.placements]
     first, second = (assembly.components[members[link][0]].X_WC @ X for link, X in zip(pair.links, own, strict=True))
     review = "" if pair.is_stated or pair.kind in _SURE_WITHOUT_FLAGS else (
-        "the STEP does not say which axes move; those of the standard are taken"
+        "the STEP does not state the free axes; those of the standard are used"
     )  # fmt: skip
     _, axis, _ = _kind(pair)
     if _agree(first, second, axis):
         return first, first.inverse() @ second, review
     if _agree(own[0], own[1], axis):
         return own[0], own[0].inverse() @ own[1], review
-    return first, Pose(), "the two placements of the pair do not meet as drawn; the first one is taken"
+    return first, Pose(), "the two placements of the pair do not coincide as drawn; the first one is used"
 
 
 _SURE_WITHOUT_FLAGS = ("REVOLUTE_PAIR", "SPHERICAL_PAIR", "CYLINDRICAL_PAIR", "SCREW_PAIR", "FULLY_CONSTRAINED_PAIR")

@@ -35,7 +35,7 @@ def stop_spinning_rods(joints: Sequence[Link], root: int) -> None:
         h = near.hinge
         h.type, h.axis2 = JointKind.UNIVERSAL, Axis(h.axis.point, across[:, 1])
         h.axis = Axis(h.axis.point, across[:, 0])
-        h.review = "universal rather than ball, or the rod spins about itself; the other end would do as well"
+        h.review = "universal instead of ball, to keep the rod from spinning; could also be the other end"
 
 
 def slide_in_struts(joints: Sequence[Link]) -> None:
@@ -47,7 +47,7 @@ def slide_in_struts(joints: Sequence[Link]) -> None:
             continue
         others = [[k for k in of[side] if k is not j] for side in (j.a, j.b)]
         if all(len(rest) == 1 and rest[0].hinge.type in _SWIVELS for rest in others):
-            j.hinge.type, j.hinge.review = JointKind.PRISMATIC, "a strut between two swivels; it could turn as well"
+            j.hinge.type, j.hinge.review = JointKind.PRISMATIC, "a strut between two swivels; could also be revolute"
 
 
 def _by_cluster(joints: Sequence[Link]) -> dict[int, list[Link]]:

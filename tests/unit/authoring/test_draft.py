@@ -34,4 +34,4 @@ def test_scores_sort_joints_into_three_kinds(score: float, sure: bool, chosen: b
 
 def test_a_reason_to_review_marks_even_a_sure_joint() -> None:
     """A joint that names what to look at carries a mark whatever its score is."""
-    assert joint(0.95, "it could turn as well").is_reviewed
+    assert joint(0.95, "could also be revolute").is_reviewed

@@ -110,7 +110,7 @@ def test_placements_in_the_frame_of_the_assembly_are_taken_as_such() -> None:
 def test_placements_that_do_not_meet_are_reviewed() -> None:
     """Two placements whose axes miss each other are no evidence of one axis."""
     (joint,) = drafted(replace(HINGE, placements=(ON_BASE, Pose(position=(-5.0, 6.0, 0.0))))).joints
-    assert "do not meet" in joint.review
+    assert "do not coincide" in joint.review
     assert not joint.confidence.is_sure
 
 
