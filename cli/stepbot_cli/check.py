@@ -20,7 +20,6 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
 
-STEP_SUFFIXES = (".step", ".stp", ".p21", ".stpz")
 _NAMED = "the one that the sidecar names"
 
 
@@ -29,10 +28,12 @@ class CheckCommand(Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Supply the value of ``--step`` before click looks for one."""
+        from stepbot.robot.step_names import is_step_name
+
         joined: list[str] = []
         for argument in args:
             if joined and joined[-1] == "--step":
-                is_step = argument.lower().endswith(STEP_SUFFIXES)
+                is_step = is_step_name(argument)
                 joined[-1:] = [f"--step={argument}"] if is_step else [f"--step={_NAMED}", argument]
             else:
                 joined.append(argument)

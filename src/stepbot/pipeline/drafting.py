@@ -9,6 +9,7 @@ from stepbot.authoring.draft import Draft
 from stepbot.authoring.infer import infer
 from stepbot.authoring.stated_joints import draft_of_mechanism
 from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.robot.step_names import step_stem
 from stepbot.step.assembly import ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
@@ -45,8 +46,8 @@ def draft_step(step: Path, options: Options) -> Drafting:
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Drafting(found)
-    stated = draft_of_mechanism(mechanism, assembly, step.stem) if mechanism is not None else None
-    draft = stated or infer(assembly, step.stem)
+    stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None
+    draft = stated or infer(assembly, step_stem(step.name))
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))

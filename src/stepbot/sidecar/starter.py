@@ -4,6 +4,8 @@ import json
 import re
 from pathlib import Path
 
+from stepbot.robot.step_names import step_stem
+
 _PLAIN = re.compile(r"[^\W\d_][\w./+-]*( [\w./+-]+)*")
 """Strings that are valid plain YAML scalars; a subset."""
 _NOT_TEXTS = frozenset(("true", "false", "null", "inf", "nan"))
@@ -11,7 +13,7 @@ _NOT_TEXTS = frozenset(("true", "false", "null", "inf", "nan"))
 
 def starter_name(step: Path) -> str:
     """Default name of the sidecar of a STEP file: ``arm.robot.yaml`` for ``arm.step``."""
-    return f"{step.stem}.robot.yaml"
+    return f"{step_stem(step.name)}.robot.yaml"
 
 
 def robot_name(stem: str) -> str:

@@ -10,7 +10,7 @@ CODES = (
         "The file does not start with `ISO-10303-21;`, the header of every STEP file.",
         "stepbot reads the exchange structure of ISO 10303-21. Other formats lack the assembly tree or the exact "
         "geometry.",
-        "Export the assembly as STEP AP214 or AP242. Unpack archives first.",
+        "Export the assembly as STEP AP214 or AP242.",
     ),
     Code(
         "SB202",
@@ -251,5 +251,15 @@ CODES = (
         "read before. The other file was not read.",
         "Both may differ where one of them is older.",
         "No action is needed if `stepbot inspect` shows the part as it is in CAD.",
+    ),
+    Code(
+        "SB232",
+        "error",
+        "unreadable compressed file",
+        "The gzip or zip archive is damaged or encrypted, holds no STEP file or several, or its content is larger than "
+        "4 GiB or more than a hundred times as large as the archive.",
+        "stepbot reads archives of one STEP file, as CAD programs write them (`.stpZ`, `.step.gz`). The limits keep a "
+        "small archive from filling the disk.",
+        "Unpack the archive and give the STEP file in it.",
     ),
 )

@@ -15,6 +15,8 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
 
+from .compression import decompressed, is_compressed
+
 Text = bytes | mmap.mmap
 
 FALLBACK = "cp1252"
@@ -107,7 +109,7 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
         path: The file.
         encoding: From :func:`check_encoding`.
     """
-    if encoding in _PLAIN and _is_unicode(path):
+    if encoding in _PLAIN and _is_unicode(path) and not is_compressed(path):
         yield path
         return
     # The kernel's own tables have few code pages, and interpret the backslash in the second byte of a GBK character as
@@ -115,7 +117,7 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
     errors = "strict" if encoding else "replace"
     with tempfile.TemporaryDirectory(prefix="stepbot-") as folder:
         copy = Path(folder) / "utf-8.step"
-        with path.open("rb") as source, copy.open("wb") as target:
+        with decompressed(path) as source, copy.open("wb") as target:
             if source.read(3) != BYTE_ORDER_MARK:
                 source.seek(0)
             decoder = codecs.getincrementaldecoder(encoding or FALLBACK)(errors)

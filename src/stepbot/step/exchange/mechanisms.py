@@ -6,13 +6,13 @@ freedom. The parts of a link are those of the occurrence that its representation
 an association name links like occurrences or products.
 """
 
-import mmap
 from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.geometry.spatial import Pose, cross, unit
 
 from .entities import Entities, read_entities
+from .part21 import opened
 
 _MARK = b"KINEMATIC_JOINT"
 
@@ -95,7 +95,7 @@ def read_mechanism(path: Path, encoding: str) -> Mechanism | None:
         path: The file, which has been checked.
         encoding: Code page of its names.
     """
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+    with opened(path) as data:
         if data.find(_MARK) < 0:
             return None
         entities = read_entities(data[:], encoding)

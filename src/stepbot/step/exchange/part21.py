@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.robot.step_names import is_step_name
 
+from .compression import ArchiveFault, decompressed
 from .encodings import BYTE_ORDER_MARK, FALLBACK, Text, check_encoding, line_of
-from .references import ExternalReference, external_references, is_step_name
+from .references import ExternalReference, external_references
 from .strings import decode_string
 
 _BLANK = re.compile(rb"\s*")
@@ -39,9 +41,7 @@ _SCHEMAS = (
     ("AP242", "AP242"), ("AP209", "AP209"), ("AP238", "AP238"), ("INTEGRATED_CNC", "AP238"),
 )  # fmt: skip
 _OTHER_FILES = (
-    (b"\x1f\x8b", "a gzip archive", "unpack it first: a .stpz is a zipped STEP file"),
-    (b"PK\x03\x04", "a zip archive", "unpack it first: a .stpz is a zipped STEP file"),
-    (b"<?xml", "XML", "stepbot reads the text form of STEP (Part 21), not STEP-XML (Part 28)"),
+    (b"<?xml", "XML, as .stpx files are", "export the assembly as STEP AP242 in its text form (Part 21, .stp)"),
     (b"\xd0\xcf\x11\xe0", "a native CAD file", "export the assembly as STEP (AP214 or AP242)"),
     (b"version https://git-lfs", "a Git LFS pointer", "fetch the file itself: `git lfs pull`"),
     (b"solid ", "an STL mesh", "a mesh has no assembly tree and no exact geometry: export the assembly as STEP"),
@@ -95,6 +95,8 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
         found.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
     except FileNotFoundError:
         found.add("SB001", "no such file", span, help=_meant(path))
+    except ArchiveFault as fault:
+        found.add("SB232", f"the compressed file cannot be read: {fault.reason}", span, help=[fault.help])
     except OSError as error:
         found.add("SB001", f"cannot be read: {error.strerror or error}", span)
     return None
@@ -115,10 +117,15 @@ def _meant(path: Path) -> tuple[str, ...]:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Text]:
-    """The file's bytes, memory-mapped: a large assembly has hundreds of megabytes."""
+    """The file's bytes, decompressed, and memory-mapped: a large assembly has hundreds of megabytes.
+
+    Raises:
+        ArchiveFault: It is a compressed file that cannot be read.
+        OSError: It cannot be read.
+    """
     if path.is_dir():
         raise IsADirectoryError(path)
-    with path.open("rb") as file:
+    with decompressed(path) as file:
         if file.seek(0, 2) == 0:
             yield b""
             return

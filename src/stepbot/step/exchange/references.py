@@ -10,6 +10,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from stepbot.robot.step_names import is_step_name
+
 from .encodings import FALLBACK, Text, line_of
 from .entities import Entities
 from .part21_values import Record, Value
@@ -18,7 +20,6 @@ from .strings import decode_string
 
 DOCUMENT_FILE = b"DOCUMENT_FILE"
 """What the text of every file with such references contains."""
-_STEP_NAME = re.compile(r"\.(stp|step|p21)(z|\.z|\.gz|\.zip)?$", re.IGNORECASE)
 _CAD_NAME = re.compile(
     r"\.(stpxz?|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)(\.\d+)?$",
     re.IGNORECASE,
@@ -69,11 +70,6 @@ class ExternalReference:
             except UnicodeDecodeError:
                 continue
         return tuple(found)
-
-
-def is_step_name(name: str) -> bool:
-    """Whether a file is a STEP file by its name, compressed or not."""
-    return _STEP_NAME.search(name) is not None
 
 
 def external_references(data: Text, encoding: str) -> tuple[ExternalReference, ...]:

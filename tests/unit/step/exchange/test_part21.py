@@ -62,7 +62,7 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
         (b"", "SB202", "empty", 0),
         (b"\0\0\0\0", "SB202", "empty", 0),
         (b"# a readme\n", "SB201", "not a STEP file", 1),
-        (b"PK\x03\x04 and more", "SB201", "zip", 1),
+        (b"PK\x03\x04 and more", "SB232", "zip", 0),
         (b"version https://git-lfs.github.com/spec/v1\n", "SB201", "Git LFS", 1),
         (b"<?xml version='1.0'?>", "SB201", "XML", 1),
         (b"S".rjust(73) + b"      1\n" + b"x" * 90, "SB201", "IGES", 1),
