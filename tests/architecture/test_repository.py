@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes import CODES, RETIRED
 from stepbot.diagnostics.codes.page import RANGES, diagnostics_page
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -96,7 +96,7 @@ def test_code_is_explained(code: object) -> None:
 
 
 def test_codes_are_unique() -> None:
-    """No code stands in two ranges: the table would keep only the last."""
+    """No code is defined twice, and retired codes are not reused."""
     defined = re.findall(
         r'^\s+"(SB\d{3})",$',
         "".join(
@@ -105,6 +105,7 @@ def test_codes_are_unique() -> None:
         re.MULTILINE,
     )
     assert sorted(defined) == sorted(set(defined)) == sorted(CODES)
+    assert not RETIRED & set(defined)
 
 
 def test_codes_in_use_exist() -> None:

@@ -34,7 +34,6 @@ from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
 from .masses import masses
 from .material_assignment import assign_materials
-from .unsupported import report_unsupported
 from .weigh import report_weighing, report_weightless, weigh
 
 
@@ -72,7 +71,6 @@ def build_robot(
     """
     document = sidecar.document
     binder = Binder(assembly, sidecar, found)
-    report_unsupported(binder)
     root, order = tree_order(document)
     materials = assign_materials(binder)
     claims = claim(binder, materials.of)

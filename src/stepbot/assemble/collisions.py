@@ -127,7 +127,7 @@ def _simple(shape: CollisionShape, points: Array, axes: Sequence[Array]) -> _Pla
         return sphere_around(points)
     if shape is CollisionShape.CYLINDER:
         return cylinder_around(points, axes)
-    assert shape is CollisionShape.CAPSULE  # unsupported shapes have already ended the build
+    assert shape is CollisionShape.CAPSULE
     return capsule_around(points, axes)
 
 

@@ -20,7 +20,6 @@ class CollisionShape(StrEnum):
     CYLINDER = "cylinder"
     SPHERE = "sphere"
     CAPSULE = "capsule"
-    DECOMPOSE = "decompose"
 
 
 class BoxShape(Section):

@@ -186,31 +186,6 @@ def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, found: ReadDiagno
     assert not list(found)
 
 
-def test_what_is_not_built_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Everything that is parsed and not built yet is told at its place, all at once."""
-    text = (
-        CHAIN.replace("lower: {parts: [lower]}", "lower: {parts: [lower], collision: decompose}")
-        + """
-    parts: {base: {collision: decompose}}
-    joints:
-      a: {type: fixed, parent: base, child: upper, origin: {xyz: [0, 0, 0]}}
-      b: {type: fixed, parent: upper, child: lower, origin: {xyz: [0, 0, 0]}}
-    closures:
-      c: {type: prismatic, link_a: base, link_b: lower, origin: {xyz: [0, 0, 0]}}
-"""
-    )
-    assert build(_chain(), tmp_path, text, found) is None
-    assert set(found.codes()) == {"SB307"}
-    assert [d.message.split(":")[0] for d in found] == [
-        "parts rule 'base'",
-        "link 'lower'",
-    ]
-    assert all("parsed but not yet supported" in d.message and d.help for d in found)
-    lines = (tmp_path / "test.robot.yaml").read_text(encoding="utf-8").splitlines()
-    told = [lines[d.span.line - 1][d.span.column - 1 :] for d in found]
-    assert [text.split(",")[0].rstrip("}") for text in told] == ["decompose", "decompose"]
-
-
 def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) -> None:
     """With their axes, pitch and forces in SI."""
     text = (

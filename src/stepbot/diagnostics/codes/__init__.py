@@ -38,4 +38,7 @@ CODES: dict[str, Code] = {
     for code in module.CODES
 }
 
-__all__ = ["CODES", "Code", "Severity"]
+RETIRED = frozenset({"SB307"})
+"""Codes of earlier versions, which are not reused."""
+
+__all__ = ["CODES", "RETIRED", "Code", "Severity"]

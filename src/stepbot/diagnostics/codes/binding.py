@@ -56,14 +56,6 @@ CODES = (
         "Remove the path, or the conflicting `ignore` rule.",
     ),
     Code(
-        "SB307",
-        "error",
-        "not supported yet",
-        "The sidecar uses a version 1 feature that this release of stepbot does not implement.",
-        "Ignoring the feature would produce a different robot than the one described.",
-        "Upgrade stepbot, or use the alternative in the help.",
-    ),
-    Code(
         "SB308",
         "warning",
         "no collision geometry",

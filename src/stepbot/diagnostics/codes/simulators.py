@@ -93,8 +93,8 @@ CODES: tuple[Code, ...] = (
         "penetrate each other.",
         "Unless contacts of this pair are excluded, a simulator pushes the links apart with a large force, and the "
         "robot jumps or vibrates.",
-        "Convex hulls fill concave regions. Choose `collision: mesh`, `decompose` or a primitive for one of the "
-        "links, or `none` where the pair never makes contact. If the parts overlap, correct the CAD.",
+        "Convex hulls fill concave regions. Choose `collision: mesh` or a primitive for one of the links, or "
+        "`none` where the pair never makes contact. If the parts overlap, correct the CAD.",
     ),
     Code(
         "SB811",
