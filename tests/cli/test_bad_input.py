@@ -7,7 +7,8 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -303,15 +304,20 @@ def wait_for(what: Callable[[], list[int]], command: "subprocess.Popen[bytes]") 
     return found
 
 
-def start(desk: Desk, *options: str) -> "subprocess.Popen[bytes]":
-    """Start a conversion and come back at once."""
-    return subprocess.Popen(
+@contextmanager
+def start(desk: Desk, *options: str) -> "Iterator[subprocess.Popen[bytes]]":
+    """Start a conversion and come back at once; a command that still runs at the end, after a failure, is killed."""
+    with subprocess.Popen(
         [*COMMAND, "convert", SIDECAR, "-o", "out", *options],
         cwd=desk.folder,
         env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-    )
+    ) as command:
+        try:
+            yield command
+        finally:
+            command.kill()
 
 
 def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
@@ -412,7 +418,7 @@ def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:
         assert snapshot(desk.folder) == before
         with start(desk, "--no-verify") as following:
             following.communicate(timeout=60)
-        assert list(desk.temporary.glob("stepbot-run-*")) == []
+        desk.assert_no_temporary_files()
     else:
         desk.assert_untouched(before)
     deadline = time.monotonic() + 30.0  # one that has no work yet first loads, and then finds that nobody has any

@@ -6,10 +6,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from typing import TypeVar
+from queue import SimpleQueue
+from typing import Any, TypeVar, cast
 
 from .import_path import safe_import_path
 from .temporary import run_folder
@@ -50,12 +50,34 @@ def start_process(start: Callable[[], T]) -> T:
             os.sched_setaffinity(0, cores)
         return start()
 
-    return _starter().submit(start_on_cores).result()
+    answer: SimpleQueue[tuple[Any, BaseException | None]] = SimpleQueue()
+    _starter().put((start_on_cores, answer))
+    started, error = answer.get()
+    if error is not None:
+        raise error
+    return cast(T, started)
 
 
 @cache
-def _starter() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(1, "stepbot-starter")
+def _starter() -> "SimpleQueue[tuple[Callable[[], Any], SimpleQueue[Any]]]":
+    """Where a thread takes its orders from: a function, and where to put what it returns or raises.
+
+    An executor of the standard library joins its thread at exit; where Ctrl-C comes while the thread starts, it never
+    tells it to end, and waits forever. Nobody joins this one.
+    """
+    orders: SimpleQueue[tuple[Callable[[], Any], SimpleQueue[Any]]] = SimpleQueue()
+    threading.Thread(target=_start_all, args=(orders,), name="stepbot-starter", daemon=True).start()
+    return orders
+
+
+def _start_all(orders: "SimpleQueue[tuple[Callable[[], Any], SimpleQueue[Any]]]") -> None:
+    while True:
+        start, answer = orders.get()
+        try:
+            answer.put((start(), None))
+        except BaseException as error:  # noqa: BLE001 - raised by the caller
+            answer.put((None, error))
+        del start, answer  # a process that nobody waits for any more reads the end of its input
 
 
 if hasattr(os, "register_at_fork"):

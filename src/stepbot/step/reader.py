@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
 
 from . import KERNEL
@@ -126,7 +127,7 @@ def start_reading(
     try:
         files = check_files(path, place, found, options.encoding)
         if files is not None:
-            folder = tempfile.TemporaryDirectory(prefix="stepbot-", ignore_cleanup_errors=True)
+            folder = tempfile.TemporaryDirectory(dir=run_folder(), ignore_cleanup_errors=True)
             return Reading(worker, _Order(files, options, memory_limit, folder), place, found)
     except BaseException:  # Ctrl-C: the process is no longer needed
         worker.close()

@@ -1,0 +1,65 @@
+"""How processes are started."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from stepbot.runtime.processes import start_process
+
+SECONDS = 60.0
+WHILE_THE_THREAD_STARTS = """
+import threading
+from stepbot.runtime.processes import start_process
+
+start_thread = threading.Thread.start
+
+def interrupted(thread):
+    start_thread(thread)
+    raise KeyboardInterrupt
+
+threading.Thread.start = interrupted
+try:
+    start_process(lambda: 1)
+except KeyboardInterrupt:
+    print("interrupted")
+threading.Thread.start = start_thread
+print(start_process(lambda: 2))
+"""
+WHILE_THE_PROCESS_STARTS = """
+import os, signal, threading
+from stepbot.runtime.processes import start_process
+
+done = threading.Event()
+
+def start():
+    os.kill(os.getpid(), signal.SIGINT)
+    return done.wait()
+
+try:
+    start_process(start)
+except KeyboardInterrupt:
+    print("interrupted")
+done.set()
+print(start_process(lambda: 2))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a signal ends the process there")
+@pytest.mark.parametrize("script", [WHILE_THE_THREAD_STARTS, WHILE_THE_PROCESS_STARTS], ids=["thread", "process"])
+def test_interrupt_while_a_process_starts(script: str) -> None:
+    """The caller goes on, starts other processes, and ends: it does not wait for the thread at exit."""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=SECONDS, check=True)
+    assert run.stdout.split() == ["interrupted", "2"]
+
+
+def test_error_of_the_start_is_raised() -> None:
+    """In the caller; the next start works."""
+
+    def fail() -> None:
+        raise FileNotFoundError("no interpreter")
+
+    with pytest.raises(FileNotFoundError, match="no interpreter"):
+        start_process(fail)
+    assert start_process(lambda: 3) == 3
