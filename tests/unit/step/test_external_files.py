@@ -166,7 +166,7 @@ def test_a_missing_file_of_a_subassembly(tmp_path: Path, found: ReadDiagnostics)
 
 OUTSIDE = [
     "../block.step", "sub/../../block.step", "..\\block.step", "/etc/block.step", "\\\\host\\share\\block.step",
-    "C:\\parts\\block.step", "c:block.step", "file:///tmp/block.step", "http://example.org/block.step",
+    "C:\\parts\\block.step", "c:block.step", "file:///etc/block.step", "http://example.org/block.step",
     "https://example.org/block.step",
 ]  # fmt: skip
 
