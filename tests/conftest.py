@@ -35,7 +35,7 @@ PORTABLE = (
     "unit/runtime/cache/",
     "unit/runtime/test_fork_server.py",
     "unit/runtime/test_worker.py",
-    "unit/step/test_parallel.py",
+    "unit/runtime/test_parallel.py",
     "unit/verification/test_comparison.py",
     "conformance/",
     "cli/test_application.py",

@@ -5,3 +5,5 @@ May be called by ``assemble``, ``authoring`` and everything above them.
 
 KERNEL = "stepbot.step.worker:read"
 """The function that runs in the kernel's process."""
+BODY_SECONDS = 120.0
+"""Time limit of a body [s]: processor time in a forked process, else wall-clock time. Large ones take a few seconds."""

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.runtime.attempts import Attempt
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
 
-from . import KERNEL
+from . import BODY_SECONDS, KERNEL
 from .assembly import Assembly, ReadOptions
-from .attempts import BODY_SECONDS, Attempt
 from .exchange.file_set import StepFile, check_files
 
 __all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]

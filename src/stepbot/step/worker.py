@@ -18,16 +18,17 @@ from OCP.TopExp import TopExp
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mass_properties import prepare as prepare_measuring
 from stepbot.geometry.mesh import TriMesh
+from stepbot.runtime.attempts import Attempt
+from stepbot.runtime.parallel import Died, Raised, run
 from stepbot.runtime.processes import thread_count
 
+from . import BODY_SECONDS
 from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
-from .attempts import BODY_SECONDS, Attempt
 from .content import Content, read_content
 from .exchange.encodings import encoding_fact
 from .exchange.file_set import StepFile
 from .exchange.part21 import Part21
 from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
-from .parallel import Died, Raised, run
 from .shapes.bodies import BodyRequest, Finding, ReadBody, read_body
 from .shapes.mirroring import variant
 from .structure.source import NONE, BodySource, Definition

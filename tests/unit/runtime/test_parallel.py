@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.runtime.parallel import Died, Raised, run
 from stepbot.runtime.processes import can_fork
-from stepbot.step.parallel import Died, Raised, run
 
 FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
 

@@ -3,7 +3,7 @@
 A forked process shares what its parent has read; only numbers of inputs are sent to it. Each process takes the next
 number from a pipe, reports it, and writes its results to a file of its own; if it dies, or is stopped because of the
 time limit, the parent knows the input. Without fork, the function runs in this process, under
-:mod:`stepbot.step.attempts`.
+:mod:`stepbot.runtime.attempts`.
 """
 
 import ctypes
@@ -18,10 +18,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
-from stepbot.runtime.cores import core_count
-from stepbot.runtime.processes import can_fork, end_with_parent
-
 from .attempts import Attempt
+from .cores import core_count
+from .processes import can_fork, end_with_parent
 
 T = TypeVar("T")
 

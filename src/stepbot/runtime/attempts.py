@@ -10,9 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-BODY_SECONDS = 120.0
-"""Time limit of a body [s]: processor time in a forked process, else wall-clock time. Large ones take a few seconds."""
-
 _AT_HAND, _LATE = "at hand", "late"
 
 
