@@ -21,6 +21,7 @@ COMMANDS = (
     "batch",
     "inspect",
     "check",
+    "lock",
     "uptodate",
     "verify",
     "explain",

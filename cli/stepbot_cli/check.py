@@ -11,6 +11,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
+from .fixing import fix_paths
 from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
@@ -45,10 +46,13 @@ class CheckCommand(Command):
 @click.command(
     cls=CheckCommand,
     short_help="Check sidecars without writing anything.",
-    epilog="Example: stepbot check --step arm.robot.yaml",
+    epilog="Example: stepbot check --step arm.robot.yaml\n\nAfter a CAD change: stepbot check --fix arm.robot.yaml",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--step", metavar="[FILE]", help="Also read the STEP file of the sidecar, or FILE, and build the robot.")
+@click.option(
+    "--fix", is_flag=True, help="Rewrite paths of components that the CAD has certainly renamed; implies --step."
+)
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @ignore_option
 @reading_options
@@ -58,6 +62,7 @@ def command(
     options: "Options",
     sidecars: tuple[Path, ...],
     step: str | None,
+    fix: bool,
     strict: bool,
     ignore: tuple[str, ...],
     as_json: bool,
@@ -65,7 +70,8 @@ def command(
 ) -> int:
     """Check sidecars and report all errors. Folders are searched recursively; the default is the current folder.
 
-    STEP files are read only with --step. No files are written. Diagnostics are printed to standard output.
+    STEP files are read only with --step. A STEP file that differs from the sidecar's lock file (`stepbot lock`) is
+    compared with it. No files are written, except by --fix. Diagnostics are printed to standard output.
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.jobs.incremental import check
@@ -74,10 +80,14 @@ def command(
     found = Diagnostics()
     checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
-    with progress_bar([str(path) for path in sidecars] if step else ()) as progress:
+    open_step = fix or step is not None
+    fixes = []
+    with progress_bar([str(path) for path in sidecars] if open_step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            checked[sidecar] = check(sidecar, options, found, open_step=step is not None)
+            if fix and (fixed := fix_paths(sidecar, options, found)) is not None:
+                fixes.append(fixed)
+            checked[sidecar] = check(sidecar, options, found, open_step=open_step)
     if strict:
         found.make_strict()
     say_trouble(options.cache, found)
@@ -90,12 +100,15 @@ def command(
                 "joint_tables": {
                     path.as_posix(): joint_table_document(one.joint_table) for path, one in checked.items()
                 },
+                **({"fixed": [fixed.document for fixed in fixes]} if fix else {}),
                 "ignored": len(found.ignored),
                 "diagnostics": found,
                 "exit_code": found.exit_code,
             }
         )
     else:
+        for fixed in fixes:
+            write_result(fixed.difference)
         show_diagnostics(found, display, as_result=True)
         if not (display.quiet or display.concise):
             _show(checked, found, display)

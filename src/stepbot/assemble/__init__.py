@@ -5,6 +5,7 @@ claims               the link of each component
 weigh                mass properties of each body: exact or from its mesh
 masses               mass of each component
 overlaps             mass that overlapping solids count twice
+bound                links, masses and joints as far as the sidecar binds
 frames               origin of each joint and frame, as drawn
 evidence             the faces that an origin was found by
 joints               joints, closures, the joint table
@@ -25,7 +26,8 @@ from stepbot.runtime.worker import Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
-from .binder import Binder
+from .binder import UNREVISED, Binder, Revised
+from .bound import Bound, bind
 from .claims import Claims, claim
 from .devices import build_actuators, build_frames, build_sensors
 from .double_counting import DoubleCounting
@@ -57,6 +59,7 @@ def build_robot(
     found: Diagnostics,
     cache: Cache | None = None,
     process: Worker | None = None,
+    revised: Revised = UNREVISED,
 ) -> Built | None:
     """Build the robot that the sidecar describes; None if there are errors, all of which are in ``found``.
 
@@ -68,9 +71,10 @@ def build_robot(
         found: Receives SB3xx, SB4xx and SB5xx.
         cache: Cache for overlaps; None to disable it.
         process: Worker that searches for overlaps after it has measured the meshes; None to search in this process.
+        revised: What is known, and reported elsewhere, of a revision of the CAD.
     """
     document = sidecar.document
-    binder = Binder(assembly, sidecar, found)
+    binder = Binder(assembly, sidecar, found, revised)
     root, order = tree_order(document)
     materials = assign_materials(binder)
     claims = claim(binder, materials.of)
@@ -125,4 +129,4 @@ def _report_bodies(binder: Binder, claims: Claims, bodies: Sequence[MeasuredBody
     report_weightless(binder, bodies, weighed)
 
 
-__all__ = ["Built", "build_robot", "link_components"]
+__all__ = ["UNREVISED", "Bound", "Built", "Revised", "bind", "build_robot", "link_components"]

@@ -1,6 +1,7 @@
 """Resolves the sidecar's component paths in the assembly and reports unresolved ones at their place in the sidecar."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.sidecar.document import Document
@@ -14,11 +15,25 @@ LISTED = 20
 """Maximum number of names in one message."""
 
 
+@dataclass(frozen=True)
+class Revised:
+    """What is known of components that a revision of the CAD has changed, and is reported elsewhere."""
+
+    bound: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    """Components by a path that no longer names them in the assembly; none for one whose components are gone."""
+    new: frozenset[int] = frozenset()
+    """Components that the revision has added."""
+
+
+UNREVISED = Revised()
+
+
 class Binder:
     """One sidecar bound to one assembly."""
 
-    def __init__(self, assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> None:
+    def __init__(self, assembly: Assembly, sidecar: Sidecar, found: Diagnostics, revised: Revised = UNREVISED) -> None:
         self.assembly = assembly
+        self.revised = revised
         self.sidecar = sidecar
         self.found = found
         self.paths = ComponentPaths(assembly.components)
@@ -75,6 +90,8 @@ class Binder:
         return self.assembly.components[index].path
 
     def _look_up(self, pattern: str, keys: Keys, *, one: bool) -> tuple[int, ...]:
+        if pattern in self.revised.bound:
+            return self.revised.bound[pattern]
         binding = self.paths.find_one(pattern) if one else self.paths.find(pattern)
         if binding.problem == "unknown":
             message = f"no component {_named(pattern)} in {self.assembly.source}"

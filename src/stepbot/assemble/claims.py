@@ -5,7 +5,7 @@ horn in the next. Unclaimed components go to the link with ``rest``, or are an e
 body count: the others contribute nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stepbot.step.assembly import BodyKind
@@ -23,6 +23,10 @@ class Claims:
     """Link that owns the component's body; empty if the component has no body or is ignored."""
     incomplete: frozenset[str]
     """Links with a path that matches no component, or too many: results that depend on their parts are unknown."""
+    claimed: Mapping[int, tuple[str, int]]
+    """For each component that a path of a link names itself the link, and the position of the path in its parts."""
+    unclaimed: tuple[int, ...] = ()
+    """Components with a body that no link claims."""
 
     def parts_of(self, link: str) -> tuple[int, ...]:
         """Indices of the link's components with bodies, in file order."""
@@ -45,9 +49,11 @@ def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
         if not (one.is_taken or any(link_of[index] == one.link for index in below)):
             _report_empty_claim(binder, one.link, one.position, below, of)
     left = [i for i, takes in enumerate(takeable) if takes and not of[i].ignored and not link_of[i]]
-    if left:
-        _report_unclaimed(binder, left, incomplete)
-    return Claims(link_of, frozenset(incomplete))
+    unknown = [index for index in left if index not in binder.revised.new]
+    if unknown:
+        _report_unclaimed(binder, unknown, incomplete)
+    places = {index: (one.link, one.position) for one in reversed(claims) for index in one.indices}
+    return Claims(link_of, frozenset(incomplete), places, tuple(left))
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def joint_table(frames: Frames, joints: Iterable[Joint], closures: Iterable[Loop
         assert X_WJ is not None  # a joint without a frame is omitted
         row = _row(joint.name, joint.kind, (joint.parent, joint.child), X_WJ, joint.axis, evidence)
         is_universal = joint.kind is JointKind.UNIVERSAL
-        rows.append(replace(row, axis2=_direction(X_WJ, joint.axis2)) if is_universal else row)
+        rows.append(replace(row, axis2=direction_in(X_WJ, joint.axis2)) if is_universal else row)
     for closure in closures:
         X_WA, evidence = frames.link(closure.link_a), frames.evidence("closures", closure.name, "origin")
         assert X_WA is not None  # a closure without a frame is omitted
@@ -79,11 +79,12 @@ def joint_table(frames: Frames, joints: Iterable[Joint], closures: Iterable[Loop
 
 def _row(name: str, kind: JointKind, ends: tuple[str, str], X_WF: Pose, axis: Vector3, evidence: Evidence) -> JointRow:
     has_axis = kind not in (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
-    direction = _direction(X_WF, axis) if has_axis else None
+    direction = direction_in(X_WF, axis) if has_axis else None
     return JointRow(name, kind.value, *ends, tidy(X_WF).position, direction, evidence=evidence)
 
 
-def _direction(X_WF: Pose, axis: Vector3) -> Vector3:
+def direction_in(X_WF: Pose, axis: Vector3) -> Vector3:
+    """An axis given in a frame, expressed in the assembly's, without the noise of the last bits."""
     return vector3(np.round(X_WF.turn(axis), _DECIMALS) + 0.0)
 
 

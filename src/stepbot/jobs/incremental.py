@@ -14,6 +14,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Options, write
 from stepbot.pipeline.prestart import started_kernel, started_server
+from stepbot.revisions.lock_path import lock_path
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, own_code
 from stepbot.runtime.output import check_writable
 from stepbot.step.exchange.file_set import input_digest
@@ -61,6 +62,7 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     if record is not None:
         return _conversion_of(record)
     before = _content(sidecar, options.cache)
+    lock = file_digest(lock_path(sidecar))
     with ExitStack() as running:
         kernel = started_kernel(sidecar, options)
         server = started_server(options) if kernel is None else None  # not in parallel: the kernel would take longer
@@ -70,7 +72,7 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
         from stepbot.pipeline import stages as pipeline
 
         conversion = pipeline.produce(sidecar, options, progress, kernel, server)
-    if before and before == _content(sidecar, options.cache):
+    if before and before == _content(sidecar, options.cache) and lock == file_digest(lock_path(sidecar)):
         _keep(conversion, sidecar, before, options)
     return conversion
 
@@ -98,6 +100,7 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
         options: Conversion options.
     """
     digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
+    digest.add(file_digest(lock_path(sidecar)) or "no lock")
     return digest.add(*_asked(options)).key
 
 
@@ -183,4 +186,7 @@ def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
         return digest.key
     source = options.step or _named_step(sidecar, content, options.cache)
     geometry = input_digest(source) if source is not None else None
-    return digest.add(environment(), str(source), geometry, *_asked(options)).key if geometry is not None else ""
+    if geometry is None:
+        return ""
+    lock = file_digest(lock_path(sidecar)) or "no lock"
+    return digest.add(environment(), str(source), geometry, lock, *_asked(options)).key

@@ -14,9 +14,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepbot.assemble import build_robot, link_components
-from stepbot.assemble.reading import read_options
-from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError, did_you_mean
+from stepbot.assemble import UNREVISED, build_robot, link_components
+from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.engines.workers import check_required
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.lowering import lower
@@ -30,14 +29,12 @@ from stepbot.robot.shared_meshes import share_meshes
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
-from stepbot.sidecar.check import check_sidecar
-from stepbot.sidecar.ignored import ignores
-from stepbot.sidecar.load import load_sidecar
-from stepbot.sidecar.located import Sidecar
-from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.assembly import Assembly
 
 from .conversion import REPORT, Checked, Conversion, Options, write
 from .loading import Loading
+from .locking import compared_with_lock
+from .sidecars import load, named_step, what_to_read
 
 if TYPE_CHECKING:
     from .proof import Proof
@@ -102,10 +99,10 @@ def _produce(
     formats = [format_named(name) for name in dict.fromkeys(options.formats)]
     if options.verify:
         check_required(options.require, found)
-    sidecar = _load(path, options, found)
+    sidecar = load(path, options, found)
     with ExitStack() as running:
-        step = options.step or _named_step(sidecar, found)
-        loading = running.enter_context(closing(Loading(step, _what(sidecar, options), options, found, kernel)))
+        step = options.step or named_step(sidecar, found)
+        loading = running.enter_context(closing(Loading(step, what_to_read(sidecar, options), options, found, kernel)))
         proof = _started_proof([written.name for written in formats], options, server)
         if proof is not None:
             running.enter_context(closing(proof))
@@ -113,7 +110,9 @@ def _produce(
 
         progress("build")
         measures = partial(loading.measures, found)
-        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker)
+        compared = compared_with_lock(sidecar, assembly, measures, loading.content, found)
+        revised = UNREVISED if compared is None else compared.rebinding.revised
+        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
         found.raise_if_errors()
         assert built is not None  # a missing robot always has an error
         robot = share_meshes(built.robot)
@@ -158,14 +157,16 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
     checked = Checked()
     try:
-        loaded = _load(sidecar, options, found)
+        loaded = load(sidecar, options, found)
         document = loaded.document
         checked = Checked(document.step, len(document.links), len(document.joints) + len(document.closures))
         if open_step:
-            source = options.step or _named_step(loaded, found)
-            with closing(Loading(source, _what(loaded, options), options, found)) as loading:
+            source = options.step or named_step(loaded, found)
+            with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
                 assembly, measures = loading.assembly(found), partial(loading.measures, found)
-                built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker)
+                compared = compared_with_lock(loaded, assembly, measures, loading.content, found)
+                revised = UNREVISED if compared is None else compared.rebinding.revised
+                built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker, revised)
                 if built is not None:
                     checked = replace(checked, joint_table=built.joint_table)
                     check_robot(share_meshes(built.robot), found, loaded.span(), assembly.unit)
@@ -180,7 +181,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
 def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
     """The STEP file of a conversion; None after errors."""
     try:
-        return options.step or _named_step(_load(sidecar, options, found), found)
+        return options.step or named_step(load(sidecar, options, found), found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return None
@@ -190,9 +191,9 @@ def inspect(path: Path, options: Options) -> Inspection:
     """Read a STEP file and measure its bodies; for a sidecar, read its STEP, with its links' components."""
     found = Diagnostics()
     try:
-        sidecar = _load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
-        step = path if sidecar is None else options.step or _named_step(sidecar, found)
-        with closing(Loading(step, _what(sidecar, options), options, found)) as loading:
+        sidecar = load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
+        step = path if sidecar is None else options.step or named_step(sidecar, found)
+        with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
             assembly, measures = loading.assembly(found), loading.measures(found)
         found.raise_if_errors()
     except StepbotError as error:
@@ -200,23 +201,6 @@ def inspect(path: Path, options: Options) -> Inspection:
         return Inspection(found, None)
     links = {} if sidecar is None else link_components(assembly, sidecar, found)
     return Inspection(found, assembly, measures, links)
-
-
-def _what(sidecar: Sidecar | None, options: Options) -> ReadOptions:
-    """Read options of a STEP file, with or without a sidecar."""
-    what = ReadOptions() if sidecar is None else read_options(sidecar.document)
-    return replace(what, encoding=options.encoding) if options.encoding else what
-
-
-def _load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
-    sidecar = load_sidecar(path, found)
-    if sidecar is not None:
-        check_sidecar(sidecar, found)
-        found.ignore(ignores(sidecar.root))
-    found.raise_if_errors()
-    assert sidecar is not None
-    return sidecar
 
 
 _JUDGED_BY_TEXT = ("SB1",)
@@ -236,18 +220,3 @@ def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
         if rule.code.startswith(judged):
             about = f"{rule.subject}: " if rule.subject else ""
             found.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])
-
-
-def _named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
-    """The STEP of the sidecar; a missing file is reported at its name in the sidecar."""
-    path = sidecar.step_path
-    if not path.exists():
-        folder = path.parent
-        beside = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
-        remedies = (
-            *did_you_mean(path.name, beside),
-            "`step` is relative to the sidecar; `--step FILE` selects another file",
-        )
-        found.add("SB001", f"step: file '{sidecar.document.step}' not found", sidecar.span("step"), help=remedies)
-        found.raise_if_errors()
-    return path

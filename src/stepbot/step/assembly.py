@@ -118,6 +118,8 @@ class Body:
     """Exact area [m^2] of all faces, integrated only for files that state areas; otherwise 0."""
     faces: tuple[Face, ...] = ()
     """Every face, in file order; only with ``ReadOptions.faces``."""
+    face_counts: tuple[tuple[str, int], ...] = ()
+    """How many faces lie on each kind of surface, by the name of the kind; none for a body of triangles or curves."""
 
 
 @dataclass(frozen=True)

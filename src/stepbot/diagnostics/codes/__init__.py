@@ -15,6 +15,7 @@ from . import (
     mass,
     mechanism,
     meshes,
+    revisions,
     sidecar,
     simulators,
 )
@@ -27,6 +28,7 @@ CODES: dict[str, Code] = {
         sidecar,
         assembly,
         binding,
+        revisions,
         kinematics,
         mechanism,
         mass,

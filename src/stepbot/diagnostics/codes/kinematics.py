@@ -66,6 +66,14 @@ CODES = (
         "explicitly.",
     ),
     Code(
+        "SB408",
+        "warning",
+        "joint axis moved",
+        "The axis or the origin of a joint is not where it was when the lock file was written.",
+        "The kinematics of the robot change: calibrations, joint limits and motions made for the earlier revision may no longer hold.",
+        "If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
+    Code(
         "SB410",
         "error",
         "assembled pose outside joint limits",

@@ -152,4 +152,12 @@ CODES = (
         "Repair the solid in CAD (self-intersecting faces, gaps between faces), ignore it under `parts`, or give its "
         "link an `inertial` with com and inertia.",
     ),
+    Code(
+        "SB517",
+        "warning",
+        "mass of a component changed",
+        "The mass of a component differs from that in the lock file, because the STEP file gives it another density.",
+        "Mass, centre of mass and inertia of its link change.",
+        "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
 )

@@ -16,6 +16,7 @@ from stepbot.robot.model import Rgba
 
 from ..assembly import CERTAIN, AxisFace, Body, BodyKind, MeshTolerance
 from ..features.axis_faces import axis_faces
+from ..features.face_counts import face_counts
 from ..features.face_reading import read_faces
 from ..kernel import MILLIMETRES_PER_METRE
 from ..structure.source import BodySource
@@ -108,6 +109,7 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
         if refinement.shortfall:
             work.say("SB606", refinement.shortfall)
     body = _body(work, result.mesh, mesh, watertight, defect, refinement.properties, faces)
+    body = replace(body, face_counts=face_counts(faces_of(work.healed.shape)))
     if request.faces:
         body = replace(body, faces=read_faces(faces_of(work.healed.shape)))
     return ReadBody(body, tuple(work.findings))

@@ -73,6 +73,21 @@ def escape(name: str) -> str:
     return f"\\{name}" if _DOT.fullmatch(name) else re.sub(r"([/*#])", r"\\\1", name)
 
 
+def segments_of(pattern: str) -> list[str]:
+    """The segments of a path or glob, as they are written."""
+    return _SLASH.split(pattern)
+
+
+def is_glob(pattern: str) -> bool:
+    """Whether a path has a ``*`` that stands for other characters."""
+    return _STAR.search(pattern) is not None
+
+
+def without_ordinal(segment: str) -> str:
+    """A segment without its ``#n``."""
+    return _ORDINAL.sub("", segment)
+
+
 def quoted(path: str) -> str:
     """A path as a YAML string on one line, in quotes, ready to paste."""
     if not path.isprintable():
@@ -150,7 +165,7 @@ def _matches_parts(name: str, parts: Sequence[str]) -> bool:
 
 
 def _parse(pattern: str) -> list[_Segment]:
-    return [_parse_segment(text) for text in _SLASH.split(pattern)]
+    return [_parse_segment(text) for text in segments_of(pattern)]
 
 
 def _parse_segment(text: str) -> _Segment:

@@ -1,0 +1,59 @@
+"""``stepbot check --fix``: renamed paths rewritten in sidecars."""
+
+import contextlib
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stepbot.diagnostics import Diagnostics
+
+from .render import printable
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.conversion import Options
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A sidecar that was rewritten."""
+
+    sidecar: Path
+    before: str
+    after: str
+    paths: Mapping[str, str]
+    """The new path for each one that changed."""
+
+    @property
+    def difference(self) -> str:
+        """What changed, as a unified diff."""
+        name = self.sidecar.as_posix()
+        before, after = self.before.splitlines(), self.after.splitlines()
+        return "\n".join(map(printable, difflib.unified_diff(before, after, name, name, lineterm="", n=0)))
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """What ``--json`` prints."""
+        return {"file": self.sidecar.as_posix(), "paths": dict(self.paths), "diff": self.difference}
+
+
+def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | None:
+    """Rewrite the paths of certainly renamed components in a sidecar and its lock; None where nothing was written."""
+    from stepbot.pipeline.locking import mend
+    from stepbot.revisions.lock_path import lock_path
+    from stepbot.runtime.file import write_file
+
+    mended = mend(sidecar, options, found)
+    if mended is None:
+        return None
+    target, trouble = sidecar.resolve(), Diagnostics()
+    mode = target.stat().st_mode
+    write_file(target, mended.sidecar, trouble)
+    found.extend(trouble)
+    if trouble.has_errors:
+        return None
+    with contextlib.suppress(OSError):  # who may write a file need not own it
+        target.chmod(mode)
+    write_file(lock_path(sidecar).resolve(), mended.lock, found)
+    return Fixed(sidecar, mended.before.decode("utf-8"), mended.sidecar.decode("utf-8"), mended.paths)

@@ -1,0 +1,84 @@
+"""``stepbot lock``: write the lock files of sidecars."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stepbot.diagnostics import Diagnostics
+
+from .caching import say_trouble
+from .command import Command, display_options, ignore_option, json_option
+from .progress import progress_bar
+from .reading import reading_options
+from .render import printable
+from .terminal import Display, show_diagnostics, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.conversion import Options
+    from stepbot.revisions.snapshot import Snapshot
+
+
+@click.command(
+    cls=Command,
+    short_help="Record shapes, poses and axes, to find CAD changes.",
+    epilog="Example: stepbot lock arm.robot.yaml",
+)
+@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
+@click.option(
+    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one in SIDECAR."
+)
+@ignore_option
+@reading_options
+@json_option
+@display_options
+def command(
+    options: "Options",
+    sidecars: tuple[Path, ...],
+    step: Path | None,
+    ignore: tuple[str, ...],
+    as_json: bool,
+    display: Display,
+) -> int:
+    """Write `<robot>.lock.json` beside each sidecar: shape, pose and mass of each component, axis of each joint.
+
+    After a CAD change, `check --step` and `convert` compare the STEP file with it and report what was renamed, moved,
+    added, removed or reshaped. Folders are searched recursively; the default is the current folder. A robot with errors
+    is not locked.
+    """
+    from stepbot.jobs.discovery import find_sidecars
+    from stepbot.pipeline.locking import make_lock
+    from stepbot.revisions.lock_path import lock_path
+    from stepbot.runtime.file import write_file
+
+    options = replace(options, step=step, ignore=ignore)
+    found = Diagnostics()
+    written: dict[Path, Snapshot] = {}
+    paths = find_sidecars(sidecars or (Path(),), found)
+    with progress_bar([str(path) for path in paths]) as progress:
+        for sidecar in paths:
+            progress(str(sidecar))
+            of_one = Diagnostics()
+            locked = make_lock(sidecar, options, of_one)
+            if locked is not None:
+                write_file(lock_path(sidecar), locked.content, of_one)
+            if locked is not None and not of_one.has_errors:
+                written[lock_path(sidecar)] = locked.snapshot
+            found.extend(one for one in of_one if one.severity == "error")
+    say_trouble(options.cache, found)
+    if as_json:
+        files = [{"lock": path.as_posix(), **_counts(taken)} for path, taken in written.items()]
+        write_json({"files": files, "diagnostics": found, "exit_code": found.exit_code})
+    else:
+        show_diagnostics(found, display)
+        if not (display.quiet or display.concise):
+            for path, taken in written.items():
+                counts = _counts(taken)
+                words = f"{counts['components']} components, {counts['joints']} joints of {taken.source}"
+                write_result(printable(f"{path.as_posix()}: {words}"))
+    return found.exit_code
+
+
+def _counts(taken: "Snapshot") -> dict[str, int]:
+    return {"components": len(taken.parts), "joints": len(taken.joints)}

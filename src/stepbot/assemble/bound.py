@@ -1,0 +1,86 @@
+"""What a sidecar makes of an assembly, component by component and joint by joint, as far as it binds."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import Vector3
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.robot.model import ComponentMass, JointKind
+from stepbot.sidecar.located import Sidecar
+from stepbot.step.assembly import Assembly
+
+from .binder import UNREVISED, Binder, Revised
+from .claims import Claims, claim
+from .frames import Frames, Wanted
+from .joints import direction_in, tidy, tree_order
+from .masses import masses
+from .material_assignment import assign_materials
+from .weigh import weigh
+
+_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+
+
+@dataclass(frozen=True)
+class PlacedJoint:
+    """A joint or closure, as drawn."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Vector3
+    """[m] in the assembly's frame."""
+    axis: Vector3 | None
+    """Unit direction in the same frame; None for a joint without one."""
+    is_closure: bool = False
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Links, masses and joints of an assembly."""
+
+    claims: Claims
+    masses: Mapping[int, ComponentMass]
+    """By component."""
+    joints: tuple[PlacedJoint, ...]
+    """Joints and closures whose place is known, in the sidecar's order."""
+
+
+def bind(
+    assembly: Assembly,
+    sidecar: Sidecar,
+    measures: Sequence[VolumeProperties | None],
+    revised: Revised = UNREVISED,
+) -> Bound:
+    """What binds of a sidecar, whatever else does not: errors are reported where the robot is built.
+
+    Args:
+        assembly: What the STEP holds.
+        sidecar: A sidecar whose own check found no error.
+        measures: For each of ``assembly.bodies`` what trimesh measures on its mesh.
+        revised: What is known of a revision.
+    """
+    binder = Binder(assembly, sidecar, Diagnostics(), revised)
+    materials = assign_materials(binder)
+    claims = claim(binder, materials.of)
+    weighed = masses(binder, materials, weigh(assembly, measures, sidecar.document.mass))
+    return Bound(claims, weighed, placed_joints(binder, Frames(binder, claims, tree_order(sidecar.document)[0])))
+
+
+def placed_joints(binder: Binder, frames: Frames) -> tuple[PlacedJoint, ...]:
+    """The joints and closures whose place is known."""
+    document = binder.document
+    placed = []
+    for name, joint in document.joints.items():
+        X_WJ = frames.joint(name)
+        if X_WJ is not None:
+            axis = None if joint.type in _WITHOUT_AXIS else direction_in(X_WJ, joint.axis)
+            placed.append(PlacedJoint(name, joint.type.value, joint.parent, joint.child, tidy(X_WJ).position, axis))
+    for name, closure in document.closures.items():
+        ends = (closure.link_a, closure.link_b)
+        X_WF = frames.resolve(closure.origin, Wanted(("closures", name, "origin"), ends))
+        if X_WF is not None:
+            axis = None if closure.type in _WITHOUT_AXIS else direction_in(X_WF, closure.axis)
+            placed.append(PlacedJoint(name, closure.type.value, *ends, tidy(X_WF).position, axis, is_closure=True))
+    return tuple(placed)

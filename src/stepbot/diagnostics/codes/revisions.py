@@ -1,0 +1,86 @@
+"""SB31x: what a revision of the CAD changed, against the lock file of the sidecar."""
+
+from .code import Code
+
+CODES = (
+    Code(
+        "SB310",
+        "error",
+        "component renamed",
+        "A path of the sidecar no longer names the component that it named when the lock file was written. A component of the same shape, in the same pose, has another name.",
+        "The path names nothing, or another component, so the robot would lose a part or be given a wrong one.",
+        "`stepbot check --fix` rewrites the path, and changes nothing else in the sidecar. Or write the new name yourself.",
+    ),
+    Code(
+        "SB311",
+        "error",
+        "component probably renamed",
+        "A path of the sidecar no longer names its component. The message gives the component that comes into question, and the evidence: the same shape elsewhere, or nearly the same size in the same place. Where several come into question, all of them are listed.",
+        "The path names nothing, or another component. stepbot does not decide on such evidence.",
+        "Look at the component in CAD. If it is the same part, write its new name; otherwise remove the path or write what replaces it.",
+    ),
+    Code(
+        "SB312",
+        "error",
+        "component removed",
+        "A path of the sidecar names a component that is no longer in the STEP file, and no new component has its shape or place.",
+        "The link, joint or rule that names it is incomplete.",
+        "Remove the path from the sidecar, or write what replaces the component.",
+    ),
+    Code(
+        "SB313",
+        "error",
+        "new component not assigned to any link",
+        "The STEP file contains components that it did not contain when the lock file was written, and no link has them.",
+        "Their mass and geometry would be missing from the robot.",
+        "Add them to the `parts` of a link, or exclude them with `ignore: true` under `parts`.",
+    ),
+    Code(
+        "SB314",
+        "note",
+        "component renamed, still in its link",
+        "A component has another name than in the lock file. A glob, a subassembly or `rest` of the sidecar still puts it in the same link.",
+        "The robot is the same. The lock file has the old name.",
+        "Write the lock file anew with `stepbot lock`.",
+    ),
+    Code(
+        "SB315",
+        "warning",
+        "renamed component in another link",
+        "A component has another name than in the lock file, and under the new name it belongs to another link: a glob or a subassembly takes it.",
+        "Mass and geometry move from one link to another, although nobody edited the sidecar.",
+        "Correct the `parts` of both links. If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
+    Code(
+        "SB316",
+        "warning",
+        "link lost a component",
+        "A component of a link is no longer in the STEP file. A glob, a subassembly or `rest` had put it in the link.",
+        "The link is lighter than before, and other paths do not show it.",
+        "Check in CAD that the component was removed on purpose. If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
+    Code(
+        "SB317",
+        "warning",
+        "link gained a component",
+        "A component that is not in the lock file belongs to a link, because a glob, a subassembly or `rest` takes it.",
+        "The new component moves with this link. It may belong to another.",
+        "List it in the `parts` of the link that it belongs to. If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
+    Code(
+        "SB318",
+        "warning",
+        "component moved",
+        "A component is in another pose than in the lock file.",
+        "Centre of mass and inertia of its link change. Joints bound to its faces move with it.",
+        "If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
+    Code(
+        "SB319",
+        "warning",
+        "shape of a component changed",
+        "Volume, moments or faces of a component differ from those in the lock file.",
+        "Mass, centre of mass, inertia and geometry of its link change.",
+        "If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+    ),
+)

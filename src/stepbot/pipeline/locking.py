@@ -1,0 +1,139 @@
+"""Locks of sidecars: made of an assembly, and compared with it after a change of the CAD."""
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from stepbot.assemble import bind, build_robot
+from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.revisions.age import report_age
+from stepbot.revisions.comparison import Comparison, revised
+from stepbot.revisions.findings import report_changes
+from stepbot.revisions.lock_file import lock_bytes, read_lock
+from stepbot.revisions.lock_path import lock_path
+from stepbot.revisions.mending import certain_renamings, renamed_lock
+from stepbot.revisions.snapshot import Snapshot, snapshot, with_sidecar
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.rewriting import rewritten
+from stepbot.step.assembly import Assembly
+from stepbot.step.structure.paths import quoted
+
+from .conversion import Options
+from .loading import Loading
+from .sidecars import load, named_step, what_to_read
+
+
+def compared_with_lock(
+    sidecar: Sidecar,
+    assembly: Assembly,
+    measures: Callable[[], Sequence[VolumeProperties | None]],
+    digest: str,
+    found: Diagnostics,
+) -> Comparison | None:
+    """Compare an assembly with the lock of its sidecar, and report what has changed.
+
+    Args:
+        sidecar: The sidecar, without errors of its own.
+        assembly: What the STEP holds now.
+        measures: Gives for each of ``assembly.bodies`` what trimesh measures on its mesh.
+        digest: Hash of the STEP's bytes; empty where it is not known.
+        found: Receives the diagnostics.
+
+    Returns:
+        The comparison; None where there is no lock, or it was made of the same STEP.
+    """
+    lock = read_lock(lock_path(sidecar.path), sidecar.document.robot, found)
+    if lock is None:
+        return None
+    report_age(lock, sidecar, found)
+    if digest and digest == lock.digest:
+        return None
+    compared = revised(sidecar, assembly, lock, measures(), digest)
+    report_changes(compared, found)
+    return compared
+
+
+@dataclass(frozen=True)
+class Locked:
+    """What a lock was made of."""
+
+    content: bytes
+    """The file."""
+    snapshot: Snapshot
+
+
+def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | None:
+    """The lock of a sidecar and its STEP; None where the robot has errors, all of which are in ``found``."""
+    try:
+        loaded = load(sidecar, options, found)
+        step = options.step or named_step(loaded, found)
+        with closing(Loading(step, what_to_read(loaded, options), options, found)) as loading:
+            assembly, measures = loading.assembly(found), partial(loading.measures, found)
+            built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker)
+            found.raise_if_errors()
+            assert built is not None  # no robot without an error
+            taken = snapshot(assembly, loading.content, measures())
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return None
+    if not taken.digest:
+        found.add("SB001", "the file changed while it was read", loaded.span("step"), help=["run the command again"])
+        return None
+    whole = with_sidecar(taken, assembly, loaded.document, bind(assembly, loaded, measures()))
+    return Locked(lock_bytes(whole), whole)
+
+
+@dataclass(frozen=True)
+class Mended:
+    """A sidecar with the new paths of components that were certainly renamed."""
+
+    before: bytes
+    """The sidecar as it is."""
+    sidecar: bytes
+    """As it should be."""
+    lock: bytes
+    """Its lock with the new names."""
+    paths: Mapping[str, str]
+    """The new path for each one that changed."""
+
+
+def mend(sidecar: Path, options: Options, found: Diagnostics) -> Mended | None:
+    """The sidecar with certain renamings made; None where there are none.
+
+    Args:
+        sidecar: The sidecar. Its errors, and those of its STEP, are for a check to report.
+        options: Limits and cache.
+        found: Receives SB017 where there is no lock, and SB018 where the text cannot be rewritten.
+    """
+    elsewhere = Diagnostics()
+    path = lock_path(sidecar)
+    try:
+        content = sidecar.read_bytes() if sidecar.is_file() else b""
+        loaded = load(sidecar, options, elsewhere)
+        if not path.exists():
+            remedy = f"write one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
+            found.add("SB017", "lock file: none, so no renamed components can be found", loaded.span(), help=[remedy])
+            return None
+        lock = read_lock(path, loaded.document.robot, elsewhere)
+        step = options.step or named_step(loaded, elsewhere)
+        with closing(Loading(step, what_to_read(loaded, options), options, elsewhere)) as loading:
+            assembly, measures = loading.assembly(elsewhere), loading.measures(elsewhere)
+            digest = loading.content
+    except StepbotError:
+        return None
+    if lock is None or digest == lock.digest:
+        return None
+    compared = revised(loaded, assembly, lock, measures, digest)
+    paths = certain_renamings(compared)
+    if not paths:
+        return None
+    new = rewritten(loaded, content, paths)
+    if new is None:
+        names = [f"{quoted(old)}: write {quoted(name)}" for old, name in paths.items()]
+        found.add("SB018", "renamed paths cannot be replaced without changing other values", loaded.span(), help=names)
+        return None
+    return Mended(content, new, lock_bytes(renamed_lock(compared)), paths)

@@ -1,0 +1,180 @@
+"""Paths of a sidecar that no longer name what they named when the lock was made, and what names it now."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from stepbot.assemble.binder import Revised
+from stepbot.sidecar.component_paths import PathPlace, component_paths
+from stepbot.sidecar.document import Document
+from stepbot.step.assembly import ROOT_PATH, Assembly
+from stepbot.step.structure.paths import ComponentPaths, is_glob, segments_of, without_ordinal
+
+from .matching import Certainty, Match, Pair
+from .snapshot import Snapshot, part_components
+
+
+class Fate(StrEnum):
+    """What became of the components that a path named."""
+
+    RENAMED = "renamed"
+    PROBABLY_RENAMED = "probably renamed"
+    REMOVED = "removed"
+
+
+def renamed_node(old: str, new: str) -> tuple[str, str]:
+    """The component whose renaming explains that of one below it: both paths without the segments that they share."""
+    ours, theirs = segments_of(old), segments_of(new)
+    while len(ours) > 1 and len(theirs) > 1 and ours[-1] == theirs[-1]:
+        ours, theirs = ours[:-1], theirs[:-1]
+    return "/".join(ours), "/".join(theirs)
+
+
+@dataclass(frozen=True)
+class BrokenPath:
+    """A path that no longer names what it named."""
+
+    pattern: str
+    places: tuple[PathPlace, ...]
+    fate: Fate
+    old: tuple[str, ...]
+    """Canonical paths of what it named; of components below each other the topmost."""
+    new: tuple[str, ...] = ()
+    """Canonical paths of the same components now."""
+    replacement: str = ""
+    """A path that names just these; empty where no single one does, and for a glob that matched several."""
+    pairs: tuple[Pair, ...] = ()
+    """The parts below them."""
+    candidates: tuple[str, ...] = ()
+    """Of removed components, parts that each could be one of them."""
+    names_others: bool = False
+    """Whether the path now names other components."""
+
+    @property
+    def node(self) -> tuple[str, str] | None:
+        """Former and present path of the one component whose renaming broke the path; None where there is no one."""
+        nodes = {renamed_node(old, new) for old, new in zip(self.old, self.new, strict=False)}
+        return nodes.pop() if len(self.old) == len(self.new) and len(nodes) == 1 else None
+
+
+@dataclass(frozen=True)
+class Rebinding:
+    """All broken paths of a sidecar, and what they should bind to."""
+
+    broken: tuple[BrokenPath, ...]
+    revised: Revised
+
+
+def rebind(old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, document: Document) -> Rebinding:
+    """Find the paths that a revision has broken.
+
+    Args:
+        old: The lock.
+        new: The parts of the assembly.
+        matched: Which part is which.
+        assembly: What the STEP holds now.
+        document: The sidecar.
+    """
+    binding = _Binding(old, new, matched, assembly)
+    places: dict[str, list[PathPlace]] = {}
+    for place in component_paths(document):
+        places.setdefault(place.pattern, []).append(place)
+    locked = {reference.path: reference.components for reference in old.references}
+    broken = [
+        found
+        for pattern, several in places.items()
+        if pattern in locked and (found := binding.broken(pattern, tuple(several), locked[pattern])) is not None
+    ]
+    components = part_components(assembly)
+    return Rebinding(
+        tuple(broken),
+        Revised(
+            {one.pattern: binding.indices(one.new) for one in broken},
+            frozenset(components[index].index for index in matched.added),
+        ),
+    )
+
+
+class _Binding:
+    """Looks up in a revised assembly what paths named before."""
+
+    def __init__(self, old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly) -> None:
+        self._old, self._new, self._match, self._assembly = old, new, matched, assembly
+        self._paths = ComponentPaths(assembly.components)
+        self._index = {component.path: component.index for component in assembly.components}
+        self._old_parts = frozenset(old.index_of)
+        self._pair_of = {pair.old: pair for pair in matched.pairs}
+
+    def indices(self, paths: Iterable[str]) -> tuple[int, ...]:
+        """Components by their canonical paths."""
+        return tuple(self._index[path] for path in paths)
+
+    def broken(self, pattern: str, places: tuple[PathPlace, ...], components: tuple[str, ...]) -> BrokenPath | None:
+        """What became of a path that named some components; None where it still names them."""
+        parts = [index for index, part in enumerate(self._old.parts) if is_below(part.path, components)]
+        pairs = tuple(self._pair_of[index] for index in parts if index in self._pair_of)
+        is_one = any(place.is_one for place in places)
+        now = self._paths.find_one(pattern) if is_one else self._paths.find(pattern)
+        if not parts:
+            return None  # it named components without a body: nothing tells them apart but their names
+        if not now.problem:
+            if is_glob(pattern) or not all(path in self._old_parts for path in components):
+                return None  # what it names beside them, or no longer, is reported by link
+            below = {self._assembly.components[index].path for index in self._paths.below(now.topmost)}
+            if pairs and all(self._new.parts[pair.new].path in below for pair in pairs):
+                return None
+        if not pairs:
+            several = dict.fromkeys(j for i in parts for j in self._match.candidates.get(i, ()))
+            candidates = tuple(self._new.parts[j].path for j in several)
+            fate = Fate.PROBABLY_RENAMED if candidates else Fate.REMOVED
+            return BrokenPath(pattern, places, fate, components, candidates=candidates, names_others=not now.problem)
+        nodes = tuple(dict.fromkeys(node for path in components for node in self._now(path)))
+        sure = all(pair.certainty is not Certainty.PROBABLE for pair in pairs)
+        fate = Fate.RENAMED if sure else Fate.PROBABLY_RENAMED
+        replacement = self._replacement(pattern, components, nodes, is_one=is_one)
+        return BrokenPath(pattern, places, fate, components, nodes, replacement, pairs, names_others=not now.problem)
+
+    def _now(self, path: str) -> tuple[str, ...]:
+        """Canonical paths, topmost, of what one component is now."""
+        pairs = [
+            self._pair_of[i]
+            for i, part in enumerate(self._old.parts)
+            if is_below(part.path, (path,)) and i in self._pair_of
+        ]
+        names = [(self._old.parts[pair.old].path.removeprefix(path), self._new.parts[pair.new].path) for pair in pairs]
+        nodes = {new.removesuffix(rest) for rest, new in names if new.endswith(rest)}
+        if len(nodes) == 1 and (node := nodes.pop()) in self._index and all(is_below(new, (node,)) for _, new in names):
+            return (node,)
+        return tuple(new for _, new in names)
+
+    def _replacement(self, pattern: str, old: Sequence[str], new: Sequence[str], *, is_one: bool) -> str:
+        """A path that names just the components at ``new``, as like ``pattern`` as can be."""
+        if is_glob(pattern) and (len(old) != 1 or len(new) != 1):
+            return ""
+        wanted = set(self.indices(new))
+        for candidate in dict.fromkeys(_spellings(pattern, old, new)):
+            found = self._paths.find_one(candidate) if is_one else self._paths.find(candidate)
+            if not found.problem and set(found.topmost) == wanted:
+                return candidate
+        return ""
+
+
+def is_below(path: str, above: Sequence[str]) -> bool:
+    """Whether a canonical path is one of some others, or below one of them."""
+    return any(path == one or one == ROOT_PATH or path.startswith(f"{one}/") for one in above)
+
+
+def _spellings(pattern: str, old: Sequence[str], new: Sequence[str]) -> Iterable[str]:
+    """Paths that may name the components at ``new``, those nearest to ``pattern`` first."""
+    written = segments_of(pattern)
+    for path in new:
+        segments = segments_of(path)
+        if not is_glob(pattern):
+            for before in map(segments_of, old):
+                if len(before) == len(segments) >= len(written):
+                    kept = zip(written, before[-len(written) :], segments[-len(written) :], strict=True)
+                    yield "/".join(text if a == b else b for text, a, b in kept)
+            tail = segments[-len(written) :]
+            yield "/".join((*tail[:-1], without_ordinal(tail[-1])))
+            yield "/".join(tail)
+        yield path

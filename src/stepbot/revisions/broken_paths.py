@@ -1,0 +1,126 @@
+"""Paths that a revision has broken, as diagnostics."""
+
+import shlex
+from collections.abc import Hashable, Iterable, Sequence
+
+from stepbot.assemble.binder import listed
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.sidecar.component_paths import PathPlace
+from stepbot.sidecar.subjects import subject
+from stepbot.step.structure.paths import quoted
+
+from .bindings import BrokenPath, Fate
+from .comparison import Comparison
+from .matching import Certainty, Pair
+from .wording import moved_words, shape_words
+
+_OFFERED = 5
+
+Group = Sequence[BrokenPath]
+
+
+def report_broken(compared: Comparison, found: Diagnostics) -> None:
+    """Report each path that no longer names what it named, at the first of its places: SB310 to SB312.
+
+    Paths that a subassembly's new name has broken are one diagnostic.
+    """
+    for group in _grouped(compared.rebinding.broken):
+        broken = group[0]
+        report = {
+            Fate.RENAMED: _renamed,
+            Fate.PROBABLY_RENAMED: _probably_renamed if broken.new else _undecided,
+            Fate.REMOVED: _removed,
+        }[broken.fate]
+        code, words, help = report(compared, group)
+        first, *others = [place for one in group for place in one.places]
+        lines = sorted({_span(compared, place).line for place in others})
+        notes = [f"also in line{'s' if len(lines) > 1 else ''} {', '.join(map(str, lines))}"] if lines else []
+        notes += [f"{quoted(one.pattern)} names another component now" for one in group if one.names_others]
+        message = f"{subject(first.keys[:2])}: {words}"
+        found.add(code, message, _span(compared, first), help=help, notes=[*notes, *listed(broken.candidates)])
+
+
+def _grouped(broken: Iterable[BrokenPath]) -> list[list[BrokenPath]]:
+    """Broken paths by the component whose new name has broken them."""
+    groups: dict[Hashable, list[BrokenPath]] = {}
+    for one in broken:
+        groups.setdefault((one.fate, one.node or one.pattern), []).append(one)
+    return list(groups.values())
+
+
+def several(paths: Sequence[str], noun: str = "component") -> tuple[str, str]:
+    """Components for a message, and the verb: ``component 'Bracket'`` and ``is``, ``3 components`` and ``are``."""
+    return (f"{noun} '{paths[0]}'", "is") if len(paths) == 1 else (f"{len(paths)} {noun}s", "are")
+
+
+def _renamed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
+    help = _spelled(group)
+    if all(one.replacement for one in group):
+        fix = shlex.join(["stepbot", "check", "--fix", compared.sidecar.path.as_posix()])
+        help.insert(0, f"`{fix}` rewrites {'the path' if len(group) == 1 else 'the paths'}")
+    return "SB310", f"{_was(compared, group)} renamed to {_new(group)} ({_evidence(compared, group)})", help
+
+
+def _probably_renamed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
+    words = f"{_was(compared, group)} probably renamed to {_new(group)} ({_evidence(compared, group)})"
+    return "SB311", words, [f"if so: {one}" for one in _spelled(group)]
+
+
+def _undecided(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
+    candidates = group[0].candidates
+    count = f"{len(candidates)} new components have" if len(candidates) > 1 else "one new component has"
+    words = f"{_was(compared, group)} removed or renamed: {count} the same shape"
+    return "SB311", words, [f"if it is this one: write {quoted(path)}" for path in candidates[:_OFFERED]]
+
+
+def _removed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
+    noun, verb = several([path for one in group for path in one.old])
+    help = ["remove the path from the sidecar, or write what replaces it"]
+    return "SB312", f"{noun} {verb} no longer in {compared.assembly.source}", help
+
+
+def _was(compared: Comparison, group: Group) -> str:
+    """``component 'Bracket' was``, ``subassembly 'gripper' was``, ``4 components were``."""
+    node = group[0].node
+    if node:
+        is_part = node[0] in compared.old.index_of
+        return f"{'component' if is_part else 'subassembly'} '{node[0]}' was"
+    noun, verb = several(group[0].old)
+    return f"{noun} {'was' if verb == 'is' else 'were'}"
+
+
+def _new(group: Group) -> str:
+    broken = group[0]
+    if broken.node:
+        return f"'{broken.node[1]}'"
+    return f"'{broken.replacement}'" if broken.replacement else " and ".join(f"'{path}'" for path in broken.new[:3])
+
+
+def _spelled(group: Group) -> list[str]:
+    broken = group[0]
+    if len(group) > 1:
+        shown = [f"{quoted(one.pattern)}: write {quoted(one.replacement)}" for one in group if one.replacement]
+        return shown[:_OFFERED]
+    return [f"write {', '.join(map(quoted, [broken.replacement] if broken.replacement else broken.new[:_OFFERED]))}"]
+
+
+def _evidence(compared: Comparison, group: Group) -> str:
+    """What speaks for it that two names mean the same."""
+    pairs = list({pair.old: pair for one in group for pair in one.pairs}.values())
+    if all(pair.certainty is not Certainty.PROBABLE for pair in pairs):
+        return "same shape, same pose" if len(pairs) == 1 else f"same shapes, same poses of {len(pairs)} parts"
+    weak = next(pair for pair in pairs if pair.certainty is Certainty.PROBABLE)
+    return pair_words(compared, weak) + (f"; {len(pairs) - 1} more parts" if len(pairs) > 1 else "")
+
+
+def pair_words(compared: Comparison, pair: Pair) -> str:
+    """How like each other two parts are: ``same shape, moved by 3 mm``."""
+    shape = "same shape"
+    if not pair.is_same_shape:
+        shape = shape_words(compared.old.shape_of(pair.old), compared.new.shape_of(pair.new))
+    return f"{shape}, {'same pose' if pair.motion.is_none else moved_words(pair.motion)}"
+
+
+def _span(compared: Comparison, place: PathPlace) -> Span:
+    sidecar = compared.sidecar
+    return sidecar.key_span(*place.keys) if place.is_key else sidecar.span(*place.keys)

@@ -1,0 +1,62 @@
+"""A lock against the assembly as it is now, and what the sidecar makes of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from stepbot.assemble.bound import Bound, bind
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.tree import Keys
+from stepbot.step.assembly import Assembly, Component
+
+from .bindings import Rebinding, rebind
+from .matching import Match, match
+from .snapshot import Snapshot, part_components, snapshot, with_sidecar
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two revisions of one assembly under one sidecar."""
+
+    sidecar: Sidecar
+    assembly: Assembly
+    old: Snapshot
+    """The lock."""
+    new: Snapshot
+    """The assembly as it is now, bound as if broken paths were mended."""
+    match: Match
+    rebinding: Rebinding
+    bound: Bound
+    components: tuple[Component, ...]
+    """The component of each part of ``new``."""
+
+    def place_of(self, part: int) -> Keys:
+        """Where the sidecar binds a part of ``new``: the path, `rest`, or the links where nothing does."""
+        claims, at = self.bound.claims, self.components[part].index
+        while at >= 0:
+            if at in claims.claimed:
+                link, position = claims.claimed[at]
+                return ("links", link, "parts", position)
+            at = self.assembly.components[at].parent
+        link = self.new.parts[part].link
+        return ("links", link, "rest") if link else ("links",)
+
+
+def revised(
+    sidecar: Sidecar, assembly: Assembly, lock: Snapshot, measures: Sequence[VolumeProperties | None], digest: str
+) -> Comparison:
+    """Compare an assembly with a lock.
+
+    Args:
+        sidecar: The sidecar, without errors of its own.
+        assembly: What the STEP holds now.
+        lock: What it held.
+        measures: For each of ``assembly.bodies`` what trimesh measures on its mesh.
+        digest: Hash of the STEP's bytes.
+    """
+    taken = snapshot(assembly, digest, measures)
+    matched = match(lock, taken)
+    rebinding = rebind(lock, taken, matched, assembly, sidecar.document)
+    bound = bind(assembly, sidecar, measures, rebinding.revised)
+    new = with_sidecar(taken, assembly, sidecar.document, bound)
+    return Comparison(sidecar, assembly, lock, new, matched, rebinding, bound, tuple(part_components(assembly)))

@@ -1,0 +1,187 @@
+"""``<robot>.lock.json``: the snapshot that a sidecar was last found right with.
+
+One line for each record, so that a version control system shows what changed; the same input gives the same bytes. Its
+schema is ``schemas/lock-1.schema.json``.
+"""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .records import Invalid, Record
+from .snapshot import Joint, Part, Reference, Shape, Snapshot
+
+VERSION = 1
+"""Version of the schema."""
+LARGEST_FILE = 1 << 26
+"""Bytes of the largest file that is read."""
+_DIGEST = re.compile("[0-9a-f]{40}")
+
+Json = dict[str, Any]
+
+
+def lock_bytes(snapshot: Snapshot) -> bytes:
+    """The lock as UTF-8, one record on a line."""
+    head = {
+        "version": VERSION,
+        "robot": snapshot.robot,
+        "step": {"file": snapshot.source, "blake2b": snapshot.digest},
+    }
+    lists: dict[str, list[Json]] = {
+        "shapes": [_shape_record(one) for one in snapshot.shapes],
+        "parts": [_part_record(one) for one in snapshot.parts],
+        "joints": [_joint_record(one) for one in snapshot.joints],
+        "references": [{"path": one.path, "components": list(one.components)} for one in snapshot.references],
+    }
+    lines = [f"  {_line(key)}: {_line(value)}" for key, value in head.items()]
+    for key, records in lists.items():
+        body = ",\n".join(f"    {_line(record)}" for record in records)
+        lines.append(f"  {_line(key)}: [\n{body}\n  ]" if records else f"  {_line(key)}: []")
+    return ("{\n" + ",\n".join(lines) + "\n}\n").encode("utf-8", "backslashreplace")
+
+
+def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
+    """The lock at a path; None where there is none, or it cannot be used, which is reported (SB013 to SB015).
+
+    Args:
+        path: The file.
+        robot: Name of the robot whose lock it should be.
+        found: Receives the diagnostics.
+    """
+    span = Span(path.as_posix())
+    remedy = [f"write it anew with `stepbot lock`, or restore '{path.name}' from version control"]
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        found.add("SB013", f"lock file: cannot be read: {error.strerror or error}", span, help=remedy)
+        return None
+    try:
+        document = _parsed(content)
+        version = Record(document, "").integer("version")
+        if version > VERSION:
+            help = ["upgrade stepbot, or write the lock anew with `stepbot lock`"]
+            found.add("SB014", f"lock file: version {version}, newest supported version is {VERSION}", span, help=help)
+            return None
+        lock = _snapshot(document)
+    except Invalid as error:
+        found.add("SB013", f"lock file: {error}", Span(path.as_posix(), error.line), help=remedy)
+        return None
+    if lock.robot != robot:
+        help = [f"write a lock for '{robot}' with `stepbot lock`, or remove the file"]
+        found.add("SB015", f"lock file: made for robot '{lock.robot}', ignored for '{robot}'", span, help=help)
+        return None
+    return lock
+
+
+def _line(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _shape_record(shape: Shape) -> Json:
+    record: Json = {"kind": shape.kind, "faces": dict(shape.faces), "basis": shape.basis}
+    return {
+        **record,
+        "measure": shape.measure,
+        "com": list(shape.com),
+        "inertia": list(shape.inertia),
+        "error": shape.error,
+    }
+
+
+def _part_record(part: Part) -> Json:
+    return {
+        "path": part.path,
+        "by_ordinal": part.by_ordinal,
+        "link": part.link,
+        "shape": part.shape,
+        "mass": part.mass,
+        "density": part.density,
+        "position": list(part.position),
+        "rotation": [list(row) for row in part.rotation],
+        "box": [list(corner) for corner in part.box],
+    }
+
+
+def _joint_record(joint: Joint) -> Json:
+    return {
+        "name": joint.name,
+        "kind": joint.kind,
+        "parent": joint.parent,
+        "child": joint.child,
+        "origin": list(joint.origin),
+        "axis": None if joint.axis is None else list(joint.axis),
+    }
+
+
+def _parsed(content: bytes) -> object:
+    if len(content) > LARGEST_FILE:
+        raise Invalid(f"larger than {LARGEST_FILE >> 20} MiB")
+    try:
+        return json.loads(content.decode("utf-8"))
+    except UnicodeDecodeError:
+        raise Invalid("not UTF-8") from None
+    except json.JSONDecodeError as error:
+        raise Invalid(f"not JSON: {error.msg}", error.lineno) from None
+    except (RecursionError, ValueError):
+        raise Invalid("not JSON that a lock may hold") from None
+
+
+def _snapshot(document: object) -> Snapshot:
+    root = Record(document, "")
+    step = root.record("step")
+    shapes = root.records("shapes", _shape)
+
+    def part(record: Record) -> Part:
+        shape = record.integer("shape")
+        if not 0 <= shape < len(shapes):
+            raise Invalid(f"{record.place('shape')}: no shape {shape}")
+        return _part(record, shape)
+
+    digest = step.text("blake2b")
+    if not _DIGEST.fullmatch(digest):
+        raise Invalid(f"{step.place('blake2b')}: expected 40 hexadecimal digits")
+    return Snapshot(
+        *(step.text("file"), digest, shapes, root.records("parts", part), root.text("robot")),
+        *(root.records("joints", _joint), root.records("references", _reference)),
+    )
+
+
+def _shape(record: Record) -> Shape:
+    faces = record.record("faces")
+    return Shape(
+        record.text("kind"),
+        tuple(sorted((kind, faces.integer(kind)) for kind in faces.keys)),
+        record.text("basis"),
+        record.number("measure"),
+        record.vector("com"),
+        tuple(record.numbers("inertia", 6)),
+        record.number("error"),
+    )
+
+
+def _part(record: Record, shape: int) -> Part:
+    a, b, c = record.vectors("rotation", 3)
+    low, high = record.vectors("box", 2)
+    mass = None if record.is_null("mass") else record.number("mass")
+    return Part(
+        *(record.text("path"), shape, record.vector("position"), (a, b, c), (low, high), record.number("density")),
+        *(record.flag("by_ordinal"), record.text("link"), mass),
+    )
+
+
+def _joint(record: Record) -> Joint:
+    return Joint(
+        *(record.text("name"), record.text("kind"), record.text("parent"), record.text("child")),
+        record.vector("origin"),
+        None if record.is_null("axis") else record.vector("axis"),
+    )
+
+
+def _reference(record: Record) -> Reference:
+    return Reference(record.text("path"), record.texts("components"))

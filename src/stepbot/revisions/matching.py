@@ -1,0 +1,270 @@
+"""Which part of one snapshot is which of another.
+
+1. The same path, shape and place: unchanged.
+2. The same shape and place under another name: renamed, where nothing else is there.
+3. The same path: moved or changed.
+4. What is left, by shape or by place where only one part comes into question: probably renamed.
+
+A path that holds by ``#n`` alone counts as a name only after place has had its say, because ``#n`` shifts when the CAD
+inserts or removes an equal part. Parts are compared after the motion that all of them have in common.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from itertools import product
+
+import numpy as np
+
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, bounds
+
+from .shapes import ANGLE, PLACE, Motion, at_same_place, centroid, motion, same_box, same_shape
+from .snapshot import Part, Shape, Snapshot
+
+_NEAR_MEASURE = 0.02
+"""Relative difference of volumes beyond which no shapes are compared."""
+_NEAR = 0.1
+"""Share of its diagonal by which a part of another shape may be elsewhere and still probably be the same part."""
+_LIKE = 0.7
+"""Ratio of the smaller to the larger volume of such parts."""
+
+
+class Certainty(StrEnum):
+    """What makes two parts one."""
+
+    PATH = "path"
+    CERTAIN = "certain"
+    """Shape and place are the same, and no other part comes into question."""
+    PROBABLE = "probable"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A part in both snapshots."""
+
+    old: int
+    new: int
+    certainty: Certainty
+    motion: Motion
+    is_same_shape: bool
+
+
+@dataclass(frozen=True)
+class Match:
+    """The parts of two snapshots, by index."""
+
+    pairs: tuple[Pair, ...]
+    """By the index of the old part."""
+    removed: tuple[int, ...]
+    """Old parts that are no new one."""
+    added: tuple[int, ...]
+    """New parts that were no old one."""
+    candidates: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    """For removed parts the added ones of the same shape, where several come into question."""
+    common: Pose = IDENTITY
+    """The motion that all parts have in common; that of each pair is in addition to it."""
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether the whole assembly has moved."""
+        return not _is_identity(self.common)
+
+
+def match(old: Snapshot, new: Snapshot) -> Match:
+    """Find out which part is which."""
+    common = _common_motion(old, new)
+    if not _is_identity(common):
+        old = replace(old, parts=tuple(_moved(part, common) for part in old.parts))
+    else:
+        common = IDENTITY
+    return _Matching(old, new).result(common)
+
+
+class _Matching:
+    """Two snapshots, and what has been paired so far."""
+
+    def __init__(self, old: Snapshot, new: Snapshot) -> None:
+        self._old, self._new = old, new
+        classes = _shape_classes((*old.shapes, *new.shapes))
+        self._old_class = [classes[part.shape] for part in old.parts]
+        self._new_class = [classes[len(old.shapes) + part.shape] for part in new.parts]
+        self._pairs: dict[int, Pair] = {}
+        self._taken: set[int] = set()
+        self._old_paths, self._new_paths = old.index_of, new.index_of
+
+    def result(self, common: Pose) -> Match:
+        """Pair everything, the strongest evidence first."""
+        self._pair_same_path(only_unmoved=True)
+        self._pair_same_place()
+        self._pair_same_path(only_unmoved=False)
+        self._pair_same_shape()
+        self._pair_near()
+        candidates = self._candidates()
+        return Match(
+            tuple(self._pairs[index] for index in sorted(self._pairs)),
+            tuple(self._left_old()),
+            tuple(self._left_new()),
+            candidates,
+            common,
+        )
+
+    def _left_old(self) -> list[int]:
+        return [index for index in range(len(self._old.parts)) if index not in self._pairs]
+
+    def _left_new(self) -> list[int]:
+        return [index for index in range(len(self._new.parts)) if index not in self._taken]
+
+    def _pair(self, i: int, j: int, certainty: Certainty) -> None:
+        found = self._motion(i, j)
+        is_same = self._old_class[i] == self._new_class[j]
+        if found.is_none:  # of two mirror images at one place the boxes differ
+            is_same = is_same and same_box(self._old.parts[i], self._new.parts[j])
+        self._pairs[i] = Pair(i, j, certainty, found, is_same)
+        self._taken.add(j)
+
+    def _motion(self, i: int, j: int) -> Motion:
+        old, new = self._old, self._new
+        return motion(old.parts[i], old.shape_of(i), new.parts[j], new.shape_of(j))
+
+    def _pair_same_path(self, *, only_unmoved: bool) -> None:
+        for i in self._left_old():
+            j = self._new_paths.get(self._old.parts[i].path)
+            if j is None or j in self._taken:
+                continue
+            if not only_unmoved or (self._old_class[i] == self._new_class[j] and self._motion(i, j).is_none):
+                self._pair(i, j, Certainty.PATH)
+
+    def _pair_same_place(self) -> None:
+        """Pair equal shapes at one place, where neither has a name that the other snapshot gives to another part."""
+        old_left = [i for i in self._left_old() if self._may_be_renamed(self._old.parts[i], self._new_paths)]
+        new_left = [j for j in self._left_new() if self._may_be_renamed(self._new.parts[j], self._old_paths)]
+        for ours, theirs in self._by_class(old_left, new_left):
+            near = self._distances(ours, theirs) <= 2.0 * PLACE
+            fits = [
+                [j for b, j in enumerate(theirs) if near[a, b] and self._is_at_same_place(i, j)]
+                for a, i in enumerate(ours)
+            ]
+            claims = defaultdict[int, int](int)
+            for j in (j for several in fits for j in several):
+                claims[j] += 1
+            for i, several in zip(ours, fits, strict=True):
+                if len(several) == 1 and claims[several[0]] == 1:
+                    self._pair(i, several[0], Certainty.CERTAIN)
+
+    @staticmethod
+    def _may_be_renamed(part: Part, others: dict[str, int]) -> bool:
+        return part.by_ordinal or part.path not in others
+
+    def _is_at_same_place(self, i: int, j: int) -> bool:
+        old, new = self._old, self._new
+        return at_same_place(old.parts[i], old.shape_of(i), new.parts[j], new.shape_of(j))
+
+    def _pair_same_shape(self) -> None:
+        """Pair equal shapes with equal last names, then the only ones of a shape."""
+        self._pair_unique(
+            lambda i: (self._old_class[i], _last(self._old.parts[i].path)),
+            lambda j: (self._new_class[j], _last(self._new.parts[j].path)),
+        )
+        self._pair_unique(lambda i: self._old_class[i], lambda j: self._new_class[j])
+
+    def _pair_unique(self, old_key: Callable[[int], Hashable], new_key: Callable[[int], Hashable]) -> None:
+        ours, theirs = _grouped(self._left_old(), old_key), _grouped(self._left_new(), new_key)
+        for key, several in ours.items():
+            others = theirs.get(key, [])
+            if len(several) == len(others) == 1:
+                self._pair(several[0], others[0], Certainty.PROBABLE)
+
+    def _pair_near(self) -> None:
+        """Pair parts of nearly the same size at nearly the same place, where no other comes into question."""
+        ours, theirs = self._left_old(), self._left_new()
+        if not ours or not theirs:
+            return
+        distances = self._distances(ours, theirs)
+        fits = {
+            i: [j for b, j in enumerate(theirs) if self._is_like(i, j, float(distances[a, b]))]
+            for a, i in enumerate(ours)
+        }
+        claimed = [j for several in fits.values() for j in several]
+        for i, several in fits.items():
+            if len(several) == 1 and claimed.count(several[0]) == 1:
+                self._pair(i, several[0], Certainty.PROBABLE)
+
+    def _is_like(self, i: int, j: int, distance: float) -> bool:
+        a, b = self._old.shape_of(i), self._new.shape_of(j)
+        smaller, larger = sorted((a.measure, b.measure))
+        size = max(self._old.parts[i].diagonal, self._new.parts[j].diagonal)
+        return a.basis == b.basis and larger > 0.0 and smaller >= _LIKE * larger and distance <= _NEAR * size
+
+    def _candidates(self) -> dict[int, tuple[int, ...]]:
+        theirs = _grouped(self._left_new(), lambda j: self._new_class[j])
+        return {i: tuple(theirs[self._old_class[i]]) for i in self._left_old() if self._old_class[i] in theirs}
+
+    def _by_class(self, ours: Iterable[int], theirs: Iterable[int]) -> list[tuple[list[int], list[int]]]:
+        old = _grouped(ours, lambda i: self._old_class[i])
+        new = _grouped(theirs, lambda j: self._new_class[j])
+        return [(several, new[key]) for key, several in old.items() if key in new]
+
+    def _distances(self, ours: list[int], theirs: list[int]) -> Array:
+        """Distances (n, m) [m] of centroids."""
+        a = np.array([centroid(self._old.parts[i], self._old.shape_of(i)) for i in ours])
+        b = np.array([centroid(self._new.parts[j], self._new.shape_of(j)) for j in theirs])
+        return np.asarray(np.linalg.norm(a[:, None] - b[None, :], axis=2))
+
+
+def _grouped(indices: Iterable[int], key: Callable[[int], Hashable]) -> dict[Hashable, list[int]]:
+    groups: dict[Hashable, list[int]] = {}
+    for index in indices:
+        groups.setdefault(key(index), []).append(index)
+    return groups
+
+
+def _last(path: str) -> str:
+    return path.rpartition("/")[2]
+
+
+def _shape_classes(shapes: tuple[Shape, ...]) -> list[int]:
+    """For each shape the number of the first one that is the same."""
+    classes = list(range(len(shapes)))
+    order = sorted(range(len(shapes)), key=lambda index: (shapes[index].measure, index))
+    for place, index in enumerate(order):
+        for other in reversed(order[:place]):
+            if shapes[other].measure < (1.0 - _NEAR_MEASURE) * shapes[index].measure:
+                break
+            if classes[other] == other and same_shape(shapes[other], shapes[index]):
+                classes[index] = other
+                break
+    return classes
+
+
+def _common_motion(old: Snapshot, new: Snapshot) -> Pose:
+    """The motion of all parts that have the same path and shape; none where one has not moved, or another way."""
+    new_paths, common = new.index_of, None
+    for i, part in enumerate(old.parts):
+        j = new_paths.get(part.path)
+        if j is None or not same_shape(old.shape_of(i), new.shape_of(j)):
+            continue
+        found = motion(part, old.shape_of(i), new.parts[j], new.shape_of(j))
+        if found.is_none or found.X_WW is None:
+            return IDENTITY
+        if part.by_ordinal:
+            continue  # it may be another one
+        if common is not None and not _equal(common, found.X_WW):
+            return IDENTITY
+        common = common or found.X_WW
+    return common or IDENTITY
+
+
+def _equal(a: Pose, b: Pose) -> bool:
+    distance, angle = a.distance_to(b)
+    return distance <= 2.0 * PLACE and angle <= ANGLE
+
+
+def _is_identity(pose: Pose) -> bool:
+    return _equal(pose, IDENTITY)
+
+
+def _moved(part: Part, X_WW: Pose) -> Part:
+    X_WC = X_WW @ part.X_WC
+    corners = np.array(list(product(*zip(*part.box, strict=True))))
+    return replace(part, position=X_WC.position, rotation=X_WC.rotation, box=bounds(X_WW.apply(corners)))

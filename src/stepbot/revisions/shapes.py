@@ -1,0 +1,106 @@
+"""Whether two shapes are the same, wherever they are, and how a component with one has moved.
+
+Volume and second moments tell solids apart by a millionth; where an integral is known less well, by its error. They do
+not tell a part from its mirror image: the box around it does, once both are at one place.
+"""
+
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, turn_inertia
+
+from .snapshot import AREA, EXACT, NOTHING, Part, Shape
+
+SAME = 1e-6
+"""Relative difference of exact integrals up to which shapes are equal."""
+PLACE = 1e-6
+"""Distance [m] up to which places are equal."""
+ANGLE = radians(1e-4)
+"""Angle [rad] up to which directions are equal: STEP files may give them with seven digits."""
+_COARSE = 5e-3
+_OF_MOMENTS = 5.0
+"""How much less well second moments are known than volumes: they grow with the fifth power of a length."""
+_BOX = 5e-3
+"""Share of its diagonal by which a box may differ: it is that of a mesh."""
+
+
+def same_shape(a: Shape, b: Shape) -> bool:
+    """Whether two fingerprints are those of one shape, up to a mirror image."""
+    if NOTHING in (a.basis, b.basis) or (a.basis == AREA) != (b.basis == AREA):
+        return False
+    exact = a.basis == b.basis == EXACT
+    tolerance = max(SAME, a.error + b.error) if exact else max(_COARSE, a.error + b.error)
+    if not exact and a.faces != b.faces:  # face counts depend on the program that wrote them; numbers say more
+        return False
+    if abs(a.measure - b.measure) > tolerance * max(a.measure, b.measure):
+        return False
+    ours, theirs = np.linalg.eigvalsh(a.tensor), np.linalg.eigvalsh(b.tensor)
+    return bool(np.abs(ours - theirs).max() <= _OF_MOMENTS * tolerance * max(ours[-1], theirs[-1]))
+
+
+def same_frame(a: Shape, b: Shape) -> bool:
+    """Whether a shape lies in its definition's frame as the other does, so that the poses of both compare."""
+    tolerance = max(SAME, a.error + b.error) * _OF_MOMENTS
+    size = max(_gyration(a), _gyration(b))
+    if float(np.linalg.norm(np.subtract(a.com, b.com))) > max(PLACE, tolerance * size):
+        return False
+    largest = max(float(np.abs(a.tensor).max()), float(np.abs(b.tensor).max()))
+    return bool(np.abs(a.tensor - b.tensor).max() <= tolerance * largest)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a component has moved."""
+
+    distance: float
+    """Of its centroid [m]; of a shape that changed, of its frame."""
+    angle: float | None
+    """[rad]; None where the frames of both do not compare, and the shape lies another way round."""
+    X_WW: Pose | None = None
+    """The motion in the assembly's frame; None where the frames of both do not compare."""
+
+    @property
+    def is_none(self) -> bool:
+        """Whether it has not moved."""
+        return self.distance <= PLACE and self.angle is not None and self.angle <= ANGLE
+
+
+def motion(old: Part, old_shape: Shape, new: Part, new_shape: Shape) -> Motion:
+    """How a component has moved between two revisions."""
+    is_same = same_shape(old_shape, new_shape)
+    if not is_same or same_frame(old_shape, new_shape):
+        X_WW = new.X_WC @ old.X_WC.inverse()
+        angle = old.X_WC.distance_to(new.X_WC)[1]
+        start = centroid(old, old_shape) if is_same else np.array(old.position)
+        return Motion(float(np.linalg.norm(X_WW.apply(start) - start)), angle, X_WW)
+    distance = float(np.linalg.norm(centroid(old, old_shape) - centroid(new, new_shape)))
+    ours, theirs = _placed_tensor(old, old_shape), _placed_tensor(new, new_shape)
+    tolerance = _OF_MOMENTS * max(SAME, old_shape.error + new_shape.error)
+    turned = np.abs(ours - theirs).max() > tolerance * np.abs(ours).max() or not same_box(old, new)
+    return Motion(distance, None if turned else 0.0)
+
+
+def at_same_place(old: Part, old_shape: Shape, new: Part, new_shape: Shape) -> bool:
+    """Whether two components of the same shape fill the same space."""
+    return motion(old, old_shape, new, new_shape).is_none and same_box(old, new)
+
+
+def centroid(part: Part, shape: Shape) -> Array:
+    """Centroid (3,) [m] in the assembly's frame."""
+    return part.X_WC.apply(shape.com)
+
+
+def same_box(a: Part, b: Part) -> bool:
+    """Whether the boxes around two parts are equal, as far as their meshes tell."""
+    allowed = max(PLACE, _BOX * max(a.diagonal, b.diagonal))
+    return bool(np.abs(np.subtract(a.box, b.box)).max() <= allowed)
+
+
+def _placed_tensor(part: Part, shape: Shape) -> Array:
+    return turn_inertia(part.X_WC.R, shape.tensor)
+
+
+def _gyration(shape: Shape) -> float:
+    return float(np.sqrt(np.trace(shape.tensor) / (2.0 * shape.measure))) if shape.measure else 0.0

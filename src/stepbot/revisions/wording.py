@@ -1,0 +1,64 @@
+"""Differences in words."""
+
+from math import degrees
+
+from stepbot.geometry.spatial import Pose
+
+from .shapes import ANGLE, PLACE, Motion
+from .snapshot import AREA, Shape
+
+
+def moved_words(found: Motion) -> str:
+    """``moved by 12 mm and turned by 5 deg``."""
+    words = []
+    if found.distance > PLACE:
+        words.append(f"moved by {length(found.distance)}")
+    if found.angle is None:
+        words.append("turned")
+    elif found.angle > ANGLE:
+        words.append(f"turned by {angle(found.angle)}")
+    return " and ".join(words)
+
+
+def common_words(X_WW: Pose) -> str:
+    """How a whole assembly has moved."""
+    return moved_words(Motion(X_WW.distance_to(Pose())[0], X_WW.distance_to(Pose())[1])) or "did not move"
+
+
+def shape_words(old: Shape, new: Shape) -> str:
+    """``volume 12.3 -> 12.9 cm^3 (+4.9 %)``; the number of faces where the size is the same."""
+    if old.basis != new.basis:
+        return f"from {_kind_words(old)} to {_kind_words(new)}"
+    noun, unit, scale = ("area", "cm^2", 1e4) if new.basis == AREA else ("volume", "cm^3", 1e6)
+    before, after = sum(n for _, n in old.faces), sum(n for _, n in new.faces)
+    faces = f", {before} -> {after} faces" if before != after else ""
+    if f"{old.measure:.6g}" == f"{new.measure:.6g}":
+        return f"{noun} {new.measure * scale:.6g} {unit} as before, but other moments{faces}"
+    return f"{noun} {change(old.measure * scale, new.measure * scale, unit)}{faces}"
+
+
+def mass_words(old: float, new: float) -> str:
+    """``mass 33 -> 34.8 g (+5.5 %)``."""
+    scale, unit = (1.0, "kg") if max(old, new) >= 1.0 else (1e3, "g")
+    return f"mass {change(old * scale, new * scale, unit)}"
+
+
+def change(old: float, new: float, unit: str) -> str:
+    """Two numbers that differ, with as many digits as that takes, and by how much."""
+    digits = next((n for n in range(4, 12) if f"{old:.{n}g}" != f"{new:.{n}g}"), 12)
+    share = f" ({100.0 * (new - old) / old:+.3g} %)" if old else ""
+    return f"{old:.{digits}g} -> {new:.{digits}g} {unit}{share}"
+
+
+def length(value: float) -> str:
+    """A length [m] in millimetres."""
+    return f"{value * 1e3:.4g} mm"
+
+
+def angle(value: float) -> str:
+    """An angle [rad] in degrees."""
+    return f"{degrees(value):.4g} deg"
+
+
+def _kind_words(shape: Shape) -> str:
+    return "a surface" if shape.basis == AREA else "a solid" if shape.measure else "no geometry"

@@ -1,0 +1,287 @@
+"""``stepbot lock``, and what `check`, `check --fix` and `convert` report after a change of the CAD."""
+
+import json
+import os
+import shutil
+import stat
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from robot_library.moments import pose
+from tests.revisions import LEVER, Revision, lock, write_lever, write_locked_lever
+from tests.solids import box
+
+from .conftest import Stepbot
+
+SCHEMA = Path(__file__).parents[2] / "schemas" / "lock-1.schema.json"
+OTHERS = ("SB505", "SB512", "SB513")
+"""Findings about the lever that no revision causes."""
+
+
+@pytest.fixture(scope="module")
+def locked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with ``lever.step``, its sidecar, its lock, and a cache that knows the STEP."""
+    folder = tmp_path_factory.mktemp("lever")
+    write_locked_lever(folder)
+    return folder
+
+
+@pytest.fixture
+def lever(locked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Revision:
+    """The current folder, with ``lever.step``, its sidecar and its lock; a revision to edit."""
+    for name in ("lever.step", "lever.robot.yaml", "lever.lock.json"):
+        shutil.copy(locked / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("STEPBOT_CACHE", str(locked / "cache"))
+    return Revision(Path("lever.step"))
+
+
+def findings(stepbot: Stepbot, *arguments: str) -> list[tuple[str, str]]:
+    """Code and message of all that is reported about the revision."""
+    run = stepbot("check", "--step", "--json", "lever.robot.yaml", *arguments)
+    found = [(one["code"], one["message"]) for one in json.loads(run.out)["diagnostics"]]
+    return [one for one in found if one[0] not in OTHERS]
+
+
+def rewrite(**replaced: str) -> None:
+    """Write the sidecar anew with some texts replaced, and its lock for the STEP as it is."""
+    text = LEVER
+    for old, new in replaced.items():
+        assert old in text
+        text = text.replace(old, new)
+    Path("lever.robot.yaml").write_text(text, encoding="utf-8")
+    lock(Path("lever.robot.yaml"))
+
+
+def test_lock_is_valid_and_deterministic(lever: Revision, stepbot: Stepbot) -> None:
+    """The command writes what the schema allows, the same bytes each time, with every component and joint."""
+    before = Path("lever.lock.json").read_bytes()
+    run = stepbot("lock", "lever.robot.yaml", "--no-cache")
+    assert (run.code, run.err) == (0, "")
+    assert run.out == "lever.lock.json: 7 components, 1 joints of lever.step\n"
+    assert Path("lever.lock.json").read_bytes() == before
+    document = json.loads(before)
+    jsonschema.validate(document, json.loads(SCHEMA.read_text(encoding="utf-8")))
+    parts = {part["path"]: part for part in document["parts"]}
+    assert parts["arm/motor"]["mass"] == pytest.approx(0.02 * 0.03 * 0.02 * 4000.0, rel=1e-9)
+    assert document["shapes"][parts["arm/motor"]["shape"]]["measure"] == pytest.approx(1.2e-5, rel=1e-9)
+    assert parts["base/M3#1"]["shape"] == parts["base/M3#4"]["shape"]
+    assert document["joints"][0]["axis"] == [0.0, 0.0, 1.0]
+
+
+def test_nothing_changes_without_a_lock(lever: Revision, stepbot: Stepbot) -> None:
+    """Without a lock a renamed part is an unknown component, as ever."""
+    lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).write(Path("lever.step"))
+    Path("lever.lock.json").unlink()
+    assert {code for code, _ in findings(stepbot)} == {"SB301", "SB304"}
+
+
+def test_export_anew_changes_nothing(lever: Revision, stepbot: Stepbot) -> None:
+    """Another export of the same assembly, with other entity numbers and faces in another order, has no findings."""
+    lever.write(Path("lever.step"))
+    with Path("lever.step").open("ab") as file:
+        file.write(b"\n")  # the kernel may well write the same bytes again
+    assert findings(stepbot) == []
+
+
+SENTENCES: dict[str, tuple[Any, list[tuple[str, str]]]] = {
+    "rename": (
+        lambda lever: lever.rename({"motor": "XL430", "motor:1": "XL430:1"}),
+        [("SB310", "link 'arm': component 'arm/motor' was renamed to 'arm/XL430' (same shape, same pose)")],
+    ),
+    "move": (
+        lambda lever: lever.move("motor:1", pose((0, 3.0, 4.0))),
+        [("SB318", "link 'arm': component 'arm/motor' moved by 5 mm")],
+    ),
+    "add": (
+        lambda lever: lever.copy("plate:1", "cover:1", pose((0, 0, 100.0))),
+        [("SB317", "link 'base': new component 'base/cover:1' is in the link")],
+    ),
+    "delete": (
+        lambda lever: lever.remove("motor:1"),
+        [("SB312", "link 'arm': component 'arm/motor' is no longer in lever.step")],
+    ),
+    "reshape": (
+        lambda lever: lever.reshape("motor", box(20, 30, 21).shape),
+        [("SB319", "link 'arm': component 'arm/motor' changed shape: volume 12 -> 12.6 cm^3 (+5 %), "
+          "mass 48 -> 50.4 g (+5 %)")],
+    ),
+    "remove one of four equal screws": (
+        lambda lever: lever.remove_number("M3", 2),
+        [("SB316", "link 'base': component 'base/M3#2' is no longer in lever.step")],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SENTENCES)
+def test_one_change_is_one_sentence(name: str, lever: Revision, stepbot: Stepbot) -> None:
+    """Each kind of change ends in the one right finding, and in no other."""
+    change, expected = SENTENCES[name]
+    change(lever).write(Path("lever.step"))
+    found = findings(stepbot)
+    assert [one for one in found if one[0] != "SB314"] == expected
+
+
+def test_whole_assembly_moved(lever: Revision, stepbot: Stepbot) -> None:
+    """An assembly that is drawn elsewhere is one finding; no part and no axis has moved within it."""
+    write_lever(Path("lever.step"), shift=7.0)
+    assert findings(stepbot) == [("SB318", "step: the whole assembly moved by 7 mm")]
+
+
+def test_three_changes_at_once(lever: Revision, stepbot: Stepbot) -> None:
+    """A renamed part, a moved one and a removed one are three findings, and the axis that moved is one."""
+    lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).remove_number("M3", 4)
+    lever.move("plate:1", pose((5.0, 0, 0))).move("beam:1", pose((5.0, 0, 0))).write(Path("lever.step"))
+    assert findings(stepbot) == [
+        ("SB310", "link 'arm': component 'arm/motor' was renamed to 'arm/XL430' (same shape, same pose)"),
+        ("SB316", "link 'base': component 'base/M3#4' is no longer in lever.step"),
+        ("SB318", "link 'base': component 'base/plate' moved by 5 mm"),
+        ("SB318", "link 'arm': component 'arm/beam' moved by 5 mm"),
+        ("SB408", "joint 'hinge': axis moved by 5 mm"),
+    ]
+
+
+def test_removed_reshaped_and_added(lever: Revision, stepbot: Stepbot) -> None:
+    """A part that a path names is gone, another has a new shape, a third is new: each is told as what it is."""
+    lever.remove("motor:1").copy("plate:1", "cover:1", pose((0, 0, 100.0)))
+    lever.reshape("M3", box(3, 3, 10).at(0, 0, 5).shape).write(Path("lever.step"))
+    codes = [(code, message.partition(" changed")[0]) for code, message in findings(stepbot)]
+    assert codes == [
+        ("SB312", "link 'arm': component 'arm/motor' is no longer in lever.step"),
+        ("SB317", "link 'base': new component 'base/cover:1' is in the link"),
+        ("SB319", "link 'base': 4 components"),
+    ]
+
+
+def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot) -> None:
+    """A moved part is reported at the path that binds it."""
+    lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
+    run = stepbot("check", "--step", "--concise", "lever.robot.yaml")
+    assert "lever.robot.yaml:7:23: warning[SB318]" in run.out
+    assert run.code == 0
+    assert stepbot("check", "--step", "--strict", "lever.robot.yaml").code == 1
+
+
+def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
+    """`convert` compares with the lock too: a moved part is a warning, and with a renamed one nothing is written."""
+    arguments = ("convert", "--no-verify", "--concise", "lever.robot.yaml", "-o", "out")
+    assert "SB31" not in stepbot(*arguments).err
+    lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
+    run = stepbot(*arguments)
+    assert run.code == 0
+    assert "warning[SB318]: link 'arm': component 'arm/motor' moved by 5 mm" in run.err
+    before = Path("out/lever.urdf").read_bytes()
+    lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).write(Path("lever.step"))
+    run = stepbot(*arguments)
+    assert run.code == 1
+    assert "error[SB311]" in run.err
+    assert Path("out/lever.urdf").read_bytes() == before
+
+
+def test_a_new_lock_counts_at_once(lever: Revision, stepbot: Stepbot) -> None:
+    """A cached result is not used once the lock is another one."""
+    lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
+    cache = ("--cache", "kept")
+    assert [code for code, _ in findings(stepbot, *cache)] == ["SB318"]
+    assert [code for code, _ in findings(stepbot, *cache)] == ["SB318"]
+    assert stepbot("lock", "lever.robot.yaml", *cache).code == 0
+    assert findings(stepbot, *cache) == []
+
+
+def test_robot_with_errors_is_not_locked(lever: Revision, stepbot: Stepbot) -> None:
+    """A sidecar that does not bind is an error, and the former lock stays."""
+    before = Path("lever.lock.json").read_bytes()
+    Path("lever.robot.yaml").write_text(LEVER.replace("motor]", "moter]"), encoding="utf-8")
+    run = stepbot("lock", "lever.robot.yaml")
+    assert run.code == 1
+    assert "SB301" in run.err
+    assert Path("lever.lock.json").read_bytes() == before
+
+
+def test_lock_in_json(lever: Revision, stepbot: Stepbot) -> None:
+    """Scripts get the files, counts and exit code."""
+    run = stepbot("lock", "--json", "lever.robot.yaml")
+    document = json.loads(run.out)
+    assert document["files"] == [{"lock": "lever.lock.json", "components": 7, "joints": 1}]
+    assert document["exit_code"] == run.code == 0
+
+
+def test_fix_rewrites_names_alone(lever: Revision, stepbot: Stepbot) -> None:
+    """Comments, layout, line ends and a byte order mark stay; the path is replaced wherever it stands."""
+    text = LEVER.replace("motor]}", "  'motor' ]}   # drives it, motor").replace("\n", "\r\n")
+    text += 'parts:\r\n  motor:   {mass: 50 g}\r\nframes: {tip: {link: arm, origin: {center: "arm/motor"}}}\r\n'
+    Path("lever.robot.yaml").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    lock(Path("lever.robot.yaml"))
+    Path("lever.robot.yaml").chmod(0o640)
+    lever.rename({"motor": "XL 430", "motor:1": "XL 430:1"}).write(Path("lever.step"))
+    run = stepbot("check", "--fix", "lever.robot.yaml")
+    assert run.code == 0
+    expected = text.replace("'motor'", "'XL 430'").replace("  motor: ", "  XL 430: ").replace("arm/motor", "arm/XL 430")
+    assert Path("lever.robot.yaml").read_bytes() == b"\xef\xbb\xbf" + expected.encode()
+    assert stat.S_IMODE(Path("lever.robot.yaml").stat().st_mode) == 0o640
+    assert "-  arm: {parts: [beam,   'motor' ]}   # drives it, motor" in run.out
+    assert "+  arm: {parts: [beam,   'XL 430' ]}   # drives it, motor" in run.out
+    assert findings(stepbot) == []
+
+
+def test_fix_leaves_probable_renamings_alone(lever: Revision, stepbot: Stepbot) -> None:
+    """A part that was renamed and moved is not certain, so nothing is written."""
+    lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).move("XL430:1", pose((0, 5.0, 0)))
+    lever.write(Path("lever.step"))
+    before = Path("lever.robot.yaml").read_bytes()
+    run = stepbot("check", "--fix", "--json", "lever.robot.yaml")
+    document = json.loads(run.out)
+    assert (run.code, document["fixed"]) == (1, [])
+    assert Path("lever.robot.yaml").read_bytes() == before
+
+
+def test_fix_follows_shifted_numbers(lever: Revision, stepbot: Stepbot) -> None:
+    """Of four nameless screws the first is removed: paths with #n follow their screws, one past the other."""
+    rewrite(**{"[base]": "[plate, 'M3#1', 'M3#2', 'M3#3']", "motor]": 'motor, "M3#4"]'})
+    lever.remove_number("M3", 1).write(Path("lever.step"))
+    run = stepbot("check", "--fix", "--json", "lever.robot.yaml")
+    document = json.loads(run.out)
+    assert document["fixed"][0]["paths"] == {"M3#2": "M3#1", "M3#3": "M3#2", "M3#4": "M3#3"}
+    text = Path("lever.robot.yaml").read_text(encoding="utf-8")
+    assert "[plate, 'M3#1', 'M3#1', 'M3#2']" in text
+    assert '[beam, motor, "M3#3"]' in text
+
+
+@pytest.mark.parametrize(
+    ("glob", "becomes"),
+    [("**/mot*", "arm/XL430"), ("**/M*", None)],
+)
+def test_fix_rewrites_only_globs_of_one(glob: str, becomes: str | None, lever: Revision, stepbot: Stepbot) -> None:
+    """A glob that matched the renamed part alone is replaced by its path; one that matched more never is."""
+    names = {"motor": "XL430", "motor:1": "XL430:1"}
+    if becomes is None:
+        rewrite(**{"[base]": f'[plate, "{glob}"]'})
+        names = {"M3": "bolt"}
+    else:
+        rewrite(**{"motor]": f'"{glob}"]'})
+    before = Path("lever.robot.yaml").read_text(encoding="utf-8")
+    lever.rename(names).write(Path("lever.step"))
+    run = stepbot("check", "--fix", "lever.robot.yaml")
+    after = Path("lever.robot.yaml").read_text(encoding="utf-8")
+    if becomes is None:
+        assert after == before
+        assert "SB310" in run.out
+    else:
+        assert after == before.replace(glob, becomes)
+        assert run.code == 0
+
+
+def test_fix_follows_a_link(lever: Revision, stepbot: Stepbot) -> None:
+    """A sidecar that is a symbolic link stays one; the file behind it is rewritten."""
+    if not hasattr(os, "symlink"):
+        pytest.skip("no symbolic links here")
+    Path("real").mkdir()
+    Path("lever.robot.yaml").rename("real/sidecar.yaml")
+    Path("lever.robot.yaml").symlink_to("real/sidecar.yaml")
+    lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).write(Path("lever.step"))
+    assert stepbot("check", "--fix", "lever.robot.yaml").code == 0
+    assert Path("lever.robot.yaml").is_symlink()
+    assert "XL430" in Path("real/sidecar.yaml").read_text(encoding="utf-8")

@@ -1,0 +1,15 @@
+"""A version control system left a conflict in the lock."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.revisions import write_locked_lever
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    write_locked_lever()
+    lock = Path("lever.lock.json")
+    text = lock.read_text(encoding="utf-8")
+    lock.write_text(text.replace('  "robot"', '<<<<<<< ours\n  "robot"', 1), encoding="utf-8")

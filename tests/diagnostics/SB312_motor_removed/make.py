@@ -1,0 +1,12 @@
+"""A part that a path names is gone."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.revisions import write_locked_lever
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    write_locked_lever().remove("motor:1").write(Path("lever.step"))

@@ -1,0 +1,14 @@
+"""A part has another name, and its link has the whole subassembly."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.revisions import LEVER, write_locked_lever
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    write_locked_lever(sidecar=LEVER.replace("[beam, motor]", "[arm]")).rename(
+        {"motor": "XL430", "motor:1": "XL430:1"}
+    ).write(Path("lever.step"))
