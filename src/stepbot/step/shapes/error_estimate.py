@@ -33,7 +33,7 @@ from stepbot.geometry.volume import VolumeProperties
 from ..assembly import CERTAIN
 from ..kernel import MILLIMETRES_PER_METRE
 from ..quadrature.solids import Boundary, properties_of
-from ..topology import faces_of
+from ..topology import faces_of, mean_of_vertices
 from .stitching import Stitched
 from .tessellation import Tessellation, tessellated
 
@@ -87,9 +87,9 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
 
     if fits(kernel) and is_simple(shape):
         return Estimate(kernel, _SIMPLE_ERROR)
-    origin = np.array(kernel.unit_density.com) * MILLIMETRES_PER_METRE
-    if len(mesh.mesh.vertices):
-        origin = 0.5 * (mesh.mesh.vertices.min(axis=0) + mesh.mesh.vertices.max(axis=0))
+    origin = mean_of_vertices(shape)
+    if origin is None:
+        origin = np.array(kernel.unit_density.com) * MILLIMETRES_PER_METRE
     own = _integrated(shape, origin, kernel)
     if own is None:
         return _by_meshes(shape, mesh, [Estimate(kernel, inf)]) if is_closed else Estimate(kernel, inf)
