@@ -2,12 +2,13 @@
 
 All poses are as drawn, where each joint is at its ``zero``. The origin of a joint gives the joint's frame J, which is
 fixed to the parent. The child's frame coincides with J at q = 0, so as drawn it is J moved by ``zero``. The root's
-frame is the assembly's, unless the sidecar gives another.
+frame is the assembly's, unless the sidecar gives another, or the directions that point up and forward.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from stepbot.geometry.directions import rotation_of
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.joint_table import Basis, Evidence
 from stepbot.robot.kinematics import displacement
@@ -144,7 +145,10 @@ class Frames:
 
     def _root_frame(self) -> Pose | None:
         root = self._binder.document.root
-        return IDENTITY if root is None or root.frame is None else self.resolve(root.frame, Wanted(("root", "frame")))
+        if root is None:
+            return IDENTITY
+        pose = IDENTITY if root.frame is None else self.resolve(root.frame, Wanted(("root", "frame")))
+        return pose if pose is None or root.axes is None else Pose.of(rotation_of(*root.axes), pose.p)
 
     def _reference(self, name: str, keys: Keys) -> Pose | None:
         if name == ASSEMBLY:

@@ -11,6 +11,7 @@ from .located import Sidecar
 from .magnitudes import check_densities, check_magnitudes, check_weights_as_forces
 from .mechanics import check_closures, check_mimics
 from .names import check_names
+from .orientation import check_orientation
 from .references import check_references
 from .text import file_name
 
@@ -18,6 +19,7 @@ _CHECKS = (
     check_names,
     check_references,
     check_connections,
+    check_orientation,
     check_joints,
     check_mimics,
     check_closures,
@@ -30,7 +32,7 @@ _CHECKS = (
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report contradictions: SB126, SB128, SB130 to SB141, SB143 and SB450 to SB463."""
+    """Report contradictions: SB126, SB128, SB130 to SB141, SB143, SB144 and SB450 to SB463."""
     local, complete = BoundedDiagnostics(), True
     try:
         for check in _CHECKS:

@@ -66,8 +66,8 @@ def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], fou
 def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
     document = sidecar.document
     roots = [link for link in document.links if link not in above]
-    root = document.root.link if document.root is not None else ""
-    if root in above and root not in in_cycles:
+    root = document.root.link if document.root is not None else None
+    if root is not None and root in above and root not in in_cycles:
         joint = above[root]
         message = f"root: link '{root}' is the child of joint '{joint}'"
         help = [f"the root of its tree is link '{top}'" for top in _tops(sidecar, above, root)]

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
 
+from stepbot.geometry.directions import Direction
 from stepbot.robot.model import Base, JointKind
 
 from .devices import ActuatorSection, FrameSection, SensorSection
@@ -159,10 +160,22 @@ class LinkSection(Section):
 class RootSection(Section):
     """The root link, and the frame of the robot's base."""
 
-    link: Name
-    """The root link: the link without a parent joint."""
+    link: Name | None = None
+    """The root link: the link without a parent joint; by default determined by the joints."""
     frame: Origin | None = None
-    """Frame of the root link; by default the assembly's frame."""
+    """Frame of the root link; by default the assembly's frame. With `up` or `forward`, only its position counts."""
+    up: Direction | None = None
+    """The axis of the assembly that points up; the robot's z. By default z."""
+    forward: Direction | None = None
+    """The axis of the assembly that points forward; the robot's x. By default x, or y if `up` is x or -x."""
+
+    @property
+    def axes(self) -> tuple[Direction, Direction] | None:
+        """The axes of the assembly that point up and forward; None if neither is given."""
+        if self.up is None and self.forward is None:
+            return None
+        up: Direction = self.up or "z"
+        return up, self.forward or ("y" if up.endswith("x") else "x")
 
 
 class MimicSection(Section):

@@ -305,4 +305,12 @@ CODES = (
         "Write the density in the unit of the data sheet: `2700 kg/m^3` or `2.7 g/cm^3`. If a solid stands for "
         "something heavier, give its `mass`.",
     ),
+    Code(
+        "SB144",
+        "error",
+        "forward not perpendicular to up",
+        "The directions `up` and `forward` under `root` are along the same axis of the assembly.",
+        "Together they define the axes of the robot's base: z is up and x is forward.",
+        "Choose `forward` among the other two axes, or omit it. The default is x, or y if `up` is x or -x.",
+    ),
 )
