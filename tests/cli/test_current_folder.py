@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.runtime.programs import find_program
 from tests.command_line import LONGEST, convert_once
 
 ARM = ("arm2.robot.yaml", "arm2.step")
@@ -111,12 +112,41 @@ def test_no_import_from_the_current_folder_where_python_begins_with_it(
     assert (trap.folder / "out" / "arm2.urdf").is_file()
 
 
+PROGRAMS = (
+    "gz",
+    "ign",
+    "sh",
+    "python",
+    "python3",
+    Path(sys.executable).name,
+    "ldconfig",
+    "uname",
+    "gcc",
+    "cc",
+    "lscpu",
+)
+"""What stepbot looks for, and what Python and packages are known to look for by name when they are imported."""
+RUNS_PROGRAMS = (sys.executable, "-P", "-c")
+
+
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="the program is a script of a Unix shell here")
-def test_no_program_of_the_current_folder_is_run(tmp_path: Path, robot_library: Path) -> None:
-    """Not even where PATH has an empty entry: `gz` and `ign` are looked for by their names."""
+@pytest.mark.parametrize("path", ["", "."], ids=["empty entry", "relative entry"])
+def test_no_program_of_the_current_folder_is_run(path: str, tmp_path: Path, robot_library: Path) -> None:
+    """Not even where PATH begins with that folder: `gz` and `ign` are looked for in absolute entries only."""
     trap = Trap(tmp_path, robot_library, module_names())
-    for name in ("gz", "ign"):
-        (trap.folder / name).write_text(f"#!/bin/sh\necho {name} >> {trap.marker}\necho 1.0\n")
+    for name in PROGRAMS:
+        (trap.folder / name).write_text(f"#!/bin/sh\necho {name} >> {trap.marker}\necho 12.0\n")
         (trap.folder / name).chmod(0o755)
-    path = f"{os.pathsep}.{os.pathsep}{os.environ['PATH']}"
+    path = f"{path}{os.pathsep}{os.environ['PATH']}"
+    unprotected = [*RUNS_PROGRAMS, "import subprocess; subprocess.run(['gz', 'sdf', '--versions'])"]
+    subprocess.run(unprotected, cwd=trap.folder, env={**os.environ, "PATH": path}, check=True)
+    assert trap.marker.read_text().split() == ["gz"], "the programs are found by whoever does not look out"
+    trap.marker.unlink()
     trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out", PATH=path)
+    report = json.loads((trap.folder / "out" / "report.json").read_text(encoding="utf-8"))
+    checks = [check for check in report["checks"] if check["engine"] == "libsdformat"]
+    gazebo = any(find_program(name) for name in ("gz", "ign"))
+    assert {check["status"] for check in checks} == ({"passed"} if gazebo else {"not run"})
+    trap.run(INSTALLED, "verify", "out/arm2.sdf", PATH=path)
+    assert not trap.marker.exists()

@@ -15,6 +15,7 @@ from .exchange.file_set import NONE as NO_FILE
 from .exchange.file_set import Link, StepFile
 from .exchange.integrity import check_integrity
 from .exchange.length_unit import LengthUnit, read_length_unit
+from .exchange.long_tokens import report_long_tokens
 from .exchange.operators import correct_operators
 from .exchange.selection import entities, mechanism_count
 from .kernel import StepUnreadable, read_model, transfer
@@ -79,7 +80,12 @@ def read_file(file: StepFile, found: Diagnostics) -> FileContent | None:
 def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent | None:
     place = file.place
     with as_utf8(file.path, file.part21.encoding) as text:
-        model = read_model(text)
+        try:
+            model = read_model(text)
+        except StepUnreadable:
+            if report_long_tokens(text, place, found):
+                return None
+            raise
         if not check_integrity(model.session, text, place, found):
             return None
     unit = read_length_unit(model.session, place, found)

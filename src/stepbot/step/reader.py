@@ -100,8 +100,9 @@ class Reading:
             try:
                 answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(left)
             except WorkerDied as death:
-                in_time = time.monotonic() < deadline
-                again = self._attempt.after(death.reason) if self._order is not None and in_time else None
+                if time.monotonic() >= deadline:  # the last process had what was left of the time
+                    raise WorkerDied(f"no result after {timeout:g} s", death.last_lines) from death
+                again = self._attempt.after(death.reason) if self._order is not None else None
                 if again is None or self._order is None:
                     raise
                 self._attempt, left = again, max(deadline - time.monotonic(), 0.0)

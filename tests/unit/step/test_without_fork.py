@@ -1,13 +1,17 @@
 """Where processes cannot be forked: the same bodies, and one that hangs or kills the kernel is stopped and named."""
 
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.runtime.processes import NO_FORK, can_fork
+from stepbot.runtime.worker import WorkerDied
 from stepbot.step import reader
 from stepbot.step.assembly import ReadOptions
+from stepbot.step.attempts import Attempt
 from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.unit.step.test_process import content
@@ -56,6 +60,45 @@ def test_all_time_is_bounded(tmp_path: Path, found: ReadDiagnostics, monkeypatch
     assert reader.start_reading(path, ReadOptions()).finish(found, timeout=10.0) is None
     (diagnostic,) = found
     assert (diagnostic.code, "no result after" in diagnostic.message) == ("SB902", True)
+
+
+class _Stuck:
+    """A kernel's process that dies over its first body; the next one hangs for the rest of the time."""
+
+    started = 0
+    pid = 0
+
+    def __init__(self, *_: object, **__: object) -> None:
+        _Stuck.started += 1
+
+    def submit(self, *arguments: Any) -> "_Stuck":
+        self.attempt: Attempt = arguments[-1]
+        return self
+
+    def result(self, timeout: float) -> None:
+        if not self.attempt.died:
+            Path(self.attempt.folder, "at hand").write_text("0", encoding="ascii")
+            Path(self.attempt.folder, "late").touch()
+            time.sleep(0.1)
+            raise WorkerDied("ended with exit code 7 and no result", ())
+        time.sleep(timeout)
+        raise WorkerDied(f"no result after {timeout:g} s", ())
+
+    def close(self) -> None:
+        """Nothing to end."""
+
+
+def test_limit_in_the_message_is_the_one_that_was_given(
+    tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not what earlier processes left of it."""
+    monkeypatch.setattr(reader, "Worker", _Stuck)
+    path = parts.write_box(tmp_path / "box.step").path
+    assert reader.start_reading(path, ReadOptions()).finish(found, timeout=0.5) is None
+    assert _Stuck.started == 2
+    (diagnostic,) = found
+    assert diagnostic.code == "SB902"
+    assert diagnostic.message.endswith("no result after 0.5 s")
 
 
 def test_the_same_assembly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
