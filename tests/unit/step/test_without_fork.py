@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.runtime.attempts import Attempt
 from stepbot.runtime.processes import NO_FORK, can_fork
 from stepbot.runtime.worker import WorkerDied
 from stepbot.step import reader
 from stepbot.step.assembly import ReadOptions
-from stepbot.step.attempts import Attempt
 from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.unit.step.test_process import content
