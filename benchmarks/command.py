@@ -6,7 +6,7 @@ python -m benchmarks check SIDECAR...                   an unchanged sidecar aga
 python -m benchmarks batch FOLDER                       all robots below a folder, on one core and on two
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
-python -m benchmarks report                             tables and plot in docs/ from what ``--keep`` has kept
+python -m benchmarks report                             tables in docs/performance.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
@@ -63,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
     many.add_argument("folder", type=Path)
     _common(many, _batch)
     _common(commands.add_parser("scaling", help="time and memory over the size"), _scaling)
-    commands.add_parser("report", help="write docs/performance.md and its plot anew").set_defaults(run=_report)
+    commands.add_parser("report", help="update the tables in docs/performance.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
     drafted.set_defaults(run=_inference)

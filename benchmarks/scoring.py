@@ -25,7 +25,6 @@ class Score:
     true: int = 0
     drafted: int = 0
     """Without placeholders: fixed joints to what nothing ties."""
-    placeholders: int = 0
     found: int = 0
     """With the right axis, type and sides."""
     seen: int = 0
@@ -44,7 +43,7 @@ def score(inferred: Inferred, truth: Truth) -> Score:
     result = Score(true=len(truth.joints))
     link_of = _assigned(inferred, truth)
     arcs = [arc for arc in inferred.arcs if arc.hinge.type != JointKind.FIXED]
-    result.drafted, result.placeholders = len(arcs), len(inferred.arcs) - len(arcs)
+    result.drafted = len(arcs)
     used: set[int] = set()
     for joint in truth.joints:
         best = max((_match(arc, joint, link_of, n) for n, arc in enumerate(arcs) if n not in used), default=(0, 0))

@@ -45,11 +45,6 @@ class Relief:
     cells: int
 
     @property
-    def face_count(self) -> int:
-        """Triangles, four sides and the bottom."""
-        return 2 * self.cells**2 + 5
-
-    @property
     def volume(self) -> float:
         """[mm^3]."""
         total = 0.0

@@ -13,8 +13,7 @@ from benchmarks.assemblies import ASSEMBLIES, Assembly, generate
 from benchmarks.command import case_of
 from benchmarks.comparison import compare
 from benchmarks.contenders import Case, Contender
-from benchmarks.plot import bars
-from benchmarks.report import PAGE, PLOT, page_with_results, plot
+from benchmarks.report import PAGE, page_with_results
 from benchmarks.timing import CommandFailed, peak_memory, timed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -100,21 +99,12 @@ def test_an_edit_changes_the_frame_and_nothing_else(tmp_path: Path) -> None:
         assert texts[0].startswith(sidecar.read_text(encoding="utf-8").rstrip())
 
 
-def test_page_and_plot_are_those_of_the_results() -> None:
+def test_page_has_the_tables_of_the_results() -> None:
     """``python -m benchmarks report`` would change nothing."""
     page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")
     assert page_with_results(page) == page
-    assert (ROOT / "docs" / PLOT).read_text(encoding="utf-8") == plot()
     for kind in ("cold", "check", "batch", "scaling"):
         assert f"<!-- results: {kind} -->" in page
-
-
-def test_bars_are_as_long_as_the_numbers() -> None:
-    """Twice the number, twice the bar."""
-    picture = bars("title", {"one": [("a & b", 1.0), ("c", 2.0)], "two": [("c", 0.5)]})
-    widths = [float(part.partition('"')[0]) for part in picture.split('width="')[3:]]
-    assert widths == pytest.approx([0.5 * widths[1], widths[1], 0.25 * widths[1]], abs=0.1)
-    assert "a &amp; b" in picture
 
 
 def test_contenders_name_each_other_apart() -> None:

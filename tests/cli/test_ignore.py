@@ -15,7 +15,6 @@ from tests.solids import box
 from .conftest import Stepbot
 
 SIDECAR = "arm2.robot.yaml"
-LOSS = "error[SB703]"
 
 
 def write_also(arm: Path, text: str) -> None:

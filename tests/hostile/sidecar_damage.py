@@ -11,7 +11,6 @@ from random import Random
 from .sidecar_tree import Listing, Node, Scalar, Table, places, replace_value, values_of, written
 
 TreeDamage = Callable[[Table, Random], None]
-TextDamage = Callable[[str, Random], bytes]
 
 _NUMBERS = (
     "0", "-0.0", "1", "-1", "1e-300", "-1e-300", "1e300", "-1e300", "1e400", "5e-324", ".nan", "nan", ".inf", "-.inf",

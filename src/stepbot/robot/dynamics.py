@@ -35,16 +35,6 @@ class Equations:
     """Efforts (n,) [N m] or [N] for the given motion: M(q) a + C(q, v) v + g(q)."""
 
 
-def mass_matrix(robot: Robot, q: Configuration) -> Array:
-    """Joint-space inertia M(q), shape (n, n) [kg, kg m, kg m^2], in the order of :func:`kinematics.moving_joints`."""
-    return equations_of_motion(robot, q).mass_matrix
-
-
-def gravity_forces(robot: Robot, q: Configuration, gravity: Vector3 = GRAVITY) -> Array:
-    """Efforts (n,) [N m] or [N] that hold the robot at rest at q against ``gravity`` [m/s^2]."""
-    return equations_of_motion(robot, q, gravity=gravity).gravity
-
-
 def equations_of_motion(
     robot: Robot, q: Configuration, rates: Rates = ({}, {}), *, gravity: Vector3 = GRAVITY, tree: Tree | None = None
 ) -> Equations:

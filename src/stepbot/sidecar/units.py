@@ -80,15 +80,6 @@ class UnitError(ValueError):
         super().__init__(message)
 
 
-def parse_quantity(text: str, dimension: Dimension) -> float:
-    """The SI value of ``text``: a plain number is SI, a unit must have the dimension.
-
-    Raises:
-        UnitError: No number, an unknown unit, or a unit of another dimension.
-    """
-    return read_quantity(text, dimension).value
-
-
 def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
     """The SI value of ``text``, and whether it has a unit of one of ``dimensions``.
 

@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.dynamics import GRAVITY, equations_of_motion, gravity_forces, mass_matrix
+from stepbot.robot.dynamics import GRAVITY, equations_of_motion
 from stepbot.robot.kinematics import Tree, complete, configurations, link_poses, rates
 from stepbot.robot.model import Joint, JointKind, Link, Robot
 from tests.robots import ROBOTS
@@ -41,10 +41,10 @@ def test_two_link_arm_of_the_textbook(q1: float, q2: float) -> None:
     off = m2 * (c2 * c2 + a1 * c2 * cos(q2)) + I2
     expected = [[h, off], [off, m2 * c2 * c2 + I2]]
     q = {"one": q1, "two": q2}
-    np.testing.assert_allclose(mass_matrix(_vertical_arm(), q), expected, rtol=1e-14)
+    np.testing.assert_allclose(equations_of_motion(_vertical_arm(), q).mass_matrix, expected, rtol=1e-14)
     second = m2 * c2 * 9.81 * cos(q1 + q2)
     first = (m1 * c1 + m2 * a1) * 9.81 * cos(q1) + second
-    np.testing.assert_allclose(gravity_forces(_vertical_arm(), q), [first, second], rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(equations_of_motion(_vertical_arm(), q).gravity, [first, second], rtol=1e-13, atol=1e-14)
 
 
 @pytest.mark.parametrize(("q1", "q2"), [(0.3, -1.1), (2.0, 0.7), (-1.5, pi / 2)])
@@ -98,8 +98,8 @@ def test_a_slider_carries_its_weight() -> None:
         (Link("base"), Link("cage", MassProperties.of(3.0, (0.1, 0.2, 0.3), np.eye(3)))),
         (Joint("lift", JointKind.PRISMATIC, "base", "cage", axis=(cos(tilt), 0.0, sin(tilt))),),
     )
-    np.testing.assert_allclose(mass_matrix(robot, {"lift": 0.7}), [[3.0]], rtol=1e-15)
-    np.testing.assert_allclose(gravity_forces(robot, {"lift": 0.7}), [3.0 * 9.81 * sin(tilt)], rtol=1e-15)
+    np.testing.assert_allclose(equations_of_motion(robot, {"lift": 0.7}).mass_matrix, [[3.0]], rtol=1e-15)
+    np.testing.assert_allclose(equations_of_motion(robot, {"lift": 0.7}).gravity, [3.0 * 9.81 * sin(tilt)], rtol=1e-15)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -121,7 +121,7 @@ def test_gravity_is_the_slope_of_the_potential(name: str) -> None:
         q = np.array([configuration[joint] for joint in layout.joints])
         step = 1e-6
         slope = [(potential(q + step * unit) - potential(q - step * unit)) / (2 * step) for unit in np.eye(len(q))]
-        np.testing.assert_allclose(gravity_forces(robot, configuration), slope, atol=1e-7)
+        np.testing.assert_allclose(equations_of_motion(robot, configuration).gravity, slope, atol=1e-7)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -141,7 +141,7 @@ def test_mass_matrix_is_that_of_the_kinetic_energy(name: str) -> None:
         spin = (ahead[i, :3, :3] - behind[i, :3, :3]) @ here[i, :3, :3].T / 2e-6
         w_L = here[i, :3, :3].T @ np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
         energy += 0.5 * body.mass * velocity @ velocity + 0.5 * w_L @ np.array(body.inertia) @ w_L
-    M = mass_matrix(robot, configuration)
+    M = equations_of_motion(robot, configuration).mass_matrix
     assert 0.5 * v @ M @ v == pytest.approx(energy, rel=1e-7, abs=1e-12)
 
 
@@ -149,7 +149,7 @@ def test_mass_matrix_is_symmetric_and_positive() -> None:
     """For every robot whose every joint moves some mass."""
     for build in ROBOTS.values():
         robot = build()
-        M = mass_matrix(robot, configurations(robot, n=1)[0])
+        M = equations_of_motion(robot, configurations(robot, n=1)[0]).mass_matrix
         assert (M == M.T).all()
         assert (np.linalg.eigvalsh(M) > 0.0).all()
 
@@ -165,7 +165,7 @@ def test_a_robot_without_joints_has_an_empty_matrix() -> None:
 def test_mimics_stay_coordinates_of_their_own() -> None:
     """As in every engine: three joints, though one drives."""
     robot = ROBOTS["gripper_with_mimic"]()
-    assert mass_matrix(robot, {"finger": 0.01}).shape == (3, 3)
+    assert equations_of_motion(robot, {"finger": 0.01}).mass_matrix.shape == (3, 3)
     assert complete(robot, {"finger": 0.01}).keys() == link_poses_of_joints(robot)
 
 
