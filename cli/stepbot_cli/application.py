@@ -24,6 +24,7 @@ COMMANDS = (
     "lock",
     "uptodate",
     "verify",
+    "diff",
     "explain",
     "schema",
     "formats",

@@ -17,7 +17,7 @@ from .bindings import is_below, renamed_node
 from .broken_paths import pair_words, report_broken, several
 from .comparison import Comparison
 from .matching import Certainty, Pair
-from .wording import change, common_words, mass_words, moved_words, shape_words
+from .wording import common_words, mass_words, moved_words, shape_words, stuff_words
 
 _SHOWN = 5
 _SAME_MASS = 1e-6
@@ -167,15 +167,15 @@ class _Reporter:
         self._report_alike("SB319", words)
 
     def _report_masses(self) -> None:
-        """Masses that changed because the STEP gives another density; those of a changed shape are told with it."""
+        """Masses that the STEP's density or material changed; those of a changed shape are told with it."""
         words = []
         for pair in self._c.match.pairs:
             old, new = self._c.old.parts[pair.old], self._c.new.parts[pair.new]
-            if not pair.is_same_shape or old.density == new.density or old.mass is None or new.mass is None:
+            why = stuff_words(old, new)
+            if not (pair.is_same_shape and why) or old.mass is None or new.mass is None:
                 continue
             if not _is_same(old.mass, new.mass):
-                density = change(old.density, new.density, "kg/m^3")
-                words.append((pair, f"changed {mass_words(old.mass, new.mass)}: density in the STEP {density}"))
+                words.append((pair, f"changed {mass_words(old.mass, new.mass)}: {why} in the STEP"))
         self._report_alike("SB517", words)
 
     def _report_alike(self, code: str, changed: Iterable[tuple[Pair, str]]) -> None:

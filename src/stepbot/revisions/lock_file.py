@@ -102,6 +102,7 @@ def _part_record(part: Part) -> Json:
         "shape": part.shape,
         "mass": part.mass,
         "density": part.density,
+        "material": part.material,
         "position": list(part.position),
         "rotation": [list(row) for row in part.rotation],
         "box": [list(corner) for corner in part.box],
@@ -171,7 +172,7 @@ def _part(record: Record, shape: int) -> Part:
     mass = None if record.is_null("mass") else record.number("mass")
     return Part(
         *(record.text("path"), shape, record.vector("position"), (a, b, c), (low, high), record.number("density")),
-        *(record.flag("by_ordinal"), record.text("link"), mass),
+        *(record.text("material"), record.flag("by_ordinal"), record.text("link"), mass),
     )
 
 

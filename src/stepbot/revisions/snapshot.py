@@ -71,6 +71,8 @@ class Part:
     """Lowest and highest corner [m] in the assembly's frame."""
     density: float = 0.0
     """[kg/m^3] as the STEP gives it; 0 for none."""
+    material: str = ""
+    """Name of the material in the STEP; empty for none."""
     by_ordinal: bool = False
     """Whether a segment of the path holds by ``#n`` alone."""
     link: str = ""
@@ -209,6 +211,7 @@ def _part(assembly: Assembly, component: Component, shape: int, by_ordinal: bool
         matrix3(np.round(R, _DECIMALS) + 0.0),
         (_rounded(box[0]), _rounded(box[1])),
         _significant(component.density),
+        component.material.strip(),
         by_ordinal,
     )
 

@@ -5,7 +5,7 @@ from math import degrees
 from stepbot.geometry.spatial import Pose
 
 from .shapes import ANGLE, PLACE, Motion
-from .snapshot import AREA, Shape
+from .snapshot import AREA, Part, Shape
 
 
 def moved_words(found: Motion) -> str:
@@ -41,6 +41,16 @@ def mass_words(old: float, new: float) -> str:
     """``mass 33 -> 34.8 g (+5.5 %)``."""
     scale, unit = (1.0, "kg") if max(old, new) >= 1.0 else (1e3, "g")
     return f"mass {change(old * scale, new * scale, unit)}"
+
+
+def stuff_words(old: Part, new: Part) -> str:
+    """``density 2700 -> 7850 kg/m^3 (+191 %)``, ``material 'steel' -> 'brass'``; empty where both are the same."""
+    words = []
+    if old.material != new.material:
+        words.append(f"material '{old.material}' -> '{new.material}'")
+    if old.density != new.density:
+        words.append(f"density {change(old.density, new.density, 'kg/m^3')}")
+    return ", ".join(words)
 
 
 def change(old: float, new: float, unit: str) -> str:

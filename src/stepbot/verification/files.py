@@ -76,16 +76,7 @@ def verify_files(
     """
     required = tuple(require)
     check_required(required, found)
-    formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
-    with ExitStack() as running:
-        server = started_engine_server()
-        start = running.enter_context(server).fork if server is not None else None
-        formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
-        keys = {_key(path): name for path, name in formats.items()}
-        engines = running.enter_context(Engines(keys, memory_limit, start))
-        asked = ask(formats, Probe(in_a_process(timeout, memory_limit, start)))  # while the engines start
-        engines.submit(asked.requests)
-        outcomes = engines.results(timeout)
+    asked, outcomes = _observed(paths, found, timeout=timeout, memory_limit=memory_limit)
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
@@ -93,6 +84,59 @@ def verify_files(
     return Report(
         checks, dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table, own_parsers=own_parsers()
     )
+
+
+def compare_two(
+    old: Path,
+    new: Path,
+    found: Diagnostics,
+    *,
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+) -> "tuple[Compared, ...] | None":
+    """Compare one file with another in everything that engines report of both; None if either cannot be read.
+
+    Args:
+        old: The file to compare with.
+        new: The file that is compared.
+        found: Receives the errors of files that cannot be read.
+        timeout: Time limit [s] of each engine.
+        memory_limit: Address space [bytes] of each engine; None for no limit.
+    """
+    reported = Diagnostics()
+    asked, outcomes = _observed((old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0)
+    seen = [ranked for path in (old, new) if (ranked := _ranked([o for o in outcomes if o.key == _key(path)]))]
+    if len(seen) < 2:
+        for path in (old, new):
+            of_file = [outcome for outcome in outcomes if outcome.key == _key(path)]
+            list(_checks_within(_key(path), of_file, _reference(of_file), reported))
+        found.extend(one for one in reported if one.severity == "error")
+        return None
+    ours, theirs = map(gather, seen)
+    return _compared_across(ours, theirs, asked, first=True)
+
+
+def _observed(
+    paths: Sequence[Path],
+    found: Diagnostics,
+    *,
+    timeout: float,
+    memory_limit: int | None,
+    count: int = CONFIGURATIONS,
+    seconds: float = SECONDS,
+) -> "tuple[Asked, Sequence[Outcome]]":
+    """Load every file in every engine that reads it."""
+    formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
+    with ExitStack() as running:
+        server = started_engine_server()
+        start = running.enter_context(server).fork if server is not None else None
+        formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
+        keys = {_key(path): name for path, name in formats.items()}
+        engines = running.enter_context(Engines(keys, memory_limit, start))
+        probe = Probe(in_a_process(timeout, memory_limit, start))
+        asked = ask(formats, probe, count=count, seconds=seconds)  # while the engines start
+        engines.submit(asked.requests)
+        return asked, engines.results(timeout)
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:

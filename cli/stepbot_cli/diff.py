@@ -1,0 +1,112 @@
+"""``stepbot diff``: what differs between two STEP files, two sidecars, or two robots."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stepbot.diagnostics import Diagnostics
+
+from .caching import say_trouble
+from .columns import wrapped_rows
+from .command import Command, display_options, json_option
+from .progress import progress_bar
+from .reading import reading_options
+from .render import paint, printable
+from .terminal import Display, screen_width, show_diagnostics, wants_color, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.conversion import Options
+    from stepbot.pipeline.differences import Differences
+
+SAME, DIFFERENT, COULD_NOT_RUN = 0, 1, 2
+"""Exit codes."""
+_STEP = (".step", ".stp", ".p21", ".stpz")
+_SIDECAR = (".yaml", ".yml")
+_HEADINGS = ("difference", "what", "how")
+
+
+@click.command(
+    cls=Command,
+    short_help="Show what differs between two revisions.",
+    epilog="Examples:\n\n  stepbot diff arm_v1.step arm_v2.step\n\n  stepbot diff arm_v1.robot.yaml arm.robot.yaml\n\n"
+    "  stepbot diff build/arm_v1 build/arm\n\nExit codes: 0 same, 1 different, 2 could not run.",
+)
+@click.argument("old", type=click.Path(path_type=Path))
+@click.argument("new", type=click.Path(path_type=Path))
+@reading_options
+@json_option
+@display_options
+def command(options: "Options", old: Path, new: Path, as_json: bool, display: Display) -> int:
+    """Compare two STEP files, two sidecars, or two robots (output folders, or URDF, SDFormat or MJCF files).
+
+    Components of STEP files are matched by shape and pose, not by name or order. Sidecars are compared by the robots
+    that they describe: links, joints, limits, masses, frames. Robot files are compared as engines load them.
+    """
+    found = Diagnostics()
+    kind = _kind(old, new)
+    with progress_bar(("read",)) as progress:
+        progress("read")
+        differences = _compared(kind, old, new, options, found)
+    say_trouble(options.cache, found)
+    exit_code = COULD_NOT_RUN if differences is None else DIFFERENT if differences.rows else SAME
+    if as_json:
+        rows = [] if differences is None else [_record(row) for row in map(asdict, differences.rows)]
+        document = {"kind": kind, "old": old.as_posix(), "new": new.as_posix(), "differences": rows}
+        write_json({**document, "diagnostics": found, "exit_code": exit_code})
+        return exit_code
+    show_diagnostics(found, display)
+    if differences is not None and not display.quiet:
+        write_result("\n".join(_lines(differences, concise=display.concise)))
+    return exit_code
+
+
+def _kind(old: Path, new: Path) -> str:
+    """What both are: ``step``, ``sidecar`` or ``robot``."""
+    kinds = []
+    for path in (old, new):
+        suffix = path.suffix.lower()
+        is_step, is_sidecar = suffix in _STEP, suffix in _SIDECAR
+        kinds.append("robot" if path.is_dir() else "step" if is_step else "sidecar" if is_sidecar else "robot")
+    if kinds[0] != kinds[1]:
+        raise click.UsageError(f"cannot compare a {kinds[0]} with a {kinds[1]}: '{old}' and '{new}'")
+    return kinds[0]
+
+
+def _compared(kind: str, old: Path, new: Path, options: "Options", found: Diagnostics) -> "Differences | None":
+    from stepbot.pipeline.differences import differing_robots, differing_sidecars, differing_steps, robot_files
+
+    if kind == "step":
+        return differing_steps(old, new, options, found)
+    if kind == "sidecar":
+        return differing_sidecars(old, new, options, found)
+    files = robot_files(old, new, found)
+    return None if files is None else differing_robots(*files, options, found)
+
+
+def _record(row: dict[str, Any]) -> dict[str, Any]:
+    """A difference without what it does not have."""
+    return {key: value for key, value in row.items() if value not in (None, "")}
+
+
+def _lines(differences: "Differences", *, concise: bool) -> list[str]:
+    rows = differences.rows
+    if concise:
+        return [printable(": ".join(filter(None, cells))) for cells in map(_cells, rows)]
+    names = f"{printable(differences.old)} and {printable(differences.new)}"
+    if not rows:
+        return [f"no differences between {names}"]
+    color = wants_color(sys.stdout)
+    table: Sequence[Sequence[str]] = [_HEADINGS, *(tuple(map(printable, _cells(row))) for row in rows)]
+    head, *body = wrapped_rows(table, screen_width(sys.stdout))
+    lines = [paint("  ".join(cells).rstrip(), "1", color) for cells in head]
+    lines += ["  ".join(cells).rstrip() for of_row in body for cells in of_row]
+    return [*lines, f"{len(rows)} difference{'s' if len(rows) > 1 else ''} between {names}"]
+
+
+def _cells(row: Any) -> tuple[str, str, str]:
+    name = f"{row.name} -> {row.new_name}" if row.new_name else row.name
+    return row.kind, name, row.detail

@@ -1,0 +1,114 @@
+"""What differs between two STEP files, two sidecars, or two robots."""
+
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from stepbot.assemble import build_robot
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.engines.observation import Observation, Request
+from stepbot.engines.reference import observe_robot
+from stepbot.revisions.differences import Difference, robot_differences, step_differences
+from stepbot.revisions.snapshot import Snapshot, snapshot
+from stepbot.step.assembly import ReadOptions
+from stepbot.verification.compare import compare
+from stepbot.verification.files import compare_two
+
+from .conversion import Options
+from .loading import Loading
+from .sidecars import load, named_step, what_to_read
+
+_MODEL = "urdf"
+"""The format whose conventions both models are described by."""
+
+
+@dataclass(frozen=True)
+class Differences:
+    """What differs, and what was compared."""
+
+    old: str
+    new: str
+    rows: tuple[Difference, ...]
+
+
+def differing_steps(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
+    """Compare two STEP files component by component; None after errors."""
+    taken = [_snapshot(path, options, found) for path in (old, new)]
+    if taken[0] is None or taken[1] is None:
+        return None
+    return Differences(old.as_posix(), new.as_posix(), step_differences(taken[0], taken[1]))
+
+
+def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
+    """Compare the robots that two sidecars describe: links, joints, limits, masses, frames; None after errors."""
+    seen = [_observed(path, options, found) for path in (old, new)]
+    if seen[0] is None or seen[1] is None:
+        return None
+    return Differences(old.as_posix(), new.as_posix(), robot_differences(compare(seen[0], seen[1])))
+
+
+def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
+    """Compare two robot files as engines load them; None after errors."""
+    results = compare_two(old, new, found, timeout=options.timeout, memory_limit=options.memory_limit)
+    return None if results is None else Differences(old.as_posix(), new.as_posix(), robot_differences(results))
+
+
+def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] | None:
+    """The two files to compare of two robots, each a file or an output folder; None after an error.
+
+    Of folders the files of one format are taken: URDF where both have one, else SDFormat, else MJCF.
+    """
+    for path in (old, new):
+        if not path.exists():
+            found.add("SB001", "no such file or folder", Span(path.as_posix()))
+    if found.has_errors:
+        return None
+    choices = [_by_suffix(path) for path in (old, new)]
+    for suffix in choices[0]:
+        if suffix in choices[1]:
+            return choices[0][suffix], choices[1][suffix]
+    if not (old.is_dir() or new.is_dir()):
+        return old, new
+    for path in (old, new):
+        if path.is_dir() and not _by_suffix(path):
+            found.add("SB001", "no URDF, SDFormat or MJCF file in this folder", Span(path.as_posix()))
+    if not found.has_errors:
+        found.add("SB001", f"no file of a format that '{old.as_posix()}' has, too", Span(new.as_posix()))
+    return None
+
+
+def _by_suffix(path: Path) -> dict[str, Path]:
+    """Robot files by suffix, in the order of preference."""
+    if not path.is_dir():
+        return {path.suffix: path}
+    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.endswith(".drake.sdf"))
+    return {suffix: file for suffix in (".urdf", ".sdf", ".xml") for file in reversed(files) if file.suffix == suffix}
+
+
+def _snapshot(step: Path, options: Options, found: Diagnostics) -> Snapshot | None:
+    reported = Diagnostics()
+    try:
+        with closing(Loading(step, ReadOptions(encoding=options.encoding), options, reported)) as loading:
+            assembly = loading.assembly(reported)
+            return snapshot(assembly, loading.content, loading.measures(reported))
+    except StepbotError:
+        found.extend(one for one in reported if one.severity == "error")
+        return None
+
+
+def _observed(sidecar: Path, options: Options, found: Diagnostics) -> Observation | None:
+    """What the robot of a sidecar is, with all joints at zero."""
+    reported = Diagnostics()
+    try:
+        loaded = load(sidecar, options, reported)
+        step = named_step(loaded, reported)
+        with closing(Loading(step, what_to_read(loaded, options), options, reported)) as loading:
+            assembly, measures = loading.assembly(reported), partial(loading.measures, reported)
+            built = build_robot(assembly, loaded, measures, reported, options.cache, loading.mesh_worker)
+            reported.raise_if_errors()
+    except StepbotError as error:
+        found.extend(one for one in error.diagnostics if one.severity == "error")
+        return None
+    assert built is not None  # a missing robot always has an error
+    return observe_robot(built.robot, Request(sidecar.as_posix(), _MODEL, configurations=({},)))

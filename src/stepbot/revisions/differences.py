@@ -1,0 +1,119 @@
+"""Differences of two assemblies, or of two robots, as rows of a table."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+from stepbot.engines.observation import Quantity
+from stepbot.verification.compare import Compared
+from stepbot.verification.deviation import Deviation
+
+from .bindings import renamed_node
+from .matching import Certainty, Match, Pair, match
+from .shapes import Motion
+from .snapshot import Snapshot
+from .wording import common_words, moved_words, shape_words, stuff_words
+
+_EXPECTED = re.compile(r", (\S.*) expected$")
+_FOLLOWING = frozenset({Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS})
+"""Quantities that differ because others do."""
+_NO_DIFFERENCE = frozenset({Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS, Quantity.SELF_COLLISION})
+"""Quantities of one file or robot alone."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One difference."""
+
+    kind: str
+    """``added``, ``removed``, ``renamed``, ``probably renamed``, ``moved``, ``reshaped``, ``material``; of robots the
+    quantity."""
+    name: str
+    """What differs."""
+    detail: str = ""
+    """How."""
+    new_name: str = ""
+    """What it is called now; empty where that is the same."""
+    amount: float | None = None
+    """Distance [m] of what moved, or deviation of a quantity in ``unit``; None where there is no number."""
+    unit: str = ""
+    angle: float | None = None
+    """[rad] by which it is turned; None where it is not, or unknown."""
+
+
+def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:
+    """Differences of two assemblies, component by component, in the order of the files."""
+    matched = match(old, new)
+    rows = list(_common(matched))
+    rows += _names(old, new, matched)
+    for pair in matched.pairs:
+        rows += _changes(old, new, pair)
+    rows += [Difference("removed", old.parts[index].path) for index in matched.removed]
+    rows += [Difference("added", new.parts[index].path) for index in matched.added]
+    return tuple(rows)
+
+
+def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
+    """Differences of two robots, quantity by quantity; what only follows from others is left out beside them."""
+    compared = [one for one in results if not one.not_run and one.quantity not in _NO_DIFFERENCE]
+    failed = [one for one in compared if one.deviations.failures]
+    direct = [one for one in failed if one.quantity not in _FOLLOWING]
+    return tuple(
+        _of_robots(one.quantity, deviation) for one in direct or failed for deviation in one.deviations.failures
+    )
+
+
+def _of_robots(quantity: Quantity, deviation: Deviation) -> Difference:
+    name = _EXPECTED.sub(r", formerly \1", deviation.where).replace(" is not in the robot", " is new")
+    name = name.removesuffix(" at configuration 1")
+    if not deviation.unit:
+        return Difference(quantity.value, name)
+    if not isfinite(deviation.amount):
+        return Difference(quantity.value, name, "only one has it")
+    unit = "" if deviation.unit == "SI" else deviation.unit
+    detail = f"differs by {deviation.amount:.4g} {unit}".rstrip()
+    return Difference(quantity.value, name, detail, amount=deviation.amount, unit=unit)
+
+
+def _common(matched: Match) -> Iterator[Difference]:
+    if matched.is_moved:
+        distance, angle = matched.common.distance_to(type(matched.common)())
+        yield Difference("moved", ".", common_words(matched.common), amount=distance, unit="m", angle=angle)
+
+
+def _names(old: Snapshot, new: Snapshot, matched: Match) -> Iterator[Difference]:
+    """Components under other names; a subassembly with another name is one of them."""
+    groups: dict[tuple[str, str], list[Pair]] = {}
+    for pair in matched.pairs:
+        before, after = old.parts[pair.old].path, new.parts[pair.new].path
+        if before != after:
+            groups.setdefault(renamed_node(before, after), []).append(pair)
+    for (before, after), pairs in groups.items():
+        sure = all(pair.certainty is Certainty.CERTAIN for pair in pairs)
+        parts = f", {len(pairs)} parts" if len(pairs) > 1 else ""
+        detail = "same shape and pose" if sure else _likeness(old, new, pairs)
+        yield Difference("renamed" if sure else "probably renamed", before, detail + parts, new_name=after)
+
+
+def _likeness(old: Snapshot, new: Snapshot, pairs: Iterable[Pair]) -> str:
+    weak = next(pair for pair in pairs if pair.certainty is Certainty.PROBABLE)
+    shape = "same shape" if weak.is_same_shape else shape_words(old.shape_of(weak.old), new.shape_of(weak.new))
+    return f"{shape}, {'same pose' if weak.motion.is_none else moved_words(weak.motion)}"
+
+
+def _changes(old: Snapshot, new: Snapshot, pair: Pair) -> Iterator[Difference]:
+    """How a component that is in both has changed."""
+    before, after = old.parts[pair.old], new.parts[pair.new]
+    if pair.certainty is Certainty.PATH:
+        if not pair.motion.is_none:
+            yield _moved(after.path, pair.motion)
+        if not pair.is_same_shape:
+            words = shape_words(old.shape_of(pair.old), new.shape_of(pair.new))
+            yield Difference("reshaped", after.path, words)
+    if stuff := stuff_words(before, after):
+        yield Difference("material", after.path, stuff)
+
+
+def _moved(path: str, motion: Motion) -> Difference:
+    return Difference("moved", path, moved_words(motion), amount=motion.distance, unit="m", angle=motion.angle)
