@@ -77,7 +77,7 @@ def _component(component: Component, inside: Contents) -> dict[str, Any]:
         "size": inside.size,
         "center": inside.center,
         "material": component.material,
-        "density": component.density,
+        "density": component.density or 0.0,
         "color": component.color,
     }
 

@@ -223,7 +223,7 @@ def _unsound_component(component: Component, index: int, bodies: int) -> Iterato
         yield f"its pose is {component.X_WC}"
     elif abs(component.X_WC.R @ component.X_WC.R.T - np.eye(3)).max() > 1e-5 or np.linalg.det(component.X_WC.R) < 0.0:
         yield f"its rotation is none: {component.X_WC.R.tolist()}"
-    if not (math.isfinite(component.density) and component.density >= 0.0):
+    if component.density is not None and not (math.isfinite(component.density) and component.density > 0.0):
         yield f"its density is {component.density}"
     if component.color is not None and not all(0.0 <= value <= 1.0 for value in component.color):
         yield f"its colour is {component.color}"

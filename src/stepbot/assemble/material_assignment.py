@@ -127,7 +127,7 @@ def _density(component: Component, named: tuple[str, PartRule] | None, document:
     """Density [kg/m^3] and its source; a density of zero in the STEP counts as missing."""
     if named is not None:
         return _rule_density(named[1], document), f"parts rule '{named[0]}'"
-    if component.density > 0.0 and document.step_density is StepDensity.USE:
+    if component.density is not None and document.step_density is StepDensity.USE:
         return component.density, "STEP"
     name = component.material.strip()
     if name and (density := _material(document, name).density) is not None:

@@ -9,14 +9,14 @@ _SEVERAL = 4
 def without_density(assembly: Assembly) -> tuple[str, ...]:
     """Materials of solids without a density in the STEP, unique and sorted; ``""`` for solids without a material."""
     return tuple(
-        sorted({c.material for c in assembly.components if _has_volume(assembly, c.index) and c.density <= 0.0})
+        sorted({c.material for c in assembly.components if _has_volume(assembly, c.index) and c.density is None})
     )
 
 
 def equal_density(assembly: Assembly) -> float:
     """Density [kg/m^3] shared by all of several solids; 0 if they differ, or are few."""
     densities = [c.density for c in assembly.components if _has_volume(assembly, c.index)]
-    return densities[0] if len(densities) >= _SEVERAL and len(set(densities)) == 1 else 0.0
+    return (densities[0] or 0.0) if len(densities) >= _SEVERAL and len(set(densities)) == 1 else 0.0
 
 
 def _has_volume(assembly: Assembly, index: int) -> bool:

@@ -18,8 +18,6 @@ from .survey import ALL_SOURCES, Sources
 _OFFERED = 0.3
 """Score from which an undrafted axis is offered as a comment."""
 _KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
-_SEVERAL = 3
-"""Number of parts from which a common density is taken for a CAD program's default."""
 
 
 def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Draft:
@@ -47,8 +45,6 @@ class _Drafting:
         order = [found.root, *(n for n in range(len(found.links)) if n != found.root)]
         tree = [arc for arc in found.arcs if not arc.is_closure]
         loops = [arc for arc in found.arcs if arc.is_closure]
-        solid = [c for c in self._assembly.components if c.body >= 0]
-        known = {c.density for c in solid if c.density > 0.0}
         return Draft(
             robot=robot,
             root=self._names[found.root],
@@ -56,8 +52,6 @@ class _Drafting:
             joints=tuple(self._joint(arc) for arc in tree),
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._alternative(h) for h in self._offered()),
-            without_density=tuple(sorted({c.material for c in solid if not c.density})),
-            equal_density=known.pop() if len(known) == 1 and len(solid) > _SEVERAL else 0.0,
         )
 
     def _link(self, n: int) -> DraftLink:

@@ -16,15 +16,18 @@ _DIGITS = 12
 class VolumeProperties:
     """Volume, centroid and second moments of a solid of density 1 kg/m^3."""
 
-    volume: float
-    """[m^3]."""
     unit_density: MassProperties
-    """Mass [kg] equals ``volume``; com and inertia in the definition's frame."""
+    """Mass [kg] equals :attr:`volume`; com and inertia in the definition's frame."""
+
+    @property
+    def volume(self) -> float:
+        """[m^3]."""
+        return self.unit_density.mass
 
     @staticmethod
     def of(volume: float, com: Array, inertia: Array) -> "VolumeProperties":
         """From volume [m^3], com (3,) [m] and inertia (3, 3) [kg m^2] about the com at 1 kg/m^3."""
-        return VolumeProperties(float(volume), MassProperties.of(volume, com.tolist(), inertia))
+        return VolumeProperties(MassProperties.of(volume, com.tolist(), inertia))
 
     @staticmethod
     def rounded(volume: float, com: Array, inertia: Array) -> "VolumeProperties":

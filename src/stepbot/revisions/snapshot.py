@@ -210,7 +210,7 @@ def _part(assembly: Assembly, component: Component, shape: int, by_ordinal: bool
         _rounded(component.X_WC.position),
         matrix3(np.round(R, _DECIMALS) + 0.0),
         (_rounded(box[0]), _rounded(box[1])),
-        _significant(component.density),
+        _significant(component.density or 0.0),
         component.material.strip(),
         by_ordinal,
     )

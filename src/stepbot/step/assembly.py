@@ -150,8 +150,8 @@ class Component:
     """Colour of the occurrence, or of the part for faces without own colour."""
     material: str = ""
     """Name of the material in the STEP; may be empty."""
-    density: float = 0.0
-    """Density [kg/m^3] in the STEP; 0 if there is none."""
+    density: float | None = None
+    """Density [kg/m^3] in the STEP; None if it has none."""
     by_ordinal_only: bool = False
     """Whether only ``#n`` distinguishes it from a sibling: such a path breaks when the CAD inserts a part."""
 

@@ -72,10 +72,10 @@ def test_own_density_beats_the_material_of_the_same_rule(tmp_path: Path) -> None
 
 
 def test_step_density_and_defaults(tmp_path: Path) -> None:
-    """The STEP's density beats the defaults unless it is to be ignored; zero in the STEP is absent."""
+    """The STEP's density beats the defaults unless it is to be ignored."""
     shop = Workshop()
     shop.box("a", density=7850)
-    shop.box("b", density=0.0)
+    shop.box("b")
     text = "    materials: {pla: {density: 1240}}\n    defaults: {material: pla}\n" + ONE
     assert [(s.density, s.origin) for s in _sources(built(shop, tmp_path, text)).values()] == [
         (7850, "STEP"),
@@ -90,7 +90,7 @@ def test_step_density_and_defaults(tmp_path: Path) -> None:
 def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A name from the STEP is looked up in ``materials``: after rules and the STEP's density, before the defaults."""
     shop = Workshop()
-    parts = {"ruled": 0.0, "dense": 2700.0, "named": 0.0, "colored": 0.0, "unlisted": 0.0, "unnamed": 0.0}
+    parts = {"ruled": None, "dense": 2700.0, "named": None, "colored": None, "unlisted": None, "unnamed": None}
     for i, (name, density) in enumerate(parts.items()):
         shop.box(name, X_PC=at(20 * i, 0, 0), density=density)
     for i, material in enumerate(("ABS / PC", "ABS / PC", " ABS / PC ", "paint", "Steel"), start=1):

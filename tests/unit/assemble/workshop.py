@@ -91,7 +91,7 @@ class Workshop:
         X_PC: Pose = IDENTITY,
         parent: int = 0,
         axes: Sequence[AxisFace] = (),
-        density: float = 0.0,
+        density: float | None = None,
         color: Rgba | None = None,
         face_colors: Sequence[Rgba | None] = (None,),
         occurrence: str = "",
@@ -121,7 +121,7 @@ class Workshop:
         X_PC: Pose = IDENTITY,
         parent: int = 0,
         sides: int = 256,
-        density: float = 0.0,
+        density: float | None = None,
         occurrence: str = "",
     ) -> int:
         """A cylinder along z; its mesh is an inscribed prism whose volume and inertia are those of the prism."""
@@ -185,7 +185,7 @@ class Workshop:
         occurrence: str,
         body: Body,
         measure: VolumeProperties | None,
-        density: float,
+        density: float | None,
         color: Rgba | None,
     ) -> int:
         index = self._add(name, parent, X_PC, occurrence)

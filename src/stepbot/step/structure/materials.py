@@ -82,7 +82,7 @@ class Materials:
                 help=["set the right one in the sidecar, under `parts`"],
             )
             return StepMaterial(name)
-        return StepMaterial(name, densities[0] if densities else 0.0)
+        return StepMaterial(name, densities[0] if densities else None)
 
     def _of(self, definition: Any) -> _Claims:
         return self._claims.setdefault(id(definition), (definition, _Claims()))[1]

@@ -58,5 +58,5 @@ class StepMaterial:
     """The material of a part, as far as the file states it."""
 
     name: str = ""
-    density: float = 0.0
-    """[kg/m^3]; 0 if there is none."""
+    density: float | None = None
+    """[kg/m^3]; None if the file has none."""

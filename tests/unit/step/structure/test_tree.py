@@ -136,7 +136,7 @@ def test_materials_reach_bodies_but_not_components(found: ReadDiagnostics) -> No
         "two/body#1",
         "two/body#2",
     ]
-    assert [c.density for c in grown.components] == [0.0] + [7850.0] * 6
+    assert [c.density for c in grown.components] == [None] + [7850.0] * 6
     assert grown.definition_count == 3
 
 
