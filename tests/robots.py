@@ -6,12 +6,14 @@ build them; each call gives a new robot with the same content.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose, rotation_about
+from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import (
     Actuator,
     ActuatorKind,
@@ -168,6 +170,19 @@ def _four_bar(name: str, zeros: bool) -> Robot:
 def four_bar() -> Robot:
     """A planar four-bar, closed at q = 0."""
     return _four_bar("four_bar", zeros=False)
+
+
+def crooked_four_bar(tilt: float) -> Robot:
+    """The four-bar linkage with one pin tilted by an angle [rad], closed in the drawn pose."""
+    robot = four_bar()
+    (closure,) = robot.closures
+    tilted = Pose.of(rotation_about((1, 0, 0), tilt))
+    joints = tuple(
+        replace(joint, X_PC=joint.X_PC @ tilted) if joint.name == "coupler_pin" else joint for joint in robot.joints
+    )
+    bare = replace(robot, joints=joints)
+    X_W = link_poses(bare, initial_configuration(bare))
+    return replace(bare, closures=(replace(closure, X_BF=X_W["rocker"].inverse() @ X_W["coupler"] @ closure.X_AF),))
 
 
 def four_bar_with_zeros() -> Robot:

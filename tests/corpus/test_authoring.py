@@ -3,7 +3,6 @@
 ``python -m tests.corpus.test_authoring CORPUS`` writes the output of the commands into the page again.
 """
 
-import os
 import re
 import shutil
 import subprocess
@@ -14,10 +13,11 @@ from pathlib import Path
 
 import pytest
 
+from .console import printed
+
 PAGE = Path(__file__).parents[2] / "docs" / "authoring.md"
 STEP = "low_cost_robot_follower.step"
 SIDECAR = "follower.robot.yaml"
-COLUMNS = 100
 CONSOLE = re.compile(r"^```console\n\$ (stepbot [^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 pytestmark = pytest.mark.slow
@@ -31,23 +31,12 @@ def blocks(kind: str, page: str) -> list[str]:
 def session(page: str, corpus: Path, folder: Path) -> Iterator[str]:
     """Type the page's commands in a folder, with its edit behind the first; yields what each prints."""
     shutil.copy(corpus / STEP, folder)
-    environment = {**os.environ, "COLUMNS": str(COLUMNS), "STEPBOT_NO_CACHE": "1"}
     for number, (command, _) in enumerate(CONSOLE.findall(page)):
         if number == 1:
             edit = blocks("yaml", page)[1]
             text = (folder / SIDECAR).read_text(encoding="utf-8")
             (folder / SIDECAR).write_text(f"{text}\n{edit}", encoding="utf-8")
-        run = subprocess.run(
-            [sys.executable, "-m", "stepbot_cli", *command.split()[1:]],
-            cwd=folder,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            check=False,
-        )
-        assert run.returncode == 0, run.stdout
-        yield run.stdout
+        yield printed(command.split()[1:], folder)
 
 
 def test_session(corpus: Path, tmp_path: Path) -> None:

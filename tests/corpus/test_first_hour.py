@@ -1,18 +1,16 @@
 """docs/first-hour.md: what it shows is what a stranger's terminal shows."""
 
-import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from .console import COLUMNS, printed
+
 PAGE = Path(__file__).parents[2] / "docs" / "first-hour.md"
 STEP = "low_cost_robot_follower.step"
 SIDECAR = "follower.robot.yaml"
-COLUMNS = 100
 LINES = 2 * 55
 """Two screens."""
 
@@ -48,19 +46,8 @@ def test_session(corpus: Path, tmp_path: Path) -> None:
     shutil.copy(corpus / STEP, tmp_path)
     (sidecar,) = blocks("yaml")
     (tmp_path / SIDECAR).write_text(sidecar, encoding="utf-8")
-    environment = {**os.environ, "COLUMNS": str(COLUMNS), "STEPBOT_NO_CACHE": "1"}
     for arguments, shown in session():
-        run = subprocess.run(
-            [sys.executable, "-m", "stepbot_cli", *arguments],
-            cwd=tmp_path,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            check=False,
-        )
-        assert run.returncode == 0, run.stdout
-        assert comparable(run.stdout.splitlines()) == comparable(shown)
+        assert comparable(printed(arguments, tmp_path).splitlines()) == comparable(shown)
 
 
 def comparable(lines: list[str]) -> list[str]:

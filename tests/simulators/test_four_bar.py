@@ -32,17 +32,22 @@ def _full_turn() -> tuple[tuple[dict[str, float], ...], ...]:
     return (tuple(_closed_form(turn) for turn in np.linspace(0.0, 2 * pi, 49)),)
 
 
-@pytest.mark.mujoco
-def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: Folder) -> None:
-    """To 1e-9 rad and m, from the MJCF alone: the reference here is the equation and not stepbot's kinematics."""
-    request = Request(
-        str(folder.written["mjcf"].path),
-        "mjcf",
+def _turning(folder: Folder, format_name: str) -> Request:
+    """A request to close the loop over a full turn of the crank."""
+    return Request(
+        str(folder.written[format_name].path),
+        format_name,
         closures=folder.robot.closures,
         ways=_full_turn(),
         driven=("crank_pin",),
         simulate=0.0,
     )
+
+
+@pytest.mark.mujoco
+def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: Folder) -> None:
+    """To 1e-9 rad and m, from the MJCF alone: the reference here is the equation and not stepbot's kinematics."""
+    request = _turning(folder, "mjcf")
     (closure,) = look("mujoco", request).closures or ()
     assert closure.name == "rocker_pin"
     assert closure.axes is not None  # by a second constraint, rocker_pin/axis
@@ -68,14 +73,7 @@ def test_drake_holds_what_follows_the_crank(tmp_path: Path) -> None:
 @pytest.mark.pybullet
 def test_pybullet_closes_the_tree_by_a_constraint(folder: Folder) -> None:
     """Residual under 1e-5 m at 1 ms steps and 1 rad/s, over a full turn, from the URDF."""
-    request = Request(
-        str(folder.written["urdf"].path),
-        "urdf",
-        closures=folder.robot.closures,
-        ways=_full_turn(),
-        driven=("crank_pin",),
-        simulate=0.0,
-    )
+    request = _turning(folder, "urdf")
     (closure,) = look("pybullet", request).closures or ()
     assert closure.residual is not None
     assert 0.0 < closure.residual < 1e-5

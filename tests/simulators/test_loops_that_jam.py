@@ -5,32 +5,18 @@ from pathlib import Path
 
 import numpy as np
 
-from stepbot.geometry.spatial import Pose, rotation_about
+from stepbot.geometry.spatial import Pose
 from stepbot.report.record import Status
-from stepbot.robot.kinematics import initial_configuration, link_poses
-from stepbot.robot.model import JointKind, Robot
+from stepbot.robot.model import JointKind
 from stepbot.verification import Provers, verify
 from tests.conftest import ReadDiagnostics
-from tests.robots import four_bar
+from tests.robots import crooked_four_bar, four_bar
 from tests.simulators.conftest import write
-
-
-def _crooked(tilt: float) -> Robot:
-    """The four-bar with one pin tilted, still closed as drawn."""
-    robot = four_bar()
-    (closure,) = robot.closures
-    tilted = Pose.of(rotation_about((1, 0, 0), tilt))
-    joints = tuple(
-        replace(joint, X_PC=joint.X_PC @ tilted) if joint.name == "coupler_pin" else joint for joint in robot.joints
-    )
-    bare = replace(robot, joints=joints)
-    X_W = link_poses(bare, initial_configuration(bare))
-    return replace(bare, closures=(replace(closure, X_BF=X_W["rocker"].inverse() @ X_W["coupler"] @ closure.X_AF),))
 
 
 def test_a_loop_that_cannot_stay_closed_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Told once, for the robot; the files are as good as the CAD, so their checks pass."""
-    folder = write(_crooked(5e-5), tmp_path)
+    folder = write(crooked_four_bar(5e-5), tmp_path)
     with Provers(folder.written) as provers:
         report = verify(folder.robot, folder.written, provers, found, timeout=120.0)
     (warning,) = found

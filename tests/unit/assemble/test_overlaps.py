@@ -224,17 +224,20 @@ def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) ->
     assert note.notes[0] == '"a" and "b": all pairs together have more than 0 faces; at most 2 g are counted twice'
 
 
-def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid whose mesh has a hole is weighed by its exact shape; its overlaps are not known, and that is told."""
-    from stepbot.geometry.mesh import TriMesh
-
+def overlap_with_an_open_mesh() -> Workshop:
+    """Two overlapping boxes, one of them with a mesh that is not closed."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(5, 0, 0))
     mesh = shop.bodies[0].mesh
     object.__setattr__(shop.bodies[0], "mesh", TriMesh.of(mesh.vertices, mesh.faces[1:]))
     shop.measures[0] = None
-    assert build(shop, tmp_path, WATER + ONE, found) is not None
+    return shop
+
+
+def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A solid whose mesh has a hole is weighed by its exact shape; its overlaps are not known, and that is told."""
+    assert build(overlap_with_an_open_mesh(), tmp_path, WATER + ONE, found) is not None
     assert found.codes() == ["SB505", "SB514"]
     assert list(found)[1].notes == ('"a" and "b": a mesh is not watertight; at most 0.5 g are counted twice',)
 

@@ -18,7 +18,7 @@ from stepbot.robot.closures import (
 )
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses, within_limits
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, LoopClosure, Mimic, Robot
-from tests.robots import ROBOTS, four_bar, four_bar_angles, four_bar_with_zeros, two_link_arm
+from tests.robots import ROBOTS, crooked_four_bar, four_bar, four_bar_angles, four_bar_with_zeros, two_link_arm
 
 CRANK, ROD = 0.1, 0.3
 """Lengths [m] of the slider-crank."""
@@ -283,16 +283,7 @@ def test_without_closures_there_are_no_ways() -> None:
 @pytest.mark.parametrize("tilt", [1e-7, 1e-5, 5e-5])
 def test_pins_that_are_not_quite_parallel_do_not_lock_the_mechanism(tilt: float) -> None:
     """CAD draws them so: one degree of freedom stays, and the loop opens by no more than the tilt makes."""
-    robot = four_bar()
-    (closure,) = robot.closures
-    tilted = Pose.of(rotation_about((1, 0, 0), tilt))
-    joints = tuple(
-        replace(joint, X_PC=joint.X_PC @ tilted) if joint.name == "coupler_pin" else joint for joint in robot.joints
-    )
-    bare = replace(robot, joints=joints)
-    X_W = link_poses(bare, initial_configuration(bare))
-    X_BF = X_W["rocker"].inverse() @ X_W["coupler"] @ closure.X_AF
-    crooked = replace(bare, closures=(replace(closure, X_BF=X_BF),))
+    crooked = crooked_four_bar(tilt)
     assert degrees_of_freedom(crooked) == 1
     assert driven_joints(crooked) == ("crank_pin",)
     ways = loop_ways(crooked)
