@@ -9,7 +9,7 @@ import click
 from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
-from .command import Command, display_options, json_option
+from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, format_names
 from .progress import progress_bar
 from .reading import reading_options
@@ -33,8 +33,9 @@ if TYPE_CHECKING:
     "[default: all output folders of `convert` and `batch` below the current folder]",
 )
 @again_format_option
-@click.option("--ignore", multiple=True, metavar="GLOB", help="Exclude matching files; may be repeated.")
+@click.option("--exclude", multiple=True, metavar="GLOB", help="Do not compare matching files; may be repeated.")
 @click.option("--strict", is_flag=True, help="Same as for `convert`.")
+@ignore_option
 @reading_options
 @json_option
 @display_options
@@ -43,8 +44,9 @@ def command(
     sidecars: tuple[Path, ...],
     output: str | None,
     formats: tuple[str, ...],
-    ignore: tuple[str, ...],
+    exclude: tuple[str, ...],
     strict: bool,
+    ignore: tuple[str, ...],
     as_json: bool,
     display: Display,
 ) -> int:
@@ -56,7 +58,7 @@ def command(
     from stepbot.jobs.discovery import find_sidecars, robot_name
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
-    options = replace(options, formats=format_names(formats), strict=strict)
+    options = replace(options, formats=format_names(formats), strict=strict, ignore=ignore)
     found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)
     filled = output_folders(Path()) if output is None else {}
@@ -64,7 +66,7 @@ def command(
         for path in paths:
             folders = filled.get(path.resolve()) or [_folder(output or "{name}", robot_name(path), path)]
             for folder in folders:
-                check_up_to_date(path, replace(options, output=folder), found, ignore=ignore, progress=progress)
+                check_up_to_date(path, replace(options, output=folder), found, exclude=exclude, progress=progress)
     say_trouble(options.cache, found)
     if as_json:
         write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})

@@ -36,7 +36,7 @@ def test_what_changed_is_told(written: Path, stepbot: Stepbot) -> None:
         ("out/arm2/arm2.urdf", "differs from the current output"),
         ("out/arm2/arm2.sdf", "missing"),
     ]
-    assert stepbot(*UPTODATE, "--ignore", "*.urdf", "--ignore", "*.sdf").code == 0
+    assert stepbot(*UPTODATE, "--exclude", "*.urdf", "--exclude", "*.sdf").code == 0
     assert not (written / "arm2.sdf").exists(), "it writes nothing"
 
 
@@ -75,6 +75,29 @@ def test_missing_folder_is_one_error(written: Path, stepbot: Stepbot) -> None:
     assert "my robots/arm2: error[SB007]: output folder of" in run.out
     assert "`stepbot convert arm2.robot.yaml -o 'my robots/arm2'`" in run.out
     assert "SB001" in stepbot("uptodate", "-o", "my robots/{name}", "arm3.robot.yaml").out
+
+
+@pytest.mark.parametrize("output", ["out/{name}", "elsewhere/{name}"], ids=["folder", "no folder"])
+def test_step_instead_of_a_sidecar_is_one_error(output: str, written: Path, stepbot: Stepbot) -> None:
+    """SB109 says what was meant, whether there is an output folder or not."""
+    run = stepbot("uptodate", "-o", output, "--concise", "arm2.step")
+    assert run.code == 1
+    assert [line.partition("[")[2][:5] for line in run.out.splitlines()] == ["SB109"]
+
+
+def test_ignored_warnings_are_those_of_convert(written: Path, stepbot: Stepbot) -> None:
+    """What `convert --strict --ignore CODE` writes is up to date for `uptodate` with the same options alone."""
+    sidecar = Path("arm2.robot.yaml")
+    text = sidecar.read_text(encoding="utf-8")
+    assert "friction: 0.02}" in text
+    sidecar.write_text(text.replace("friction: 0.02}", "friction: 0.02, armature: 0.01}"), encoding="utf-8")
+    assert stepbot(*CONVERT, "--no-verify", "--strict", "--ignore", "SB703").code == 0
+    run = stepbot(*UPTODATE, "--strict")
+    assert run.code == 1
+    assert "error[SB703]" in run.out
+    run = stepbot(*UPTODATE, "--strict", "--ignore", "SB703")
+    assert (run.code, run.out) == (0, "")
+    assert "SB50" in stepbot(*UPTODATE, "--ignore", "SB50").err
 
 
 def test_folder_is_found_by_its_list(written: Path, stepbot: Stepbot) -> None:

@@ -18,7 +18,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.pipeline.conversion import REPORT, Options
 from stepbot.runtime.output import MANIFEST, sidecars_of
 
-from .incremental import produce, recorded
+from .incremental import check, produce, recorded
 
 
 def output_folders(below: Path) -> dict[Path, list[Path]]:
@@ -45,7 +45,7 @@ def check_up_to_date(
     options: Options,
     found: Diagnostics,
     *,
-    ignore: Iterable[str] = (),
+    exclude: Iterable[str] = (),
     progress: Callable[[str], None] = lambda stage: None,
 ) -> None:
     """Compare the files in ``options.output`` with those of a conversion; writes nothing.
@@ -54,13 +54,18 @@ def check_up_to_date(
         sidecar: The sidecar.
         options: Conversion options.
         found: Receives faults of the input, and SB007 for each file that differs, or for a missing folder.
-        ignore: Globs of files that are not compared, relative to the folder.
+        exclude: Globs of files that are not compared, relative to the folder.
         progress: Called at each stage.
     """
-    ignored = tuple(ignore)
+    excluded = tuple(exclude)
     folder = options.output
     remedy = [f"`{shlex.join(['stepbot', 'convert', sidecar.as_posix(), '-o', folder.as_posix()])}`"]
     if sidecar.exists() and not folder.is_dir():
+        faults = Diagnostics()
+        check(sidecar, options, faults)
+        if faults.has_errors:  # no output folder would help
+            found.extend(faults)
+            return
         what = f"output folder of '{sidecar.as_posix()}' does not exist"
         found.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "choose another folder with `-o DIR`"])
         return
@@ -68,13 +73,13 @@ def check_up_to_date(
     if not expected:
         found.extend(diagnostics)
         return
-    files = {name: content for name, content in expected.items() if not _is_ignored(name, ignored)}
+    files = {name: content for name, content in expected.items() if not _is_excluded(name, excluded)}
     if not (folder / REPORT).exists():
         files.pop(REPORT, None)
     for name, what in _differences(files, folder):
         found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
     for name in _left_over(expected, folder, sidecar):
-        if not _is_ignored(name, ignored):
+        if not _is_excluded(name, excluded):
             found.add("SB007", "no longer written", Span((folder / name).as_posix()), help=remedy)
 
 
@@ -132,5 +137,5 @@ def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[
     return [name for name in names if name not in files and (folder / name).exists()]
 
 
-def _is_ignored(name: str, globs: tuple[str, ...]) -> bool:
+def _is_excluded(name: str, globs: tuple[str, ...]) -> bool:
     return any(fnmatch.fnmatchcase(name, glob) for glob in globs)
