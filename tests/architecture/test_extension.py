@@ -21,6 +21,9 @@ from ..format import Format
 
 FORMAT = Format(__name__, "dummy", "DummyML", suffix=".dummy", root="dummy", order=90, aliases=("dml",))
 '''
+OPTIONAL_FORMAT = FORMAT.replace('"dummy", "DummyML"', '"rare", "RareML"').replace(
+    'suffix=".dummy", root="dummy", order=90, aliases=("dml",)', 'suffix=".rare", root="rare", order=95, default=False'
+)
 WRITER = '''\
 """The writer."""
 
@@ -72,7 +75,7 @@ def observe(request):
 
 @dataclass(frozen=True)
 class Extended:
-    """A copy of stepbot with two folders more, and a folder to work in."""
+    """A copy of stepbot with three more folders, and a folder to work in."""
 
     root: Path
     desk: Path
@@ -97,15 +100,16 @@ class Extended:
 
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Extended:
-    """Adds a folder ``dummy`` to the formats and one to the engines."""
+    """Adds two folders to the formats, one of which is not written by default, and one to the engines."""
     root, desk = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("desk")
     for folder in ("src", "cli", "schemas"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
     for place, declaration, module, code in (
-        ("formats", FORMAT, "writer.py", WRITER),
-        ("engines", ENGINE, "observer.py", OBSERVER),
+        ("formats/dummy", FORMAT, "writer.py", WRITER),
+        ("formats/rare", OPTIONAL_FORMAT, "writer.py", WRITER),
+        ("engines/dummy", ENGINE, "observer.py", OBSERVER),
     ):
-        added = root / "src" / "stepbot" / place / "dummy"
+        added = root / "src" / "stepbot" / place
         added.mkdir()
         (added / "__init__.py").write_text(declaration, encoding="utf-8")
         (added / module).write_text(code, encoding="utf-8")
@@ -117,14 +121,14 @@ def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> E
 def test_commands_list_an_added_format(extended: Extended) -> None:
     """`stepbot formats`, the help of `-f` and the message for an unknown format name it; so does the mapping page."""
     listed = json.loads(extended.stepbot("formats", "--json").out)["formats"]
-    assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "dummy"]
-    assert (listed[-1]["suffix"], listed[-1]["aliases"]) == (".dummy", ["dml"])
+    assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "dummy", "rare"]
+    assert (listed[-2]["suffix"], listed[-2]["aliases"]) == (".dummy", ["dml"])
     help_text = " ".join(extended.stepbot("convert", "--help").out.split())
-    assert "urdf, sdf, mjcf, dummy; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
+    assert "urdf, sdf, mjcf, dummy, rare; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
     assert "URDF, SDFormat, MJCF and DummyML" in extended.stepbot("--help").out
     assert "did you mean 'dummy'?" in extended.stepbot("convert", "arm2.robot.yaml", "-f", "dumy").err
     page = extended.python("-c", "from stepbot.formats.mapping import mapping_page; print(mapping_page())").out
-    assert "| | URDF | SDFormat | MJCF | DummyML |" in page.splitlines()
+    assert "| | URDF | SDFormat | MJCF | DummyML | RareML |" in page.splitlines()
 
 
 def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extended) -> None:
