@@ -26,8 +26,9 @@ class Revision:
         XCAFApp_Application.GetApplication_s().NewDocument(storage, self._document)
         XCAFDoc_ShapeTool.SetAutoNaming_s(False)
         reader = STEPCAFControl_Reader()
-        for switch in (reader.SetColorMode, reader.SetNameMode, reader.SetMatMode):
-            switch(True)
+        reader.SetColorMode(False)
+        reader.SetNameMode(True)
+        reader.SetMatMode(True)
         reader.ReadFile(str(source))
         reader.Transfer(self._document)
         self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(self._document.Main())

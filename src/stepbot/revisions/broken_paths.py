@@ -108,7 +108,9 @@ def _evidence(compared: Comparison, group: Group) -> str:
     """What speaks for it that two names mean the same."""
     pairs = list({pair.old: pair for one in group for pair in one.pairs}.values())
     if all(pair.certainty is not Certainty.PROBABLE for pair in pairs):
-        return "same shape, same pose" if len(pairs) == 1 else f"same shapes, same poses of {len(pairs)} parts"
+        return (
+            "same shape, same pose" if len(pairs) == 1 else f"{len(pairs)} parts of the same shapes in the same poses"
+        )
     weak = next(pair for pair in pairs if pair.certainty is Certainty.PROBABLE)
     return pair_words(compared, weak) + (f"; {len(pairs) - 1} more parts" if len(pairs) > 1 else "")
 

@@ -22,6 +22,8 @@ from stepbot.step.structure.paths import ComponentPaths
 EXACT, MESH, AREA, NOTHING = "exact", "mesh", "area", "none"
 """What the integrals of a shape are taken over: the exact solid, its mesh, the triangles of a surface; or there are
 none."""
+FREE_FORM = "other"
+"""The kind of surface that splines are, in :attr:`Shape.faces`."""
 _DECIMALS = 9
 _DIGITS = 9
 _AREA_ERROR = 1e-2

@@ -1,0 +1,65 @@
+"""docs/revisions.md: its commands print what it shows.
+
+``python -m tests.cli.test_revisions_page`` writes the output of the commands into the page again.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from robot_library.moments import pose
+from tests.revisions import Revision
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "revisions.md"
+CONSOLE = re.compile(r"^```console\n\$ (stepbot [^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+COLUMNS = 100
+
+
+def session(page: str, folder: Path) -> Iterator[str]:
+    """Type the page's commands in a folder with both revisions; yields what each prints."""
+    for name in ("arm2.step", "arm2.robot.yaml"):
+        shutil.copy(ROOT / "robot_library" / "stepbot_arm2" / name, folder)
+    revision = Revision(folder / "arm2.step").rename({"gripper": "Greifer", "gripper:1": "Greifer:1"})
+    revision.move("elbow motor:1", pose((0, 5.0, 0))).remove("screw M6x12:2").write(folder / "next.step")
+    environment = {
+        **os.environ,
+        "COLUMNS": str(COLUMNS),
+        "STEPBOT_CACHE": str(folder / "cache"),
+        "STEPBOT_NO_CACHE": "",
+    }
+    for command, _ in CONSOLE.findall(page):
+        run = subprocess.run(
+            [sys.executable, "-m", "stepbot_cli", *command.split()[1:]],
+            cwd=folder,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            check=False,
+        )
+        yield run.stdout
+
+
+def test_session(tmp_path: Path) -> None:
+    """The commands print the lines of the page."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert list(session(page, tmp_path)) == [output for _, output in CONSOLE.findall(page)]
+
+
+def refresh() -> None:
+    """Write what the commands print into the page."""
+    page = PAGE.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        outputs = session(page, Path(folder))
+        page = CONSOLE.sub(lambda block: f"```console\n$ {block[1]}\n{next(outputs)}```", page)
+    PAGE.write_text(page, encoding="utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    refresh()
