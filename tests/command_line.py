@@ -28,7 +28,7 @@ class Run:
 
 
 def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
-    """This process's environment with some variables set; output is UTF-8 unless they say otherwise."""
+    """This process's environment with some variables set; output is UTF-8 unless they override it."""
     return {**os.environ, "PYTHONIOENCODING": "utf-8", **(changes or {})}
 
 
@@ -49,7 +49,7 @@ class Conversion:
 
     @cached_property
     def report(self) -> dict[str, Any]:
-        """What ``report.json`` says."""
+        """The content of ``report.json``."""
         report: dict[str, Any] = json.loads((self.folder / "report.json").read_text(encoding="utf-8"))
         return report
 
@@ -65,10 +65,7 @@ def convert(sidecar: Path, folder: Path, *options: str | Path) -> Conversion:
 
 
 def convert_once(temporary: pytest.TempPathFactory, name: str, sidecar: Path, *options: str | Path) -> Conversion:
-    """Convert a sidecar, once for all tests that give it this name, in whatever process they run.
-
-    The process that comes first converts, the others wait for what became of it.
-    """
+    """Convert a sidecar, once for all tests that use this name, in any process."""
     root = temporary.getbasetemp()
     folder = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "converted" / name
     told = folder / "run.json"

@@ -48,7 +48,7 @@ settings.load_profile("unhurried")
 
 
 class ReadDiagnostics(Diagnostics):
-    """A collector that knows how many of its findings a test has looked at."""
+    """A collector that records how many of its diagnostics a test has inspected."""
 
     def __init__(self) -> None:
         super().__init__()

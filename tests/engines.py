@@ -352,7 +352,7 @@ def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, 
 
 
 def _drives(robot: Mapping[str, Any], moving: Mapping[str, int]) -> list[tuple[Mapping[str, Any], str]]:
-    """Joints with actuators, and what these control; of joints that URDF says by several only what has their name."""
+    """Joints with actuators, and what these control; for joints that URDF splits, only those that keep the name."""
     by_name = {joint["name"]: joint for joint in robot["joints"]}
     return [(by_name[a["joint"]], a["kind"]) for a in robot["actuators"] if a["joint"] in moving]
 
@@ -522,19 +522,7 @@ def _lowest(model: Any, data: Any, geom: int) -> float:
 
 
 def solved_by_newton(file: str, given: Sequence[Mapping[str, float]], bodies: Sequence[str]) -> list[dict[str, Any]]:
-    """Hold some joints of a mechanism with loops where they are told to be, and solve the loops for all others.
-
-    Every configuration is reached from the one before, the first from the keyframe, in small steps of the held joints.
-
-    Args:
-        file: An MJCF file.
-        given: For each configuration the held joints, the same ones each time [rad or m].
-        bodies: Whose poses to tell.
-
-    Returns:
-        For each configuration ``joints``, the positions of all with one coordinate, and ``poses`` of the bodies, each
-        (4, 4) row by row [m].
-    """
+    """Lock some joints of a mechanism with loops at given positions, and solve the loops for all others."""
     import mujoco
 
     model = _model(file)

@@ -22,7 +22,7 @@ STEEL, ALUMINIUM = 7850.0, 2700.0
 
 @dataclass(frozen=True, eq=False)
 class Drawn(Part):
-    """A product and the integrals of its bodies at density 1 [mm], in its own frame; none for a surface."""
+    """A product and the integrals of its bodies at density 1 [mm], in its own frame; None for a surface."""
 
     bodies: tuple[Moments, ...] = ()
 
@@ -45,9 +45,9 @@ class Piece:
     body: Moments
     """Integrals at density 1 [m], in the assembly's frame; nothing for a surface."""
     density: float
-    """[kg/m^3] as the STEP gives it; 0 for none."""
+    """[kg/m^3] in the STEP; 0 for none."""
     color: str
-    """``#rrggbb`` as the STEP gives it; empty for none."""
+    """``#rrggbb`` in the STEP; empty for none."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Drawing:
 
 
 def draw(path: Path, root: Drawn | Assembly, unit: LengthUnit = "mm", lines: Sequence[Line] = ()) -> Drawing:
-    """Write a tree of products as STEP, and tell what is in it."""
+    """Write a tree of products as STEP, and return its content."""
     write_step(path, root, unit=unit)
     return Drawing(path, unit, tuple(_pieces(root)), tuple(lines))
 
@@ -138,12 +138,12 @@ def write_box(
 
 
 def write_cylinder(path: Path, radius: float = 20.0, height: float = 70.0, unit: LengthUnit = "mm") -> Drawing:
-    """A cylinder along +z that stands on the origin."""
+    """A cylinder along +z with its base at the origin."""
     return draw(path, drawn("pin", cylinder(radius, height)), unit)
 
 
 def write_cone(path: Path, lower: float = 20.0, upper: float = 8.0, height: float = 50.0) -> Drawing:
-    """A truncated cone along +z that stands on the origin."""
+    """A truncated cone along +z with its base at the origin."""
     return draw(path, drawn("cone", cone(lower, upper, height)))
 
 
@@ -161,7 +161,7 @@ def write_bored_plate(path: Path, unit: LengthUnit = "mm", density: float = 0.0)
 
 
 def write_two_solids(path: Path) -> Drawing:
-    """One part that holds two solids apart from each other."""
+    """One part with two separate solids."""
     first, second = box(20, 30, 40), box(10, 10, 10).at(50, 0, 0)
     pair = Drawn("pair", compound(first.shape, second.shape), "#cc6633", bodies=(first.moments, second.moments))
     return draw(path, Assembly("root", [Occurrence(pair, "pair:1", pose((0, 0, 100)))]))
@@ -253,7 +253,7 @@ def write_many(path: Path, count: int = 100) -> Drawing:
 
 
 def write_same_names(path: Path) -> Drawing:
-    """Three occurrences of one product that share their name too: only their order tells them apart."""
+    """Three occurrences of one product with the same name: only their order distinguishes them."""
     pin = drawn("pin", cylinder(2, 10))
     children = [Occurrence(pin, "pin", pose((20 * i, 0, 0))) for i in range(3)]
     drawing = draw(path, Assembly("row", children))
@@ -347,7 +347,7 @@ def write_slider(path: Path) -> Drawing:
     return draw(path, Assembly("slider", children), lines=tuple(lines))
 
 
-# Files that a reader refuses, or must say something about
+# Files that a reader rejects or reports
 
 
 def write_empty(path: Path) -> Drawing:
@@ -357,7 +357,7 @@ def write_empty(path: Path) -> Drawing:
 
 
 def write_external_reference(path: Path) -> Drawing:
-    """A product whose shape lies in another file, ``elsewhere.step``, which is not there."""
+    """A product whose shape is in another file, ``elsewhere.step``, which is missing."""
     _write_text(path, _PRODUCT + _EXTERNAL)
     return Drawing(path, "mm")
 
@@ -377,7 +377,7 @@ def write_needless_reference(path: Path) -> Drawing:
 
 
 def write_without_unit(path: Path) -> Drawing:
-    """A box in a file that does not say what its lengths are in."""
+    """A box in a file without a length unit."""
     drawing = write_box(path)
     text = path.read_text(encoding="utf-8")
     context = "GLOBAL_UNIT_ASSIGNED_CONTEXT(("

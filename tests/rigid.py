@@ -1,4 +1,4 @@
-"""Poses and rigid bodies for tests that trust nobody's conventions: written out once more, from the formats' texts."""
+"""Poses and rigid bodies for tests, written independently from the formats' specifications."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -29,7 +29,7 @@ def numbers(text: str | None) -> list[float]:
 
 
 def sdf_pose(element: Any) -> Array:
-    """The ``<pose>`` below an element of an SDFormat file, which must be flat; the identity where there is none."""
+    """The ``<pose>`` of an element of an SDFormat file, which must be flat; the identity if missing."""
     found = element.find("pose")
     if found is None:
         return np.eye(4)

@@ -424,4 +424,4 @@ _ONE_FREEDOM = {JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, Joint
 SINGLE_FREEDOMS = tuple(
     name for name, build in ROBOTS.items() if {joint.kind for joint in build().joints} <= _ONE_FREEDOM
 )
-"""Robots whose every joint turns or slides, which every format and reader knows by itself."""
+"""Robots with revolute and prismatic joints only, which every format and reader supports."""

@@ -28,7 +28,7 @@ class Solid:
         return Solid(_one_solid(BRepAlgoAPI_Fuse(self.shape, other.shape).Shape()), self.moments + other.moments)
 
     def __sub__(self, other: "Solid") -> "Solid":
-        """What is left when ``other``, which lies inside, is cut away."""
+        """The difference of this solid and ``other``, which is inside."""
         from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 
         return Solid(_one_solid(BRepAlgoAPI_Cut(self.shape, other.shape).Shape()), self.moments - other.moments)
@@ -52,14 +52,14 @@ def box(x: float, y: float, z: float) -> Solid:
 
 
 def cylinder(radius: float, height: float) -> Solid:
-    """A cylinder along +z that stands on the origin."""
+    """A cylinder along +z with its base at the origin."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder
 
     return Solid(BRepPrimAPI_MakeCylinder(radius, height).Solid(), moments.cylinder(radius, height))
 
 
 def cone(lower: float, upper: float, height: float) -> Solid:
-    """A truncated cone along +z that stands on the origin."""
+    """A truncated cone along +z with its base at the origin."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone
 
     return Solid(BRepPrimAPI_MakeCone(lower, upper, height).Solid(), moments.frustum(lower, upper, height))

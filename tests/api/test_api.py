@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_section_has_an_example() -> None:
-    """Each section of the page that shows Python is one that the tests know."""
+    """Each section of the page with Python code has a test."""
     assert [heading for heading, _ in EXAMPLES] == list(PRINTED)
 
 

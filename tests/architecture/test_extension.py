@@ -132,7 +132,7 @@ def test_commands_list_an_added_format(extended: Extended) -> None:
 
 
 def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extended) -> None:
-    """`convert -f` with its alias writes it and asks the added engine; `verify` knows it by its first element."""
+    """`convert -f` with its alias writes it and runs the added engine; `verify` recognizes it by its root element."""
     converted = extended.stepbot("convert", "arm2.robot.yaml", "-f", "dml", "-o", "out", "--require", "dummy_engine")
     assert converted.code == 0, converted.err
     assert (extended.desk / "out" / "arm2.dummy").read_text(encoding="utf-8").startswith('<dummy name="arm2"><link ')
@@ -149,6 +149,6 @@ def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extend
 
 
 def test_what_is_written_by_default_is_computed(extended: Extended) -> None:
-    """The library and the command line take all formats whose declaration says `default`."""
+    """The library and the command line use all formats that are declared as `default`."""
     program = "from stepbot.pipeline.conversion import Options; print(Options('.').formats)"
     assert extended.python("-c", program).out.strip() == "('urdf', 'sdf', 'mjcf', 'dummy')"

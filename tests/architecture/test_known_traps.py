@@ -31,5 +31,5 @@ def test_every_trap_has_a_test_that_exists() -> None:
 
 
 def test_every_test_of_a_trap_is_in_the_table() -> None:
-    """Whoever adds one tells of it."""
+    """Each test of a trap is listed in the table."""
     assert _tests_in(OWN) <= {name for path, name in NAMED.findall(_section()) if path == OWN}

@@ -1,4 +1,4 @@
-"""What holds of the repository as a whole."""
+"""Rules for the repository as a whole."""
 
 import re
 import subprocess
@@ -33,7 +33,7 @@ def project_files() -> list[Path]:
 
 
 def test_no_forbidden_words() -> None:
-    """The project speaks of itself alone, and is finished where it stands."""
+    """No project file contains local paths, registry hosts or unfinished places."""
     found = []
     for file in project_files():
         if file.suffix in {".step", ".png", ".stl", ".obj"}:
@@ -84,7 +84,7 @@ def test_heavy_imports_live_in_one_place() -> None:
 
 @pytest.mark.parametrize("code", CODES.values(), ids=lambda code: code.id)
 def test_code_is_explained(code: object) -> None:
-    """Every code says what, why and how to fix, in whole sentences, and stands in its range."""
+    """Every code has a what, a why and a fix in whole sentences, and is in its range."""
     assert isinstance(code, type(CODES["SB001"]))
     assert re.fullmatch(r"SB\d{3}", code.id)
     assert code.id[2] in RANGES
@@ -132,7 +132,7 @@ def test_codes_are_used() -> None:
 
 
 def test_pins_satisfy_the_ranges() -> None:
-    """What CI installs lies within the ranges that users get."""
+    """The versions that CI installs are within the ranges of the package."""
     packaging = pytest.importorskip("packaging.requirements")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]

@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 LARGEST = 3_000_000
-"""Bytes of the wheel, most of which are the robots; the geometry kernel's has twenty times as many."""
+"""Maximum size [bytes] of the wheel, mostly robots; the geometry kernel's is twenty times as large."""
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile)
 
 
 def test_sidecars_in_the_wheel_point_to_their_schema(wheel: zipfile.ZipFile) -> None:
-    """The first line of each sidecar leads to the schema in the wheel, as it does in a checkout."""
+    """The first line of each sidecar refers to the schema in the wheel, as in a checkout."""
     names = set(wheel.namelist())
     sidecars = [name for name in names if name.endswith(".robot.yaml")]
     assert sidecars

@@ -1,4 +1,4 @@
-"""The benchmarks measure what they say: assemblies of known volume, times of whole process trees, fresh results."""
+"""Benchmarks measure correctly: assemblies of known volume, times of whole process trees, current results."""
 
 import json
 import os
@@ -61,7 +61,7 @@ def test_time_of_all_processes(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="memory is measured on Linux")
 def test_memory_of_all_processes(tmp_path: Path) -> None:
-    """What a child holds is counted."""
+    """Memory of child processes is counted."""
     hold = "import time; held = bytearray(b'x' * 2**26); time.sleep(0.4)"
     both = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {hold!r}], check=True)"
     assert peak_memory([sys.executable, "-c", both], tmp_path, os.environ) > 64.0
@@ -84,7 +84,7 @@ def test_ratios_are_to_the_first(tmp_path: Path) -> None:
 
 
 def test_an_edit_changes_the_frame_and_nothing_else(tmp_path: Path) -> None:
-    """A sidecar that has frames gets none; each edit is another text of the same length."""
+    """A sidecar with frames is not changed; each edit is a different text of the same length."""
     for text in ("links:\n  base: {rest: true}\n", 'links:\n  # a word\n  "a b":\n    rest: true\njoints: {}\n'):
         sidecar = tmp_path / "arm.robot.yaml"
         sidecar.write_text(f"version: 1\nrobot: arm\nstep: 'x.step'  # here\n{text}", encoding="utf-8")

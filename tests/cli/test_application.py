@@ -1,4 +1,4 @@
-"""Exit codes, streams and what is shown of faults, for all commands alike."""
+"""Exit codes, output streams and error messages, common to all commands."""
 
 import json
 import os
@@ -84,7 +84,7 @@ def test_every_help_has_an_example(names: tuple[str, ...], capsys: pytest.Captur
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shell_completion(shell: str) -> None:
-    """Each shell gets its script, and with it the names of commands, as the documentation says."""
+    """Each shell gets its completion script, with the names of commands, as documented."""
     stepbot_script = Path(sys.executable).with_name("stepbot")
     if not stepbot_script.exists():
         pytest.skip("no console script beside the interpreter")
@@ -137,7 +137,7 @@ def test_arguments_default_to_those_of_the_process(
 
 
 def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """A fault of ours shows its traceback, says that it is ours, and ends with 2."""
+    """A bug is reported with its traceback, as a bug, with exit code 2."""
     monkeypatch.setattr(schema, "command", failing_with(ZeroDivisionError("division by zero")))
     code, out, err = run(capsys, "schema")
     assert (code, out) == (2, "")
@@ -149,7 +149,7 @@ def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monke
 def test_unforeseen_exception_is_json_where_json_was_asked_for(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Standard output stays one JSON document, whatever happens."""
+    """Standard output is one JSON document, even after an exception."""
     monkeypatch.setattr(schema, "command", failing_with(ZeroDivisionError("division by zero")))
     code, out, err = run(capsys, "schema", "--json")
     document = json.loads(out)
@@ -159,7 +159,7 @@ def test_unforeseen_exception_is_json_where_json_was_asked_for(
 
 
 def test_missing_package_is_named(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """A package that is not installed is no fault of ours: its name, the remedy, no traceback."""
+    """A missing package is not reported as a bug: its name, the remedy, no traceback."""
     monkeypatch.setattr(
         schema, "command", failing_with(ModuleNotFoundError("No module named 'lxml.etree'", name="lxml.etree"))
     )
@@ -173,7 +173,7 @@ def test_missing_package_is_named(capsys: pytest.CaptureFixture[str], monkeypatc
 def test_findings_that_escape_are_shown_as_findings(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Diagnostics that come as an exception are no fault of ours."""
+    """Diagnostics raised as an exception are not reported as a bug."""
     found = Diagnostics()
     found.add("SB004", "disk full", Span("out"))
     monkeypatch.setattr(schema, "command", failing_with(StepbotError(found)))
@@ -201,7 +201,7 @@ def test_explain_prints_the_table_of_codes(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_explain_offers_near_codes(capsys: pytest.CaptureFixture[str]) -> None:
-    """A mistyped code gets near ones."""
+    """A mistyped code gets suggestions."""
     code, _, err = run(capsys, "explain", "SB90")
     assert code == 2
     assert "SB901" in err
@@ -212,7 +212,7 @@ def test_explain_offers_near_codes(capsys: pytest.CaptureFixture[str]) -> None:
     [("4G", 4 * 2**30), ("500 MB", 500 * 2**20), ("1.5k", 1536), ("1GiB", 2**30), ("123", 123), ("2T", 2**41)],
 )
 def test_sizes(text: str, number: int) -> None:
-    """Sizes are written as people write them."""
+    """Sizes are parsed in common notations."""
     assert size(text) == number
 
 

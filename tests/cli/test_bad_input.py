@@ -1,4 +1,4 @@
-"""Whatever is wrong with what a user gives: it is said what, where and what to do, and the former output stays."""
+"""Invalid input is reported with place, problem and remedy, and the previous output is kept."""
 
 import os
 import re
@@ -79,7 +79,7 @@ def desk(good: Path, tmp_path: Path, robot_library: Path, stepbot: Stepbot, monk
 
 
 def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
-    """Place and message of the error with a code, which tells what to do; nothing is on standard output."""
+    """Place and message of the error with a code, which has a remedy; nothing is on standard output."""
     assert run.out == ""
     (block,) = (block for block in run.err.split("\n\n") if f": error[{code}]: " in block)
     place, message = block.lstrip().splitlines()[0].split(f": error[{code}]: ")
@@ -90,7 +90,7 @@ def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
 
 
 def assert_place(place: str, file: Path, text: str) -> None:
-    """A place is `file:line:column`, and what stands there begins with ``text``."""
+    """A place is `file:line:column`, and the text there begins with ``text``."""
     name, line, column = place.rsplit(":", 2)
     assert name == file.name
     assert file.read_text(encoding="utf-8").splitlines()[int(line) - 1][int(column) - 1 :].startswith(text)
@@ -124,20 +124,20 @@ def assert_place(place: str, file: Path, text: str) -> None:
     ],
 )
 def test_fault_in_the_sidecar(desk: Desk, old: str, new: str, code: str, there: str, says: str) -> None:
-    """The fault is found at its place, with the word that was meant where there is one: exit code 1."""
+    """The error is reported at its place, with a suggestion if there is one: exit code 1."""
     sidecar = desk.folder / SIDECAR
     text = sidecar.read_text(encoding="utf-8")
     assert old in text
     sidecar.write_text(text.replace(old, new, 1), encoding="utf-8", newline="\n")
     run = desk.run("convert", SIDECAR, "-o", "out")
     assert run.code == 1
-    place, _ = error(run, code, remedy=code != "SB125")  # where the message itself says what is allowed
+    place, _ = error(run, code, remedy=code != "SB125")  # the message itself lists the allowed values
     assert_place(place, sidecar, there)
     assert says in run.err
 
 
 def test_all_faults_at_once(desk: Desk) -> None:
-    """A file with four faults gets four errors in one run, in the order of their lines."""
+    """A file with four errors gets four diagnostics in one run, in the order of their lines."""
     sidecar = desk.folder / SIDECAR
     text = sidecar.read_text(encoding="utf-8")
     for old, new in (
@@ -181,7 +181,7 @@ def test_cycle_without_a_root(desk: Desk) -> None:
 
 
 def cut(part: float) -> Callable[[Path, bytes], object]:
-    """A STEP file of which the end is missing."""
+    """A truncated STEP file."""
     return lambda path, good: path.write_bytes(good[: int(len(good) * part)])
 
 
@@ -421,7 +421,7 @@ def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:
         desk.assert_no_temporary_files()
     else:
         desk.assert_untouched(before)
-    deadline = time.monotonic() + 30.0  # one that has no work yet first loads, and then finds that nobody has any
+    deadline = time.monotonic() + 30.0  # one without work first loads, and then finds that its parent has ended
     while any(map(is_running, below)) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not [pid for pid in below if is_running(pid)]

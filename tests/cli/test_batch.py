@@ -1,4 +1,4 @@
-"""``stepbot batch``: every robot once, whatever becomes of the others."""
+"""``stepbot batch``: every robot once, independently of the others."""
 
 import json
 import os
@@ -42,7 +42,7 @@ def statuses(document: dict[str, Any]) -> dict[str, str]:
 
 
 def test_one_failure_stops_nobody_and_the_next_run_goes_on(library: Path, stepbot: Stepbot) -> None:
-    """The bad one is told with its reason; again, the good ones are skipped; what was spoilt or changed is redone."""
+    """A failed robot is reported with its reason; in the next run, finished ones are skipped, changed ones repeated."""
     run = stepbot("batch", "lib", "-o", "out", "--json", "--junit", "ci/junit.xml", *FAST)
     document = json.loads(run.out)
     assert run.code == document["exit_code"] == 1
@@ -74,7 +74,7 @@ def test_one_failure_stops_nobody_and_the_next_run_goes_on(library: Path, stepbo
 
 
 def test_same_names(library: Path, stepbot: Stepbot) -> None:
-    """Robots of the same name are told apart by their folders; where that does not help, nothing is done."""
+    """Robots of the same name are distinguished by their folders; if these are equal too, nothing is converted."""
     text = (library / "bad.robot.yaml").read_text(encoding="utf-8")
     for folder in ("a", "b", "a/b"):
         (library / folder).mkdir(parents=True, exist_ok=True)

@@ -18,7 +18,7 @@ from .conftest import Stepbot
 FAST = ("-f", "urdf", "--no-verify")
 ENGINES = "stepbot.engines."
 READ = ["stepbot.step.worker:read", "stepbot.geometry.mesh_worker:compute"]
-"""What is asked to read a STEP."""
+"""The request to read a STEP."""
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Pat
 
 @pytest.fixture
 def cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, filled: Path) -> Path:
-    """Folder of a cache that is switched on, and knows the sidecar."""
+    """Folder of an enabled cache that contains the sidecar's results."""
     shutil.copytree(filled / "kept", tmp_path / "kept")
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(tmp_path / "kept"))
@@ -98,7 +98,7 @@ def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepb
 
 @pytest.mark.slow
 def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """Of files whose bytes stay, engines are remembered; of a file that changes, its engines are asked."""
+    """Observations of unchanged files are cached; for a changed file, its engines run."""
     assert stepbot("convert", four_bar.name, "-o", "one").code == 0
     assert any(function.startswith(ENGINES) for function in asked)
     first = list(asked)
@@ -152,7 +152,7 @@ def test_errors_are_not_kept(four_bar: Path, cache: Path, stepbot: Stepbot, aske
 def test_check_says_the_same_again(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], options: tuple[str, ...]
 ) -> None:
-    """Findings come back word for word, and their remedies; the kernel is not asked again."""
+    """Cached diagnostics are identical, including remedies; the kernel does not run."""
     edit(four_bar, "version: 1", "version: 1\nmass: exact")
     runs = [stepbot("check", *options, four_bar.name) for _ in range(3)]
     assert runs[0] == runs[1] == runs[2]
@@ -195,7 +195,7 @@ def test_limit_from_the_environment(cache: Path, stepbot: Stepbot, monkeypatch: 
 
 
 def test_unwritable_cache_is_a_note(four_bar: Path, stepbot: Stepbot, tmp_path: Path, cache: Path) -> None:
-    """Nothing fails for want of a cache, and the user is told."""
+    """An unusable cache causes no failure, and the user is informed."""
     shutil.rmtree(cache)
     cache.write_text("a file, no folder", encoding="utf-8")
     run = stepbot("convert", four_bar.name, *FAST)

@@ -35,7 +35,7 @@ def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> N
 
 
 def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
-    """Two faults in one file are told together, each with its line, and counted."""
+    """Two errors in one file are reported together, each with its line, and counted."""
     spoil(arm / "arm2.robot.yaml", "base: fixed", "base: fixxed")
     spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "arm2.robot.yaml")

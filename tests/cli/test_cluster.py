@@ -67,7 +67,7 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
 def test_killed_worker_loses_nothing(
     tmp_path: Path, robot_library: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:
-    """Six robots on two workers, one of which dies at work: all are there, each once, the bytes those of `convert`."""
+    """Six robots on two workers, one of which is killed: each is converted once, with the bytes of `convert`."""
     address, workers = cluster
     source = robot_library / "stepbot_four_bar"
     for number in range(COPIES):
@@ -112,7 +112,7 @@ def marker(tmp_path: Path) -> Path:
 def test_workers_import_nothing_of_their_folder(
     tmp_path: Path, robot_library: Path, marker: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:
-    """Nor the processes that they start: none of the files named like modules is run."""
+    """Their child processes do not run files named like modules either."""
     address, _ = cluster
     shutil.copytree(robot_library / "stepbot_four_bar", tmp_path / "lib")
     command = [*INSTALLED, "batch", "lib", "-o", "out", "--json", "--scheduler", address]
@@ -123,7 +123,7 @@ def test_workers_import_nothing_of_their_folder(
 
 
 def test_no_scheduler(tmp_path: Path, robot_library: Path) -> None:
-    """An address where nobody answers is told in one line."""
+    """An unreachable address is reported in one line."""
     run = stepbot("batch", robot_library, "-o", "out", "--scheduler", "tcp://127.0.0.1:9", cwd=tmp_path)
     assert run.code == 2
     assert "SB009" in run.err

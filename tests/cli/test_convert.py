@@ -37,7 +37,7 @@ def spoil(folder: Path, replacements: list[tuple[str, str]]) -> None:
 
 @pytest.mark.slow
 def test_three_formats_and_a_proof(arm: Path, stepbot: Stepbot) -> None:
-    """All formats are written and verified; the table has a line for each file and engine, none failed."""
+    """All formats are written and verified; the table has a line for each file and engine without failures."""
     run = stepbot("convert", "arm2.robot.yaml")
     assert run.code == 0, run.err
     assert {file.name for file in (arm / "arm2").iterdir()} >= FILES
@@ -107,7 +107,7 @@ def test_unknown_format(stepbot: Stepbot) -> None:
     [("arm.robot.yaml", "arm"), ("a/b/arm.robot.yml", "arm"), ("robot.yaml", "robot"), ("arm.v2.robot.yaml", "arm.v2")],
 )
 def test_default_output(name: str, folder: str) -> None:
-    """The folder is named like the sidecar, and lies in the current folder."""
+    """The folder is named like the sidecar, in the current folder."""
     assert default_output(Path(name)) == Path(folder)
 
 
@@ -126,7 +126,7 @@ def test_default_output(name: str, folder: str) -> None:
 def test_error_leaves_the_former_output(
     arm: Path, stepbot: Stepbot, replacements: list[tuple[str, str]], message: str
 ) -> None:
-    """A fault in the sidecar is told with its place and a remedy; what was written before stays as it was."""
+    """An error in the sidecar is reported with its place and a remedy; the previous files are unchanged."""
     out = arm / "out"
     out.mkdir()
     (out / "arm2.urdf").write_text("former", encoding="utf-8")
@@ -146,7 +146,7 @@ def test_error_leaves_the_former_output(
     "content", [b"", b"solid x\n", b"ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"]
 )
 def test_bad_step_leaves_the_former_output(arm: Path, stepbot: Stepbot, content: bytes) -> None:
-    """A STEP that is empty, no STEP, or without a product is told so."""
+    """A STEP that is empty, invalid, or without a product is reported."""
     out = arm / "out"
     out.mkdir()
     (out / "arm2.urdf").write_text("former", encoding="utf-8")
@@ -179,7 +179,7 @@ def test_kernel_that_dies(arm: Path, stepbot: Stepbot, monkeypatch: pytest.Monke
 
 
 def test_external_references_only(arm: Path, stepbot: Stepbot, corpus: Path) -> None:
-    """A STEP whose parts are in other files has nothing to convert, and says so."""
+    """A STEP whose parts are in missing files is reported."""
     run = stepbot("convert", "arm2.robot.yaml", "--step", str(corpus / "external_references.step"), "-o", "out")
     assert run.code in (1, 2)
     assert "external_references.step" in run.err
@@ -188,7 +188,7 @@ def test_external_references_only(arm: Path, stepbot: Stepbot, corpus: Path) -> 
 
 
 def test_output_that_cannot_be_written(arm: Path, stepbot: Stepbot) -> None:
-    """A file where the folder should be is told before anything is lost."""
+    """A file in place of the folder is reported before anything is lost."""
     (arm / "out").write_text("a file", encoding="utf-8")
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify")
     assert run.code == 2

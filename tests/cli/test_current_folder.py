@@ -34,14 +34,14 @@ def loaded_at_start(folder: Path) -> set[str]:
 
 
 def set_traps(folder: Path, marker: Path, spared: Collection[str] = ()) -> None:
-    """Write files named like modules, each of which notes in ``marker`` that it was run."""
+    """Write files named like modules, each of which records in ``marker`` that it was run."""
     code = f"with open({str(marker)!r}, 'a') as file: file.write(__name__ + ' ')\n"
     for name in module_names().difference(spared):
         (folder / f"{name}.py").write_text(code)
 
 
 class Trap:
-    """A folder with a robot and files named like modules, each of which notes that it was run."""
+    """A folder with a robot and files named like modules, each of which records that it was run."""
 
     def __init__(self, folder: Path, robots: Path, spared: set[str]) -> None:
         self.folder, self.marker = folder / "trap", folder / "marker"

@@ -1,4 +1,4 @@
-"""Same input, same bytes, whatever the hash seed, the locale, the folder, the cores, or what was there before."""
+"""Same input, same bytes: independent of hash seed, locale, folder, cores, and previous output."""
 
 import os
 import shutil
@@ -62,7 +62,7 @@ def test_other_seed_core_folder_and_paths(
 
 @pytest.fixture(scope="session")
 def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Environment of a locale that writes 0,5 for one half; the test is skipped where there is no such locale."""
+    """Environment of a locale with a decimal comma; the test is skipped without such a locale."""
     folder = tmp_path_factory.mktemp("locales")
     changes = {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}
     if shutil.which("localedef"):

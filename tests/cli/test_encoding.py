@@ -42,7 +42,7 @@ def write_sidecar(folder: Path, encoding: str = "") -> None:
 
 
 def test_inspect(crate: Path, stepbot: Stepbot) -> None:
-    """Paths and names come out as they were drawn; without the option a warning says what it could be."""
+    """Paths and names are decoded as drawn; without the option a warning suggests code pages."""
     run = stepbot("inspect", "crate.step", "--encoding", "GBK")
     assert (run.code, run.err) == (0, "")
     assert "encoding: gbk, as declared" in run.out

@@ -89,7 +89,7 @@ def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
 
 
 def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
-    """What the cache has of an assembly does not stand for one of which a file is gone; and it is found again."""
+    """The cached assembly is not used if one of its files is missing; it is used again when the file is back."""
     assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
     assert stepbot("check", "--step", "lever.robot.yaml").code == 0
     Path("bar.step").rename("aside.step")
@@ -103,7 +103,7 @@ def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
 
 
 def test_diagnostics_name_a_part_from_the_cache_too(lever: Path, stepbot: Stepbot) -> None:
-    """A finding about a part's file stands at that file, by the path from where the command runs."""
+    """A diagnostic about a part's file refers to that file, by the path from the current folder."""
     bar = parts.draw(lever / "bar.step", drawn("bar", box(80, 10, 10), "", STEEL)).path
     bar.write_bytes(bar.read_bytes().replace(b"'bar'", b"'b\xe4r'"))
     expected = stepbot("inspect", "machine.step").err

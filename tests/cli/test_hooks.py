@@ -67,7 +67,7 @@ class Repository:
         (self.folder / "robots" / "four_bar" / "report.json").unlink()
 
     def hooks(self, *options: str) -> dict[str, str]:
-        """What pre-commit says of each hook."""
+        """The output of pre-commit for each hook."""
         run = self.run(sys.executable, "-P", "-m", "pre_commit", "run", "--color", "never", "--verbose", *options)
         lines = [line for line in run.stdout.splitlines() if line.startswith("stepbot ") and "..." in line]
         assert lines, run.stdout + run.stderr
@@ -107,7 +107,7 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
 
 
 def test_hooks_import_nothing_of_a_repository(tmp_path: Path, robot_library: Path) -> None:
-    """A repository may hold `random.py` and `lxml.py`: the hooks work, and run none of them."""
+    """A repository may contain `random.py` and `lxml.py`: the hooks work, and run none of them."""
     repository = Repository(tmp_path / "repository", robot_library / "stepbot_four_bar")
     marker = tmp_path / "marker"
     set_traps(repository.folder, marker)

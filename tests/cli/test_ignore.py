@@ -1,4 +1,4 @@
-"""Warnings and notes that somebody asked not to see: by the sidecar or by --ignore, never errors, never in silence."""
+"""Warnings and notes suppressed by the sidecar or by --ignore: never errors, never silently."""
 
 import json
 import re
@@ -118,7 +118,7 @@ def test_entry_of_a_joint_holds_for_that_joint(arm: Path, stepbot: Stepbot) -> N
 def test_what_an_entry_covers(
     rule: dict[str, object], message: str, line: int, notes: tuple[str, ...], covered: bool
 ) -> None:
-    """Findings about its subject or at its lines; sums of several places only where it holds everywhere."""
+    """Diagnostics about its subject or at its lines; summaries of several places only by a rule at the top level."""
     found = Diagnostics()
     found.ignore([Ignore("SB602", Span("a.yaml", 4, 3), **rule)])  # type: ignore[arg-type]
     found.add("SB602", message, Span("a.yaml", line), notes=notes)

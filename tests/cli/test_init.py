@@ -58,7 +58,7 @@ def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Step
 
 
 def test_joints_of_a_plain_step_are_inferred(arm: Path, stepbot: Stepbot) -> None:
-    """Without stated pairs, shapes tell: the arm's shoulder, elbow and both fingers, each on its evidence."""
+    """Without stated pairs, joints are inferred from shapes, with evidence: shoulder, elbow and both fingers."""
     (arm / "arm2.robot.yaml").unlink()
     run = stepbot("init", "arm2.step", "--json")
     assert run.code == 0, run.err
@@ -71,7 +71,7 @@ def test_joints_of_a_plain_step_are_inferred(arm: Path, stepbot: Stepbot) -> Non
 
 @pytest.mark.usefixtures("slider")
 def test_json_has_links_joints_and_what_is_left_to_do(stepbot: Stepbot) -> None:
-    """A script gets the draft with scores and evidence, and how much of it is open."""
+    """`--json` has the draft with scores and evidence, and the number of open items."""
     run = stepbot("init", "slider.step", "--json")
     document = json.loads(run.out)
     assert (run.code, document["exit_code"], document["written"]) == (0, 0, True)
@@ -95,7 +95,7 @@ def test_file_that_is_no_step_writes_nothing(
 
 
 def test_folder_that_cannot_be_written_is_a_finding(slider: Path, stepbot: Stepbot) -> None:
-    """Where a file takes the place of the folder, SB004 says so."""
+    """A file in place of the folder is reported as SB004."""
     (slider / "file").write_text("", encoding="utf-8")
     run = stepbot("init", "slider.step", "-o", "file/a.robot.yaml")
     assert run.code in (1, 2)

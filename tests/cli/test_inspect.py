@@ -58,7 +58,7 @@ def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:
 
 
 def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> None:
-    """The head counts closed meshes and lists materials; a solid that is open says why on its line."""
+    """The header counts closed meshes and lists materials; an open solid has the reason on its line."""
     out = stepbot("inspect", str(parts.write_nested(tmp_path / "nested.step").path)).out
     assert re.search(r"\d+ solids \(watertight\)", out)
     (line,) = [line for line in out.splitlines() if line.startswith("materials: ")]
@@ -93,7 +93,7 @@ def test_volumes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_sizes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
-    """The base plate is 120 by 120 by 12 mm, a rod 8 by 120 by 8: in mm for people, in m for scripts."""
+    """The base plate is 120 by 120 by 12 mm, a rod 8 by 120 by 8: mm in the text, m in JSON."""
     out = stepbot("inspect", "arm2.step").out
     (plate,) = [line for line in out.splitlines() if line.startswith('"base/base plate"')]
     assert "  120 x 120 x 12  " in plate
@@ -143,7 +143,7 @@ def test_depth_and_filter(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 60 columns a path stands alone, what is in it below, broken at blanks; in a pipe all is on one line."""
+    """At 60 columns a path has its own line, with its properties below; in a pipe all is on one line."""
     monkeypatch.setenv("COLUMNS", "60")
     out = stepbot("inspect", "arm2.step").out
     assert max(map(len, out.splitlines())) <= 60
@@ -159,7 +159,7 @@ def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPa
 
 
 def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
-    """What the file states of its shapes stands beside what was read, as text and as JSON."""
+    """Validation properties of the file are listed with the measured values, as text and as JSON."""
     file = Stating(parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path)
     block = file.definition("block")
     file.measure(block, Quantity.VOLUME, 0.240, "cm", power=3)
@@ -232,7 +232,7 @@ def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
-    """The kernel prints its complaints to standard output; that of the command holds one JSON document all the same."""
+    """The kernel prints errors to standard output; the command's still has one JSON document."""
     path = parts.write_colored_faces(tmp_path / "block.step").path
     text = path.read_text(encoding="utf-8")
     text, lost = re.subn(r"#\d+\s*=\s*(COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR)[^;]*;", "", text)

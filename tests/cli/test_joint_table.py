@@ -64,7 +64,7 @@ def test_weak_evidence_is_marked() -> None:
     ],
 )
 def test_every_basis_has_words(evidence: Evidence, words: str) -> None:
-    """Whatever gave the frame is told."""
+    """Every form of origin is described."""
     assert joint_lines([replace(SHOULDER, evidence=evidence)], 120)[-1] == f"    {words}"
 
 

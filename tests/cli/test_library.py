@@ -22,7 +22,7 @@ def test_list_names_every_robot(stepbot: Stepbot, robot_library: Path) -> None:
 
 
 def test_show_tells_joints_links_and_files(stepbot: Stepbot, robot_library: Path) -> None:
-    """What somebody wants to know before taking the robot; its maker's name may be left out."""
+    """A robot's page is summarized; the maker's name may be omitted."""
     run = stepbot("library", "show", "ur5e")
     assert run.code == 0
     assert run.out == stepbot("library", "show", "universal_robots_ur5e").out
@@ -46,7 +46,7 @@ def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) 
 def test_export_of_the_source(
     stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
 ) -> None:
-    """The STEP and the sidecar, which converts and names a schema beside it; what somebody has changed is kept."""
+    """The STEP and the sidecar, which converts and refers to a schema next to it; changed files are kept."""
     monkeypatch.chdir(tmp_path)
     run = stepbot("library", "export", "arm2", "--source")
     assert (run.code, run.err) == (0, "")
@@ -74,7 +74,7 @@ def test_export_of_the_source(
 
 
 def test_settings_of_an_editor_point_to_the_schema(stepbot: Stepbot) -> None:
-    """`schema --vscode` names a file that exists and holds the schema, and patterns that match sidecars."""
+    """`schema --vscode` refers to an existing file with the schema, and patterns that match sidecars."""
     settings = json.loads(stepbot("schema", "--vscode").out)["yaml.schemas"]
     ((uri, patterns),) = settings.items()
     path = Path(url2pathname(uri.removeprefix("file://")))

@@ -10,7 +10,7 @@ from .conftest import Stepbot
 
 
 def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
-    """Every writer is listed, with its file, its aliases and what it cannot say."""
+    """Every writer is listed, with its file, its aliases and its limitations."""
     run = stepbot("formats")
     assert run.code == 0
     assert [line.split()[0] for line in run.out.splitlines() if not line.startswith(" ")] == list(FORMATS)

@@ -23,7 +23,7 @@ OTHERS = ("SB505", "SB512", "SB513")
 
 @pytest.fixture(scope="module")
 def locked(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with ``lever.step``, its sidecar, its lock, and a cache that knows the STEP."""
+    """A folder with ``lever.step``, its sidecar, its lock, and a cache with the STEP."""
     folder = tmp_path_factory.mktemp("lever")
     write_locked_lever(folder)
     return folder
@@ -145,7 +145,7 @@ def test_three_changes_at_once(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_removed_reshaped_and_added(lever: Revision, stepbot: Stepbot) -> None:
-    """A part that a path names is gone, another has a new shape, a third is new: each is told as what it is."""
+    """A removed part of a path, a changed shape and a new part are each reported as such."""
     lever.remove("motor:1").copy("plate:1", "cover:1", pose((0, 0, 100.0)))
     lever.reshape("M3", box(3, 3, 10).at(0, 0, 5).shape).write(Path("lever.step"))
     codes = [(code, message.partition(" changed")[0]) for code, message in findings(stepbot)]
@@ -210,7 +210,7 @@ def test_lock_in_json(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_fix_rewrites_names_alone(lever: Revision, stepbot: Stepbot) -> None:
-    """Comments, layout, line ends and a byte order mark stay; the path is replaced wherever it stands."""
+    """Comments, layout, line ends and a byte order mark stay; every occurrence of the path is replaced."""
     text = LEVER.replace("motor]}", "  'motor' ]}   # drives it, motor").replace("\n", "\r\n")
     text += 'parts:\r\n  motor:   {mass: 50 g}\r\nframes: {tip: {link: arm, origin: {center: "arm/motor"}}}\r\n'
     Path("lever.robot.yaml").write_bytes(b"\xef\xbb\xbf" + text.encode())

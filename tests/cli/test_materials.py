@@ -1,4 +1,4 @@
-"""Materials by name, from the STEP through the sidecar's table to the report, which says where each gram came from."""
+"""Materials by name, from the STEP through the sidecar's table to the report, which states the source of each mass."""
 
 import json
 from pathlib import Path
@@ -49,7 +49,7 @@ def name_material(file: Stating, product: str, item: str) -> None:
 
 
 def test_each_gram_says_where_it_came_from(cart: Path, stepbot: Stepbot) -> None:
-    """A part weighs what the table says of its material, else the default; a measured mass counts."""
+    """The density is the material's from the table, else the default; a measured mass takes precedence."""
     (cart / "cart.robot.yaml").write_text(SIDECAR.format(materials=TABLE), encoding="utf-8")
     run = stepbot("convert", "cart.robot.yaml", "--no-verify", "-o", "out", "--json")
     document = json.loads(run.out)

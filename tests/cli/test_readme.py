@@ -97,7 +97,7 @@ def test_what_a_core_install_does_not_prove_of_sdformat(example: Path, capsys: p
 
 
 def test_fault_looks_as_shown(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The fault that the README shows is told in just these words."""
+    """The error in the README is reported in exactly these words."""
     (shown,) = [block for block in blocks("text") if "error[" in block]
     sidecar = example / "arm.robot.yaml"
     text = sidecar.read_text(encoding="utf-8")

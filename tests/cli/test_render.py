@@ -29,7 +29,7 @@ def diagnostic(span: Span, **texts: tuple[str, ...]) -> Diagnostic:
 
 
 def warning(span: Span) -> Diagnostic:
-    """A warning without help, so that nothing stands below its code frame."""
+    """A warning without help, so that nothing is below its code frame."""
     return replace(diagnostic(span), severity="warning")
 
 
@@ -70,7 +70,7 @@ def test_place_beyond_the_file_has_no_frame() -> None:
 
 
 def test_file_that_is_gone_has_no_frame() -> None:
-    """The headline stands alone where the file cannot be read."""
+    """The headline is printed alone if the file cannot be read."""
     assert render.full([warning(Span("gone.yaml", 6, 12))]) == render.concise([warning(Span("gone.yaml", 6, 12))])
 
 
@@ -112,7 +112,7 @@ def test_frame_fits_the_screen(tmp_path: Path, line: str, width: int) -> None:
     "content", [b"PK\x03\x04\x14\x00\x08\x08arm.step", bytes(range(128, 256)), "манипулятор".encode("cp1251")]
 )
 def test_binary_content_has_no_frame(tmp_path: Path, content: bytes) -> None:
-    """What is no text, or text in another encoding, is not shown: the headline says where it is."""
+    """Content that is not text, or in another encoding, is not displayed: the headline has the position."""
     file = tmp_path / "a.yaml"
     file.write_bytes(content)
     assert len(render.full([warning(Span(str(file), 1, 1))]).splitlines()) == 1
@@ -137,7 +137,7 @@ def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
 
 
 def test_color_only_when_asked_for() -> None:
-    """Colours wrap the text and change none of it."""
+    """Colours surround the text and change none of it."""
     found = [diagnostic(Span("gone.yaml", 6, 12), help=("h",))]
     colored = render.full(found, color=True)
     assert "\x1b[1;31merror[SB301]\x1b[0m" in colored
@@ -151,7 +151,7 @@ def test_concise_is_one_line_each() -> None:
 
 
 def test_plain_is_json() -> None:
-    """The plain form goes through JSON unchanged and holds everything."""
+    """The JSON form round-trips and is complete."""
     plain = render.plain(diagnostic(Span("a.yaml", 1, 2, 3), help=("h",), notes=("n",)))
     assert (
         json.loads(json.dumps(plain))

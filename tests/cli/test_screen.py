@@ -68,7 +68,7 @@ def test_repeated_notes_are_one_line() -> None:
 
 
 def test_repeated_warnings_are_counted() -> None:
-    """Some warnings of a code are shown in full, the others counted; of errors none is left out."""
+    """Some warnings of a code are shown in full, the others counted; errors are never omitted."""
     warnings = [finding("warning", "SB305", number) for number in range(5)]
     errors = [finding("error", "SB130", number) for number in range(9)]
     text = render.screen([*warnings, *errors])
@@ -101,7 +101,7 @@ def test_success_is_one_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.
 
 
 def test_verbose_and_quiet(arm: Path, stepbot: Stepbot) -> None:
-    """-v lists every note with all that it says, -q prints nothing of a success; both together are wrong usage."""
+    """-v lists every note in full, -q prints nothing on success; both together are a usage error."""
     command = ("convert", "arm2.robot.yaml", "--no-verify", "-f", "urdf,sdf")
     usual, verbose = stepbot(*command), stepbot(*command, "-v")
     assert "note[SB706]: 2 x initial pose" in usual.err

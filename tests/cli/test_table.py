@@ -22,7 +22,7 @@ def table(capsys: pytest.CaptureFixture[str], *checks: Check) -> list[str]:
 
 
 def test_one_line_per_file_and_engine(capsys: pytest.CaptureFixture[str]) -> None:
-    """Each line says how much was compared, how far off it was at worst, and the outcome."""
+    """Each line has the number of comparisons, the worst deviation, and the result."""
     lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
     assert [re.split(r"  +", line) for line in lines[:4]] == [
         ["format", "file", "engine", "result", "quantities", "worst deviation"],
@@ -41,7 +41,7 @@ def test_reasons_and_counts(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_what_own_parsers_say_is_counted_apart(capsys: pytest.CaptureFixture[str]) -> None:
-    """What passed because no engine told of it, but stepbot's own parser, has a line before the counts."""
+    """Checks that passed in stepbot's own parser only have a line before the counts."""
     own = Check("a.urdf", "urdf", "extensions", "sensors", Status.PASSED)
     lines = table(capsys, PASSED, own)
     assert lines[-2].startswith("1 passed by stepbot's parsers only")
@@ -49,7 +49,7 @@ def test_what_own_parsers_say_is_counted_apart(capsys: pytest.CaptureFixture[str
 
 
 def test_what_files_are_compared_with(capsys: pytest.CaptureFixture[str]) -> None:
-    """Where files are compared with one another the table says with which."""
+    """For files compared with each other the table names the reference."""
     other = Check("a.sdf", "sdf", "pybullet", "mass", Status.PASSED, 0.0, 1e-9, "kg", against="a.urdf (mujoco)")
     head, _, line, *_ = table(capsys, PASSED, other)
     assert "compared with" in head
@@ -72,7 +72,7 @@ def test_columns_wrap_each_on_its_own(
 
 
 def test_columns_are_straight_for_wide_names() -> None:
-    """A Chinese name takes two columns a letter, a combining accent none."""
+    """A Chinese letter takes two columns, a combining accent none."""
     assert cells("机器人") == 6
     assert cells("e\u0301") == 1
     assert aligned([("机", "x"), ("abc", "y")]) == ["机   x", "abc  y"]

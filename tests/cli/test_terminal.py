@@ -11,7 +11,7 @@ from stepbot_cli.terminal import wants_color, write_json
 
 
 class Terminal(io.StringIO):
-    """A stream that says it is a terminal."""
+    """A stream that claims to be a terminal."""
 
     encoding = "utf-8"
 

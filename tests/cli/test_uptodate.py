@@ -24,7 +24,7 @@ def written(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> Pat
 
 
 def test_what_changed_is_told(written: Path, stepbot: Stepbot) -> None:
-    """Nothing to say of fresh files; then each file that was edited, removed or is not written any more."""
+    """Current files cause no output; an edited, removed or obsolete file is reported."""
     run = stepbot(*UPTODATE)
     assert (run.code, run.out, run.err) == (0, "", "")
     urdf = written / "arm2.urdf"
@@ -41,7 +41,7 @@ def test_what_changed_is_told(written: Path, stepbot: Stepbot) -> None:
 
 
 def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> None:
-    """What the sidecar says now is compared, and what an earlier run wrote is found."""
+    """The current sidecar is compared, and files of an earlier run are found."""
     sidecar = Path("arm2.robot.yaml")
     text = sidecar.read_text(encoding="utf-8")
     sidecar.write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
@@ -68,7 +68,7 @@ def test_nothing_to_compare(tmp_path: Path, stepbot: Stepbot, monkeypatch: pytes
 
 
 def test_missing_folder_is_one_error(written: Path, stepbot: Stepbot) -> None:
-    """Where nothing was written at all, one line says so, with the command that writes it."""
+    """If nothing was written at all, one line reports it, with the command to run."""
     run = stepbot("uptodate", "-o", "my robots/{name}", "arm2.robot.yaml")
     assert run.code == 1
     assert run.out.count("SB007]") == 1
@@ -132,7 +132,7 @@ def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
 
 
 def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
-    """The files of another robot in the same folder are not taken for left-overs."""
+    """The files of another robot in the same folder are not reported as obsolete."""
     text = Path("arm2.robot.yaml").read_text(encoding="utf-8")
     Path("arm3.robot.yaml").write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
     assert stepbot("convert", "arm3.robot.yaml", "-o", "out/arm2", "--no-verify").code == 0
@@ -144,7 +144,7 @@ def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
 def test_paths_outside_of_the_project_stay_outside(
     written: Path, stepbot: Stepbot, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """The list of a folder elsewhere names no sidecar: no file tells of this machine's folders."""
+    """The list of a folder elsewhere does not name the sidecar: files contain no local paths."""
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     assert stepbot("convert", "arm2.robot.yaml", "-o", str(elsewhere), "--no-verify").code == 0
     assert "sidecars" not in json.loads((elsewhere / ".stepbot.json").read_bytes())

@@ -1,4 +1,4 @@
-"""Arguments that cannot be understood: what is said, in text and in JSON, and what to do instead."""
+"""Invalid arguments: the message, in text and in JSON, and the remedy."""
 
 import json
 import sys
@@ -46,7 +46,7 @@ def test_usage_errors_are_json_where_json_was_asked_for(
 
 
 def test_unknown_command_without_neighbours_lists_all(stepbot: Stepbot) -> None:
-    """A word that is like no command gets the list of them."""
+    """A word unlike any command gets the list of commands."""
     assert "choose from init, convert, batch, inspect" in stepbot("xyzzy").err
 
 
@@ -84,7 +84,7 @@ def test_unknown_format_in_a_list(stepbot: Stepbot) -> None:
 
 @pytest.mark.parametrize("command", ["convert", "check"])
 def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -> None:
-    """A STEP gets the command that drafts a sidecar for it, and a pointer to inspect; the draft passes the check."""
+    """A STEP argument gets the command that drafts a sidecar, and a pointer to inspect; the draft passes the check."""
     run = stepbot(command, "arm2.step", "--json")
     assert run.code == 1
     (found,) = json.loads(run.out)["diagnostics"]
@@ -123,7 +123,7 @@ def test_draft_of_any_file_name(name: str) -> None:
 
 
 def test_missing_dask_names_the_extra(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """--scheduler without Dask says what to install, with the bounds that stepbot has for it."""
+    """--scheduler without Dask reports what to install, with stepbot's version bounds."""
     monkeypatch.setitem(sys.modules, "distributed", None)
     run = stepbot("batch", str(arm), "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
     assert run.code == 2

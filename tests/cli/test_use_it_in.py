@@ -28,7 +28,7 @@ def block(heading: str, language: str) -> str:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the README's robot, exported, described and converted as it says."""
+    """A folder with the README's robot, exported, described and converted as documented."""
     folder = tmp_path_factory.mktemp("use it in")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     (sidecar,) = re.findall(r"^```yaml\n(.*?)^```$", readme, re.MULTILINE | re.DOTALL)

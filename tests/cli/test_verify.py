@@ -27,7 +27,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.slow
 def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
-    """The formats agree; the table says with what each was compared."""
+    """The formats agree; the table names the reference of each comparison."""
     run = stepbot("verify", *files)
     assert run.code == 0, run.err
     assert " 0 failed" in run.out.splitlines()[-1]
@@ -61,7 +61,7 @@ def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:
 
 
 def test_required_engine_that_is_not_there(files: list[str], stepbot: Stepbot) -> None:
-    """An engine that nobody has, asked for by name, is an error: not run is not passed."""
+    """Requiring an engine that is not installed is an error: not run is not passed."""
     run = stepbot("verify", "--require", "nosuchengine", files[0])
     assert run.code == 2
     assert "error[SB005]" in run.err

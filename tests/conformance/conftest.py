@@ -17,7 +17,7 @@ Write = Callable[[str, str], tuple[Robot, Path]]
 
 @pytest.fixture(scope="session")
 def write(tmp_path_factory: pytest.TempPathFactory) -> Write:
-    """Writes a robot by name in a format; gives the robot as the format can say it, and the main file."""
+    """Writes a robot by name in a format; returns the lowered robot and the main file."""
 
     def write_robot(name: str, format_: str) -> tuple[Robot, Path]:
         robot = ROBOTS[name]()

@@ -76,7 +76,7 @@ def read(file: str, configurations: Sequence[Mapping[str, float]]) -> dict[str, 
 
 
 def read_tree(file: str, configurations: Sequence[Mapping[str, float]]) -> dict[str, Any]:
-    """What :func:`read` reads in a copy of an SDFormat file that holds a tree alone."""
+    """The result of :func:`read` for a copy of an SDFormat file that contains only a tree."""
     from stepbot.engines.sdformat_reader.tree import tree_copy
 
     with tree_copy(Path(file)) as (copy, _):

@@ -1,4 +1,4 @@
-"""What holds for every format that is found, on every robot."""
+"""Rules for every discovered format, on every robot."""
 
 import copy
 import hashlib
@@ -91,7 +91,7 @@ def test_every_name_is_in_the_file(name: str, format_: str) -> None:
     said = {robot.name, *(link.name for link in robot.links), *(frame.name for frame in robot.frames)}
     said |= {shape.name for link in robot.links for shape in (*link.visuals, *link.collisions)}
     said |= {closure.name for closure in robot.closures}
-    if format_ != "sdf":  # its plugins know drives by their joints
+    if format_ != "sdf":  # its plugins refer to actuators by their joints
         said |= {actuator.name for actuator in robot.actuators}
     if format_ == "mjcf":  # names no fixed joint, and all that a multi-dof joint consists of
         said |= {step.name for steps in steps_by_child(robot).values() for step in steps if step.kind != "fixed"}
@@ -115,7 +115,7 @@ def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
 
 
 def test_meshes_read_back_by_trimesh() -> None:
-    """An OBJ file holds one object in metres, with the same vertices and faces."""
+    """An OBJ file contains one object in metres, with the same vertices and faces."""
     import trimesh
 
     robot = ROBOTS["tree"]()
@@ -127,7 +127,7 @@ def test_meshes_read_back_by_trimesh() -> None:
 
 
 def test_formats_are_found_and_have_aliases() -> None:
-    """Formats are known by name in the order in which people name them, and by alias in any case."""
+    """Formats are listed by name in the declared order, and found by alias in any case."""
     assert tuple(FORMATS) == ("urdf", "sdf", "mjcf")
     assert format_named("SDFormat") is FORMATS["sdf"]
     assert format_named("mujoco") is FORMATS["mjcf"]

@@ -238,7 +238,7 @@ def test_closure_takes_as_many_freedoms_as_its_kind(kind: JointKind, lost: int) 
 
 
 def test_mimic_is_an_equality_of_joints(write: Write) -> None:
-    """The equality holds q = multiplier * leader + offset."""
+    """The equality constrains q = multiplier * leader + offset."""
     robot, file = write("gripper_with_mimic", "mjcf")
     model = compiled(file)
     read = {
@@ -263,10 +263,7 @@ def test_actuators_drive_their_joints_within_limits(write: Write) -> None:
 
 
 def test_neighbours_are_excluded_across_fixed_joints(write: Write) -> None:
-    """Pairs of links that a joint, a chain of fixed joints or a closure holds together do not touch, others do.
-
-    Whether MuJoCo leaves them out by itself or by an ``<exclude>``: all that may touch do so when margins are wide.
-    """
+    """Contacts are excluded between links connected by a joint, a chain of fixed joints or a closure, not others."""
     touching = {}
     for name in ("tree", "four_bar"):
         _, file = write(name, "mjcf")

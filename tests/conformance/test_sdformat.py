@@ -1,4 +1,4 @@
-"""SDFormat: what stands in the text, and what PyBullet makes of its tree."""
+"""SDFormat: the content of the text, and how PyBullet reads its tree."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -29,7 +29,7 @@ def model_of(file: Path) -> Any:
 
 
 def pose_of(element: Any) -> Pose:
-    """The pose in an element; the identity where there is none."""
+    """The pose in an element; the identity if missing."""
     text = element.findtext("pose")
     return Pose.from_xyz_rpy(*np.reshape(list(map(float, text.split())), (2, 3))) if text else IDENTITY
 
@@ -55,7 +55,7 @@ def test_links_say_mass_properties_and_poses(name: str, write: Write) -> None:
         inertial = xml.find("inertial")
         com = [float(x) for x in inertial.findtext("pose").split()]
         assert (float(inertial.findtext("mass")), *com) == (mass.mass, *mass.com, 0, 0, 0)
-        # What is not written is zero, says the specification.
+        # Missing values are zero by the specification.
         rows = [[float(inertial.findtext(f"inertia/i{min(a, b)}{max(a, b)}", "0")) for b in "xyz"] for a in "xyz"]
         np.testing.assert_array_equal(rows, mass.inertia)
 
@@ -92,7 +92,7 @@ def test_joints_say_axis_limits_and_dynamics(name: str, write: Write) -> None:
 
 @every_robot
 def test_base_is_held_by_a_joint_to_the_world(name: str, write: Write) -> None:
-    """A fixed base hangs from the world by one fixed joint, a floating one by none; nothing is static."""
+    """A fixed base has one fixed joint to the world, a floating one has none; nothing is static."""
     robot, file = write(name, "sdf")
     model = model_of(file)
     held = [joint for joint in model.findall("joint") if joint.findtext("parent") == "world"]
@@ -161,7 +161,7 @@ def test_version_is_raised_for_what_needs_it_alone(write: Write) -> None:
 
 
 def test_mimics_refer_to_the_leader_of_their_chain(write: Write) -> None:
-    """A mimic of a mimic says the same motion in terms of the joint that leads both."""
+    """A mimic of a mimic is written relative to the first joint."""
     _, file = write("gripper_with_mimic", "sdf")
     mimic = named(model_of(file).findall("joint"), "thumb_pivot").find("axis/mimic")
     numbers = tuple(float(mimic.findtext(key, "0")) for key in ("multiplier", "offset", "reference"))
@@ -194,7 +194,7 @@ def test_pybullet_puts_the_tree_where_the_robot_has_it(name: str, write: Write) 
     robot, file = write(name, "sdf")
     places = configurations(robot, 4)
     seen = call_isolated("tests.conformance.pybullet_numbers:read_tree", str(file), places, timeout=120)
-    # PyBullet says this of every cylinder and capsule of an SDFormat file, and reads them right.
+    # PyBullet prints this for every cylinder and capsule of an SDFormat file, and reads them correctly.
     harmless = ("BulletUrdfImporter.cpp,126]:", "Couldn't parse vector3") if name == "primitives" else ()
     assert [line for line in seen["complaints"] if not line.endswith(harmless or ("\0",))] == []
     assert set(seen["links"]) == set(robot.link_by_name)
@@ -215,7 +215,7 @@ def test_no_robot_has_transparency_that_strict_readers_refuse(write: Write) -> N
 
 @every_robot
 def test_colors_are_the_same_in_the_shade(name: str, write: Write) -> None:
-    """Gazebo takes an ambient colour that is not told for black."""
+    """Gazebo uses black for a missing ambient colour."""
     robot, file = write(name, "sdf")
     materials = list(etree.parse(str(file)).iter("material"))
     assert len(materials) == sum(len(link.visuals) for link in robot.links)

@@ -1,4 +1,4 @@
-"""The real assemblies are read once for all tests, measuring meshes and all; what they deviate is told at the end."""
+"""The real assemblies are read once for all tests, measuring meshes included; deviations are printed at the end."""
 
 import os
 import pickle
@@ -34,7 +34,7 @@ def read(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[Co
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Print file x solid x deviation where asked for more words with ``-v``, else the worst of each file."""
+    """Print file x solid x deviation with ``-v``, else the worst of each file."""
     rows = [
         row
         for report in terminalreporter.getreports("passed") + terminalreporter.getreports("failed")

@@ -34,7 +34,7 @@ origin, and a direction with the sign of the sidecar's rule. Links as drawn, in 
 about the centre of mass."""
 
 LINKS = (
-    # The first that matches says it; from the horns, which are below a motor of another link, to the rest.
+    # The first match applies; from the horns, which are below a motor of another link, to the rest.
     (r"gripper:1/moving side|gripper:1/XL,XC-330:1/(.*HORN|.*IDLE_CAP|BTS2)", "jaw"),
     (r"gripper:1|XL,XC-330:6/(DC15_A01_HORN_DUMMY|BTS2_M2_6X8:1)", "gripper"),
     (r"servo connector angle|XL,XC-330:6|XL,XC-330:8/(.*HORN|.*IDLE_CAP|BTS2)", "wrist"),

@@ -131,7 +131,7 @@ def assert_better(ours: MassProperties, plain: PlainSolid) -> None:
 
 
 def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> tuple[Robot | None, Diagnostics]:
-    """A robot that is the whole assembly as one link, and what was said about it."""
+    """A robot with the whole assembly as one link, and its diagnostics."""
     found = Diagnostics()
     loaded = sidecar(folder, ONE_LINK % mass)
     robot = robot_of(build_robot(assembly, loaded, lambda: reading.measures, found))
@@ -240,14 +240,14 @@ def test_validation_properties_of_the_file(stem: str, read: Read) -> None:
 
 
 def test_materials_in_pounds_and_inches(read: Read) -> None:
-    """A part that is made from a raw material has its name and its density, whatever units that is in."""
+    """A part made from a raw material has its name and its density, in any unit."""
     bolt = by_path(assembly_of(named("dm1_ideas_inch"), read))["bolt_3"]
     assert bolt.material == "Greek Ascoloy"
     assert bolt.density == pytest.approx(0.285230375059732 * 0.4536 / 0.0254**3, rel=1e-9)
 
 
 def test_body_beside_components(read: Read) -> None:
-    """A product that holds a solid and components at once: the solid is a component called body."""
+    """A product with both a solid and components: the solid is a component called body."""
     assembly = assembly_of(named("so101_upper_arm"), read)
     assert [c.path for c in assembly.components] == [".", "Wiring_holder", "Wiring_holder v1 (1)", "body"]
 
@@ -274,7 +274,7 @@ def test_several_roots(read: Read) -> None:
 
 
 def test_triangles_without_a_solid(read: Read) -> None:
-    """Tessellated AP242 geometry is drawn; whether it has a volume its triangles tell."""
+    """Tessellated AP242 geometry is displayed; it has a volume if its triangles are closed."""
     reading = read(named("tessellated_only_ap242"))
     assert reading.assembly is not None
     (body,) = reading.assembly.bodies

@@ -5,13 +5,7 @@ from pathlib import Path
 
 
 def edited(path: Path, *changes: tuple[str, str], added: str = "") -> None:
-    """Replace text of statements, each of which stands on a line of its own by then, and add statements.
-
-    Args:
-        path: The file.
-        changes: Regular expressions, each of which must match, and what is written in place of the first match.
-        added: Statements for the end of the DATA section.
-    """
+    """Replace text of statements, each of which is on its own line by then, and add statements."""
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     for pattern, replacement in changes:
         text, count = re.subn(pattern, replacement, text, count=1)

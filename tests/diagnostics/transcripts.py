@@ -79,7 +79,7 @@ def folders() -> list[Path]:
 
 
 def arguments(folder: Path) -> list[str]:
-    """The arguments of ``stepbot`` in a folder; none where the library is called."""
+    """The arguments of ``stepbot`` in a folder; none if the library is called."""
     command = folder / "command"
     if command.exists():
         return shlex.split(command.read_text(encoding="utf-8"))

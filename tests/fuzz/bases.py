@@ -43,7 +43,7 @@ def names(folder: Path, *, real: bool | None = None) -> list[str]:
 
 
 def absent() -> str:
-    """What is missing, for people; empty where nothing is."""
+    """What is missing, for messages; empty if nothing is."""
     return "" if CORPUS.is_dir() else CORPUS_ABSENT
 
 

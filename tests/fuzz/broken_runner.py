@@ -1,4 +1,4 @@
-"""A runner that crashes, to test that somebody notices: it dies over the first mutant of an odd number."""
+"""A runner that crashes, to test that this is noticed: it dies at the first mutant with an odd number."""
 
 import json
 import os

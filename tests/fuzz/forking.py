@@ -47,7 +47,7 @@ class ForkServer:
         )
 
     def call(self, *arguments: Any) -> "ForkedCall":
-        """A call of the function with these arguments; it begins when its result is asked for."""
+        """A call of the function with these arguments; it starts when its result is requested."""
         return ForkedCall(self, arguments)
 
     def ask(self, arguments: tuple[Any, ...], timeout: float) -> tuple[bool, int]:

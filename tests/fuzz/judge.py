@@ -1,7 +1,4 @@
-"""What must hold of whatever a damaged STEP file ends in: a sound assembly, or an error that says what is wrong.
-
-An assembly without errors goes on to a robot of one link and to the files of all formats, as in a conversion.
-"""
+"""Required outcome of reading a damaged STEP file: a valid assembly, or an error that states the reason."""
 
 import math
 import traceback
@@ -26,7 +23,7 @@ from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly, AxisFace, Body, Component
 
 Read = Callable[[Path, Diagnostics], Assembly | None]
-"""Reads a STEP file; None where errors say why."""
+"""Reads a STEP file; None after errors."""
 
 FAILED = "FAILED"
 OUT_OF_TIME = "out of time"
@@ -70,7 +67,7 @@ class _Trial:
 
 
 def judge(step: Path, read: Read) -> Verdict:
-    """Read a STEP file, take it as far as it goes, and say what came of it."""
+    """Read a STEP file, convert it as far as possible, and return the outcome."""
     trial = _Trial()
     try:
         with warnings.catch_warnings():
@@ -196,7 +193,7 @@ def _is_unsound(name: str, attribute: str, word: str) -> bool:
 
 
 def unsound(assembly: Assembly) -> Iterator[str]:
-    """Whatever is wrong with an assembly as such: numbers that are none, indices that lead nowhere, meshes that lie."""
+    """Faults of an assembly itself: NaN, invalid indices, inconsistent meshes."""
     components, bodies = assembly.components, assembly.bodies
     if not 0.0 < assembly.unit_scale < math.inf:
         yield f"a length unit of {assembly.unit_scale} m"

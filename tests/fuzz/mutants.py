@@ -1,11 +1,4 @@
-"""Reads thousands of damaged STEP files, and tells which of them find a fault of ours.
-
-    python -m tests.fuzz.mutants --count 2000 --seed 1 [--jobs 2] [--keep DIR]
-    python -m tests.fuzz.mutants --only NAME ...        tries single mutants again, as the list of faults names them
-
-Every mutant is read in a process of its own, within limits of time and memory, and must end in a sound assembly or in
-an error that says what is wrong; see :mod:`tests.fuzz.judge`.
-"""
+"""Reads thousands of damaged STEP files, and reports those that reveal a bug."""
 
 import argparse
 import contextlib
@@ -34,7 +27,7 @@ PATIENCE = 4 * TIMEOUT + 60.0
 
 
 class Named(Protocol):
-    """A mutant as its runner knows it."""
+    """A mutant as its runner identifies it."""
 
     @property
     def name(self) -> str:
@@ -141,7 +134,7 @@ def try_all(mutants: Sequence[M], bases: Path, *, jobs: int, runner: str = "test
                 working -= 1
             else:
                 yield ended
-    finally:  # whoever takes no more trials waits for those that are under way
+    finally:  # when no more trials are taken, wait for the running ones
         with contextlib.suppress(queue.Empty):
             while True:
                 waiting.get_nowait()

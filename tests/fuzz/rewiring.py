@@ -1,8 +1,4 @@
-"""Damage to what a STEP file says: numbers, entities, references, keywords, arguments; the text stays well-formed.
-
-Such files get past any check of the text, so that it is the kernel, and what reads its answers, that must bear them.
-Entities are chosen by their keyword first: else nine changes in ten would hit a CARTESIAN_POINT.
-"""
+"""Damage to the content of a STEP file: numbers, entities, references, keywords, arguments; it stays well-formed."""
 
 from random import Random
 
@@ -19,7 +15,7 @@ _NUMBERS = (
 
 
 def numbers(step: StepText, rng: Random) -> bytes:
-    """Numbers become zero, huge, tiny, negative, or what programs print for what is none."""
+    """Numbers become zero, huge, tiny, negative, or a textual form of NaN."""
     statements = [statement for statement in _some(step, rng) if step.within(statement, "number")]
     edits = []
     for statement in statements:
@@ -106,7 +102,7 @@ def circles(step: StepText, rng: Random) -> bytes:
 
 
 def swapped_keywords(step: StepText, rng: Random) -> bytes:
-    """Entities call themselves something else: another kind in the file, a subtype, a word that nobody knows."""
+    """Entities change their type: to another one in the file, a subtype, an unknown word."""
     edits = []
     for statement in _some(step, rng):
         keywords = step.within(statement, "keyword")

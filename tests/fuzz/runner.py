@@ -44,7 +44,7 @@ def reading_by(server: ForkServer) -> Read:
 
 
 def try_out(mutant: Mutant, bases: Path, folder: Path, read: Read, *, also_plainly: bool) -> Verdict:
-    """Make a mutant and judge what comes of it; with ``also_plainly`` both ways of reading must end alike."""
+    """Make a mutant and judge its outcome; with ``also_plainly`` both ways of reading must agree."""
     step = folder / "mutant.step"
     step.write_bytes(mutant.content(bases))
     verdict = judge(step, read)

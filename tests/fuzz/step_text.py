@@ -99,7 +99,7 @@ class StepText:
         return self.data[piece.start : piece.end]
 
     def edited(self, edits: Iterable[Edit]) -> bytes:
-        """The file with pieces replaced; of edits that overlap, the first in the file holds."""
+        """The file with pieces replaced; of overlapping edits, the first in the file applies."""
         parts, position = [], 0
         for edit in sorted(edits):
             if edit.start >= position:

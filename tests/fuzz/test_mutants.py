@@ -1,4 +1,4 @@
-"""Damaged STEP files end in a sound assembly or in an error that says what is wrong: a slice of the thousands."""
+"""Damaged STEP files end in a valid assembly or in an error that states the reason: a sample of the thousands."""
 
 import subprocess
 import sys
@@ -91,7 +91,7 @@ def test_plan_takes_every_pair_once_before_any_twice() -> None:
 
 
 def test_unknown_kind_is_refused() -> None:
-    """A name that no mutant has says which kinds there are."""
+    """An unknown mutant name is reported with the available kinds."""
     with pytest.raises(ValueError, match="truncation, bytes"):
         Mutant.named("box.step:nonsense:1:2")
 
@@ -110,7 +110,7 @@ def test_step_text_finds_statements_and_their_words() -> None:
     assert step.edited([Edit(text.start, text.end, b"$")]) == step.data.replace(b"'a;#3''b'", b"$")
 
 
-# The judge: whatever must not be is noticed
+# The judge notices every forbidden outcome
 
 
 def _box(**changes: object) -> Assembly:
@@ -188,7 +188,7 @@ def test_judge_finds_faults(read: Callable[[Path, Diagnostics], Assembly | None]
 
 
 def test_unsound_assemblies_are_noticed() -> None:
-    """Numbers that are none, indices that lead nowhere, meshes that lie."""
+    """NaN, invalid indices, inconsistent meshes."""
     sound = _box()
     assert not list(unsound(sound))
     body, root = sound.bodies[0], sound.components[0]

@@ -11,7 +11,7 @@ from .robots import files_in, two_versions
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Convert with a full cache of which some or all entries are damaged."""
+    """Convert with a full cache in which some or all entries are damaged."""
     version = two_versions(setting.folder / "versions")
     sidecar = version.folder / "new.robot.yaml"
     full = setting.folder / "full"

@@ -39,11 +39,7 @@ class Ended:
         return self.out.decode("utf-8", "replace") + self.err.decode("utf-8", "replace")
 
     def faults(self, codes: Sequence[int] = (0, 1, 2)) -> tuple[str, ...]:
-        """What no command may do, whatever its input.
-
-        Args:
-            codes: The exit codes that are in order.
-        """
+        """Forbidden outcomes of any command, for any input."""
         shown = self.text[-2000:]
         found = [f"left behind: {one}" for one in self.left]
         if self.code not in codes:
@@ -147,13 +143,13 @@ def _ended(mark: str) -> list[str]:
 
 
 def _processes(mark: str) -> dict[int, str]:
-    """Processes of a trial and what they run; none where the system has no ``/proc``."""
+    """Processes of a trial with their commands; empty if the system has no ``/proc``."""
     wanted, found = f"{_MARK}={mark}".encode(), {}
     for path in Path("/proc").glob("[0-9]*"):
         try:
             if wanted in (path / "environ").read_bytes().split(b"\0"):
                 found[int(path.name)] = (path / "comm").read_text().strip()
-        except OSError:  # it has ended, or belongs to somebody else
+        except OSError:  # it has ended, or belongs to another user
             continue
     return found
 

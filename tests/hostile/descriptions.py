@@ -1,7 +1,4 @@
-"""Robot descriptions from somebody else are given to ``verify``: bombs, entities, includes, plugins, pipes for meshes.
-
-What must not be read is a named pipe: whoever opens it is noticed, whatever it does with the content.
-"""
+"""Foreign robot descriptions are passed to ``verify``: bombs, entities, includes, plugins, pipes for meshes."""
 
 import os
 import threading
@@ -16,7 +13,7 @@ from .experiment import Experiment, Setting, Trial
 _TIMEOUT = "30"
 """Seconds that an engine may take."""
 _SECRET, _NAME, _FOLDER = "@SECRET@", "@NAME@", "@FOLDER@"
-"""What stands for the path of what must not be read, its name, and its folder."""
+"""Placeholders for the path of a file that must not be read, its name, and its folder."""
 _ENTITY = f'[<!ENTITY e SYSTEM "file://{_SECRET}">]'
 _PARAMETER = f'[<!ENTITY % e SYSTEM "file://{_SECRET}">%e;]'
 _MESH = f'<visual><geometry><mesh filename="{_SECRET}.obj"/></geometry></visual>'
@@ -85,7 +82,7 @@ CASES = (
     Case("deep.sdf", _sdf(_deep("link", 50_000)), "SB801"),
     Case("long_name.urdf", _urdf(name="x" * 11_000_000), "SB80"),
 )
-"""Those of the short form first: they are refused before an engine is asked."""
+"""Those of the short form first: they are rejected before an engine runs."""
 
 
 def run(setting: Setting) -> Iterator[Trial]:
@@ -110,7 +107,7 @@ def run(setting: Setting) -> Iterator[Trial]:
 
 @contextmanager
 def _pipes(*paths: Path) -> Iterator[list[Path]]:
-    """Named pipes; the list receives those that somebody opens to read."""
+    """Named pipes; the list receives those that a process opens for reading."""
     opened: list[Path] = []
 
     def wait(path: Path) -> None:
@@ -129,7 +126,7 @@ def _pipes(*paths: Path) -> Iterator[list[Path]]:
         seen += opened
     finally:
         for path, thread in zip(paths, threads, strict=True):
-            while thread.is_alive():  # whoever still waits is let go
+            while thread.is_alive():  # release processes that still wait
                 os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))
                 thread.join(0.01)
 

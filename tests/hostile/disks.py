@@ -65,7 +65,7 @@ def _unfinished(output: Path, cache: Path) -> list[Path]:
 
 
 def _needed(files: Mapping[str, bytes]) -> int:
-    """Bytes of a disk in memory that holds these files and their folders."""
+    """Size [bytes] of a disk in memory for these files and their folders."""
     return sum(-(-len(content) // _PAGE) * _PAGE for content in files.values()) + 4 * _PAGE
 
 

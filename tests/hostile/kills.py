@@ -1,4 +1,4 @@
-"""``convert`` and ``batch`` are interrupted, asked to end, or killed at any moment."""
+"""``convert`` and ``batch`` are interrupted, terminated or killed at random moments."""
 
 import os
 import shutil
@@ -106,7 +106,7 @@ def _ended_by(sent: str, command: tuple[str | Path, ...], place: Path, seconds: 
     time.sleep(seconds)
     if running.process.poll() is None:
         number = getattr(signal, sent)
-        # A terminal sends Ctrl-C to all processes of the group, whoever asks a program to end to that one alone.
+        # A terminal sends Ctrl-C to all processes of the group, `kill` sends a signal to one.
         (os.killpg if sent == "SIGINT" else os.kill)(running.process.pid, number)
     return running.wait()
 

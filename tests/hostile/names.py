@@ -19,7 +19,7 @@ from .command import Ended, stepbot
 from .experiment import Experiment, Setting, Trial
 
 _PLACE = "@PLACE@"
-"""What stands for the folder of a trial, where no file may be added."""
+"""Placeholder for the folder of a trial, where no file may be added."""
 _HEAD = "version: 1\nmaterials: {steel: {density: 7850 kg/m^3}}\ndefaults: {material: steel}\n"
 _RLO, _PDF = "\u202e", "\u202c"
 
@@ -31,7 +31,7 @@ class Case:
     name: str
     text: str
     is_raw: bool = False
-    """Whether the STEP holds its bytes as they are, instead of the directives of ISO 10303-21."""
+    """Whether the STEP contains its bytes unchanged, instead of the directives of ISO 10303-21."""
 
     def placed(self, place: Path) -> "Case":
         """The same, in the folder of a trial."""
@@ -219,7 +219,7 @@ def _write_step(path: Path, cases: Sequence[Case]) -> None:
 
 
 def _escaped(text: str, is_raw: bool) -> str:
-    r"""A text as it stands in a STEP file: quotes and backslashes twice, ``\X4\`` where it is not plain ASCII."""
+    r"""A text as written in a STEP file: quotes and backslashes doubled, ``\X4\`` for non-ASCII characters."""
     quoted = text.replace("\\", "\\\\").replace("'", "''")
     return quoted if is_raw else re.sub(r"[^ -~]", lambda c: rf"\X4\{ord(c[0]):08X}\X0" + "\\", quoted)
 

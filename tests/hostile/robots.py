@@ -1,4 +1,4 @@
-"""Two versions of a robot to convert, what comes of each, and a cache that knows both."""
+"""Two versions of a robot to convert, their expected files, and a cache with both."""
 
 import shutil
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Versions:
     """Files of the output, but for the list of what stepbot wrote, which is stamped by each run."""
     new: dict[str, bytes]
     cache: Path
-    """A cache that holds the geometry of the STEP, and nothing of what was made of it."""
+    """A cache with the geometry of the STEP, and no results derived from it."""
     seconds: float
     """What a conversion takes, its geometry known."""
 

@@ -95,7 +95,7 @@ def numbers(root: Table, rng: Random) -> None:
 
 
 def units(root: Table, rng: Random) -> None:
-    """Units are those of another quantity, of none, or no units."""
+    """Units are those of another quantity, missing, or invalid."""
     for container, index in _some(root, rng, _is_number):
         value = values_of(container)[index]
         assert isinstance(value, Scalar)
@@ -114,7 +114,7 @@ def magnitudes(root: Table, rng: Random) -> None:
 
 
 def texts(root: Table, rng: Random) -> None:
-    """Texts are empty, reserved, broken, from another alphabet, code for somebody else."""
+    """Texts are empty, reserved, broken, from another alphabet, or code in another language."""
     for container, index in _some(root, rng, lambda value: isinstance(value, Scalar)):
         replace_value(container, index, Scalar(rng.choice(_TEXTS)))
 
@@ -152,7 +152,7 @@ def references(root: Table, rng: Random) -> None:
 
 
 def grafted(root: Table, rng: Random) -> None:
-    """A piece of the sidecar stands in place of another piece, which may have held it."""
+    """A piece of the sidecar replaces another piece, which may have contained it."""
     source, from_index = _place(root, rng)
     piece = copy.deepcopy(values_of(source)[from_index])
     container, index = _place(root, rng)

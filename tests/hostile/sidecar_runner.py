@@ -28,7 +28,7 @@ LONGEST = 60.0
 
 
 def try_out(mutant: SidecarMutant, bases: Path, folder: Path) -> Verdict:
-    """Make a mutant, check it, build the robot where that is due, and say what came of it."""
+    """Make a mutant, check it, build the robot if planned, and return the outcome."""
     path = folder / "mutant.robot.yaml"
     path.write_bytes(mutant.content(bases))
     found, faults, outcome, began = Diagnostics(), list[str](), FAILED, time.process_time()

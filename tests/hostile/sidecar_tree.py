@@ -62,7 +62,7 @@ def places(node: Node) -> Iterator[tuple[Table | Listing, int]]:
 
 
 def values_of(node: Node) -> list[Node]:
-    """The values that a node holds."""
+    """The values that a node contains."""
     if isinstance(node, Table):
         return [value for _, value in node.pairs]
     return node.values if isinstance(node, Listing) else []

@@ -1,4 +1,4 @@
-"""A few trials of each experiment: whatever is done to stepbot ends as it should. ``make hostile`` runs thousands."""
+"""A few trials of each experiment; ``make hostile`` runs thousands."""
 
 from pathlib import Path
 from random import Random

@@ -40,5 +40,5 @@ def sidecar_of(robot: str) -> Path:
 
 @pytest.fixture(scope="session")
 def converted(tmp_path_factory: pytest.TempPathFactory) -> Converted:
-    """Gives the conversion of the robot in a folder of the library; each is converted when it is first asked for."""
+    """Returns the conversion of a library robot; each is converted on first use."""
     return lambda robot: convert_once(tmp_path_factory, robot, sidecar_of(robot))

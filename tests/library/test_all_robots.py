@@ -24,7 +24,7 @@ from tests.library.conftest import (
 )
 
 BETWEEN = {"ball": 2, "universal": 1, "screw": 1, "cylindrical": 1, "planar": 2, "floating": 5}
-"""Links that URDF puts between the two links of a joint that it can only say by several."""
+"""Links that URDF puts between the two links of a joint that it represents by several."""
 FINER_STEPS = {"kinova_gen3": 5e-4}
 """Steps [s] of robots that the usual 1 ms is too long for: a wrist without damping passes 100 rad/s for a moment, and
 gains 12 % of energy there; at half the step it is 1 %."""
@@ -115,7 +115,7 @@ def test_converts_and_every_check_passes(robot: str, converted: Converted) -> No
 
 @every_converted_robot
 def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Converted) -> None:
-    """All meshes that a file names are there, relative and in metres, none lies about unused; no machine is named."""
+    """All referenced meshes exist, relative and in metres, none is unused; no local path is written."""
     folder = converted(robot).folder
     for suffix, tag, attribute in ((".urdf", "mesh", "filename"), (".sdf", "uri", None), (".xml", "mesh", "file")):
         root = etree.parse(converted(robot).file(suffix)).getroot()

@@ -78,7 +78,7 @@ def _in_world(body_L: tuple[float, list[float], list[list[float]]], X_WL: Array)
 
 
 def test_the_text_of_the_sdformat_has_the_closed_forms(arm: Conversion) -> None:
-    """PyBullet does not read inertia from SDFormat: the text itself says it, at q = 0."""
+    """PyBullet does not read inertia from SDFormat: the text itself is checked, at q = 0."""
     model = etree.parse(arm.file(".sdf")).getroot().find("model")
     bodies = {}
     for link in model.iter("link"):

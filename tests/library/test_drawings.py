@@ -59,7 +59,7 @@ def test_expected_json_is_what_the_closed_forms_say(robot: str, tmp_path: Path) 
 
 
 def test_four_bar_step_has_the_mass_of_its_closed_form() -> None:
-    """Each link of the drawn four-bar has the mass, com and inertia that the formulas say."""
+    """Each link of the drawn four-bar has the mass, com and inertia of the formulas."""
     found = dict.fromkeys(four_bar.links(), NOTHING)
     for part in occurrences(LIBRARY / "stepbot_four_bar" / "four_bar.step"):
         link = "ground" if part.path.startswith("frame:1/") else part.path.removesuffix(":1")
@@ -70,7 +70,7 @@ def test_four_bar_step_has_the_mass_of_its_closed_form() -> None:
 
 
 def test_arm2_step_has_the_mass_of_its_closed_form() -> None:
-    """Each link of the drawn arm has the mass, com and inertia that the formulas say, in the drawn pose."""
+    """Each link of the drawn arm has the mass, com and inertia of the formulas, in the drawn pose."""
     claims = (
         (r"base:1", "base"),
         (r"shoulder:1", "upper_arm"),
@@ -111,7 +111,7 @@ def test_four_bar_closes_over_a_full_turn() -> None:
 def test_drawn_parts_have_the_volume_of_their_closed_form(
     write: Callable[[Path], parts.Drawing], tmp_path: Path
 ) -> None:
-    """What the kernel reads back from a drawn file is what the formulas say, piece by piece."""
+    """The kernel's values of a drawn file match the formulas, piece by piece."""
     drawing = write(tmp_path / "part.step")
     found = occurrences(drawing.path)
     assert len(found) == len(drawing.pieces)
@@ -121,7 +121,7 @@ def test_drawn_parts_have_the_volume_of_their_closed_form(
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_every_unit_holds_the_same_assembly(unit: LengthUnit, tmp_path: Path) -> None:
-    """A file in another unit says so, and holds the same bodies at the same places."""
+    """A file in another unit declares it, and contains the same bodies at the same places."""
     drawing = parts.write_nested(tmp_path / "nested.step", unit)
     text = drawing.path.read_text(encoding="utf-8")
     declared = {"mm": ".MILLI.,.METRE.", "cm": ".CENTI.,.METRE.", "m": "$,.METRE.", "inch": "'INCH'", "foot": "'FOOT'"}

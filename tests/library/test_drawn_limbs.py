@@ -1,4 +1,4 @@
-"""Robots of legs and arms: their feet and hands are where closed forms say, and inverse kinematics finds back."""
+"""Robots with legs and arms: feet and hands are where closed forms predict, and inverse kinematics round-trips."""
 
 import importlib
 import json
@@ -13,7 +13,7 @@ from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
 
 
 def expected(robot: str) -> dict[str, Any]:
-    """What the script that drew the robot knows of it."""
+    """Data of the script that drew the robot."""
     content: dict[str, Any] = json.loads((LIBRARY / robot / "expected.json").read_text(encoding="utf-8"))
     return content
 

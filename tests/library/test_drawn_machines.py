@@ -1,4 +1,4 @@
-"""The machines of the library: frames and masses that their scripts drew, and motions that formulas know."""
+"""The machines of the library: frames and masses from their scripts, and motions in closed form."""
 
 import importlib
 import json
@@ -20,7 +20,7 @@ every_machine = pytest.mark.parametrize(
 
 
 def expected(robot: str) -> dict[str, Any]:
-    """What the script that drew the robot knows of it."""
+    """Data of the script that drew the robot."""
     content: dict[str, Any] = json.loads((LIBRARY / robot / "expected.json").read_text(encoding="utf-8"))
     return content
 
@@ -144,7 +144,7 @@ def test_diff_drive_rolls_where_its_formula_says(converted: Converted) -> None:
         file = str(converted(robot).file(".xml"))
         seen = call_isolated("tests.engines:driven_on_a_floor", file, "base_link", wanted, drive["time"])
         for name, speed in wanted.items():
-            assert seen["speeds"][name] == pytest.approx(speed, rel=0.1), name  # friction holds its motors back
+            assert seen["speeds"][name] == pytest.approx(speed, rel=0.1), name  # friction keeps its motors at rest
         x, y, heading = formulas.place(*seen["speeds"].values(), drive["time"])
         way = max(np.hypot(x, y), 0.1)
         np.testing.assert_allclose(seen["place"][:2], (x, y), atol=0.02 * way)

@@ -71,7 +71,7 @@ def _error(found: Mapping[str, float]) -> float:
 
 
 def test_the_two_closed_forms_agree() -> None:
-    """Freudenstein's equation here and the law of cosines in the robot's folder say the same."""
+    """Freudenstein's equation here and the law of cosines in the robot's folder agree."""
     motion = expected()["linkage"]["motion"]
     assert len(motion) == len(TURN)
     for turn, said in zip(TURN, motion, strict=True):
@@ -103,7 +103,7 @@ def test_the_loop_holds_while_mujoco_drives_the_crank(four_bar: Conversion) -> N
 
 
 def test_sdformat_closing_joint_is_the_models_closure(four_bar: Conversion) -> None:
-    """Both frames and the axis of the second joint that holds the rocker, by the text alone, to 1e-9."""
+    """Both frames and the axis of the second joint of the rocker, from the text alone, to 1e-9."""
     root = etree.parse(four_bar.file(".sdf")).getroot()
     model = root.find("model")
     (closing,) = (joint for joint in model.iter("joint") if joint.get("name") == "rocker_pin")
@@ -196,7 +196,7 @@ def test_links_have_the_mass_of_the_closed_forms(four_bar: Conversion, suffix: s
 
 
 def test_every_check_that_an_engine_can_make_has_passed(four_bar: Conversion) -> None:
-    """The table on the terminal has a line per file and engine, none failed, and reasons for all that did not run."""
+    """The table on the terminal has a line per file and engine, no failures, and a reason for each omitted check."""
     summary = four_bar.report["summary"]
     assert summary["failed"] == 0
     assert f"{summary['passed']} passed" in four_bar.run.out

@@ -22,7 +22,7 @@ def test_nothing_is_stale(robot: str) -> None:
 
 
 def test_the_gallery_shows_every_robot() -> None:
-    """Pictures and table of the library's README are what the pages of the robots say."""
+    """Pictures and table of the library's README match the pages of the robots."""
     assert not making.gallery_is_stale(), "run `make library`, or `python -m robot_library --stale`"
 
 
@@ -90,7 +90,7 @@ def test_ends_of_lines_are_no_change(tmp_path: Path) -> None:
 
 
 def test_a_page_keeps_what_is_written_by_hand() -> None:
-    """Only what lies between the marks is replaced; a page without marks gets the part at its end."""
+    """Only the part between the marks is replaced; a page without marks gets the part at its end."""
     part = f"{pages.START}\nnew\n{pages.END}\n"
     page = f"# robot\n\nBy hand.\n\n{pages.START}\nold\n{pages.END}\n\nAlso by hand.\n"
     assert pages.with_part(page, part) == page.replace("old", "new")

@@ -1,10 +1,4 @@
-"""Robots of makers, held against what their makers say: joints, limits, masses, and where every link is.
-
-The maker's numbers are in expected.json; where one is not as published, ``published`` beside it holds what was, and
-``why`` says the reason. They are compared with the sidecar as it is written, and with the converted
-files as yourdfpy and MuJoCo read them. Where the makers' descriptions themselves are at hand, expected.json is compared
-with them.
-"""
+"""Commercial robots, compared with their makers' data: joints, limits, masses, and poses of links."""
 
 import json
 import os
@@ -30,7 +24,7 @@ CONFIGURATIONS, SEED = 100, 20
 CLOSE = 1e-6
 """[m], [rad], and the limits' own units."""
 WEIGHTLESS = 1e-7
-"""Below this mass [kg] a maker's link is a place with a name: none has an inertia that a body could have."""
+"""Mass [kg] below which a maker's link is only a named frame: none has a physical inertia."""
 
 
 def _expected(robot: str) -> dict[str, Any]:
@@ -215,7 +209,7 @@ def _described_in(source: Mapping[str, str]) -> Mapping[str, Any]:
 @pytest.mark.slow
 @every_described_robot
 def test_expected_json_is_the_makers_description(robot: str) -> None:
-    """Joint by joint and pose by pose: what expected.json says is what the description says."""
+    """Joint by joint and pose by pose: expected.json matches the description."""
     content, description = _expected(robot), _description(robot)
     said = _described_in(content["source"])
     assert said["source"]["commit"] == content["source"]["commit"]

@@ -1,4 +1,4 @@
-"""`stepbot verify` finds the one file among its siblings that somebody changed."""
+"""`stepbot verify` finds the one changed file among its siblings."""
 
 import json
 import re

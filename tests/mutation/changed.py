@@ -78,7 +78,7 @@ def section(found: Sequence[Noticed], command: str) -> str:
 
 
 def main() -> int:
-    """Write the section, and say which shares are missed."""
+    """Write the section, and report missed shares."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--of-each", type=int, default=OF_EACH, metavar="N")
     parser.add_argument("--robots", nargs="+", default=list(LIBRARY), metavar="NAME")

@@ -20,7 +20,7 @@ PART = 0.01
 """What is added to a number, as a part of it, where its sign is not turned."""
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _WHOLE = re.compile(r"(group|contype|conaffinity|count|resolution|width|height|samples)$")
-"""What holds whole numbers: one more or one less, or the other sign."""
+"""Attributes with whole numbers: changed by one, or in sign."""
 _NO_NUMBERS = re.compile(r"(.*@(name|version|filename|file|type|key|class|mesh))$")
 _ANY = TOLERANCES[Quantity.DYNAMICS]
 _POSES, _SHAPES = TOLERANCES[Quantity.POSES].absolute, TOLERANCES[Quantity.MESHES].absolute
@@ -108,7 +108,7 @@ def _is_another(top: Any, slot: Slot, words: Sequence[str]) -> bool:
     off = max(abs(a - b) for a, b in zip(old, new, strict=True))
     kind = slot.kind
     if all(a == b or min(abs(a), abs(b)) >= UNLIMITED for a, b in zip(old, new, strict=True)) and min(new) > 0.0:
-        return False  # a number that stands for no limit, before and after
+        return False  # a number that means unlimited, before and after
     if re.search(r"inertia(/i..|@i..)$|fullinertia$|diaginertia$", kind):
         return off > TOLERANCES[Quantity.INERTIA].allowed(_largest_moment(top, slot))
     if re.search(r"inertial/(pose|origin@xyz)$|inertial@pos$", kind):
@@ -153,7 +153,7 @@ def _inertial(top: Any, slot: Slot) -> Any:
 
 
 def _moments(inertial: Any) -> list[float]:
-    """All that stands in an inertial of moments and products of inertia."""
+    """All moments and products of inertia in an inertial."""
     texts = [inertial.get("fullinertia") or inertial.get("diaginertia") or ""]
     for inertia in inertial.findall("inertia"):
         texts += [*inertia.attrib.values(), *(one.text or "" for one in inertia)]

@@ -1,8 +1,4 @@
-"""Whether an engine or a parser that is not ours notices that something is missing in a file.
-
-Engines crash on files that are incomplete, so each looks at them in a process of its own: a fork of this one, in which
-the engine is loaded already. It lives until it dies over a file; the next file is looked at by the next.
-"""
+"""Whether an engine or an independent parser notices that something is missing in a file."""
 
 import json
 import os
@@ -28,13 +24,13 @@ GUARDED, UNGUARDED = "+", "-"
 
 
 def question(request: Request) -> Request:
-    """The request, cut down to what tells one robot from another."""
+    """The request, reduced to what distinguishes one robot from another."""
     ways = tuple(way[:: max(1, len(way) - 1)] for way in request.ways[:1])
     return replace(request, configurations=request.configurations[:CONFIGURATIONS], ways=ways, simulate=0.0)
 
 
 class Judge:
-    """An engine that is asked about one file after the other. Needs ``fork``."""
+    """An engine that checks one file after the other. Needs ``fork``."""
 
     def __init__(self, engine: str, request: Request, expected: Observation) -> None:
         """Load the engine.
@@ -74,7 +70,7 @@ class Judge:
         return answer or ""
 
     def _asked(self, file: str, how: str) -> str | None:
-        """What the engine notices; None where stepbot knows that it cannot read the file."""
+        """What the engine notices; None if stepbot is known not to be able to read the file."""
         if not self._child:
             self._begin()
         os.write(self._to_child, f"{how}{file}\n".encode())

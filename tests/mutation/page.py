@@ -22,7 +22,7 @@ CHANGED = "\n## Changed numbers\n"
 CORE = {"urdf": ("yourdfpy", "mujoco", "pybullet"), "mjcf": ("mujoco",), "sdf": ("pybullet",)}
 """Engines of the core install, those first that answer soonest. The readers of stepbot's own do not count."""
 ALL = {**CORE, "sdf": ("pybullet", "drake"), "drake.sdf": ("drake",)}
-"""And Drake, asked where PyBullet noticed nothing."""
+"""Drake in addition, where PyBullet noticed nothing."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def unread_by_core(found: Sequence[Verdict]) -> list[str]:
 
 
 def counted(row: Row, found: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
-    """What a row counts, without files that none of its engines reads."""
+    """The counted removals of a row, without files that none of its engines reads."""
     alone = set(unread_by_core(found)) if row.core and "sdf" in row.formats else set()
     return [(one, seen) for one, seen in row.counted(found) if one.robot not in alone]
 
@@ -123,7 +123,7 @@ def _survivors(row: Row, found: Sequence[Verdict]) -> Iterator[str]:
 
 
 def main() -> int:
-    """Write the page, and say which shares are missed."""
+    """Write the page, and report missed shares."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--of-each", type=int, default=None, metavar="N")
     of_each = parser.parse_args().of_each

@@ -1,4 +1,4 @@
-"""Why some of what a file says is noticed by nobody when it is missing."""
+"""Why some removals and changes in a file are not noticed."""
 
 import re
 
@@ -71,11 +71,7 @@ _OF = {"urdf": _URDF, "mjcf": _MJCF, "sdf": _SDFORMAT, "drake.sdf": _SDFORMAT}
 
 
 def reason_for(format_: str, kind: str, *, core: bool) -> str:
-    """The reason for a kind of removal, as it stands in a table.
-
-    Raises:
-        KeyError: Nobody has looked for one yet.
-    """
+    """The reason for a kind of removal, as in the table."""
     known = (*(_PYBULLET if core and format_ == "sdf" else ()), *_OF[format_])
     for pattern, reason in known:
         if re.fullmatch(pattern, kind):
@@ -98,11 +94,7 @@ _CHANGES = {
 
 
 def reason_for_change(format_: str, kind: str) -> str:
-    """The reason why a change of a kind of number goes unnoticed, as it stands in a table.
-
-    Raises:
-        KeyError: Nobody has looked for one yet.
-    """
+    """The reason why a change of a kind of number is not noticed, as in the table."""
     for pattern, reason in _CHANGES[format_]:
         if re.fullmatch(pattern, kind):
             return reason

@@ -99,7 +99,7 @@ class Siblings:
         self._known: dict[str, Observation] = {}
 
     def by_verify(self, changed: Mapping[str, Path]) -> str:
-        """The first error that `stepbot verify` reports of the files, where some are others; empty where none."""
+        """The first error that `stepbot verify` reports for the files, with some replaced; empty if there is none."""
         formats = {changed.get(name, path): name for name, path in self.files.items()}
         found = Diagnostics()
         asked = ask(formats, Probe(self._probed), count=CONFIGURATIONS, seconds=0.0)
@@ -142,7 +142,7 @@ class Siblings:
         return self._outcome("", engine, request).observation
 
     def _observe(self, engine: Engine, request: Request) -> Observation:
-        """What an engine sees; what it saw in the same file, asked the same, is remembered."""
+        """An engine's observation; cached for the same file and request."""
         key = f"{engine.name} {request!r}"
         if key not in self._known or "changed_" in request.file:
             with redirect_stdout(StringIO()), redirect_stderr(StringIO()):

@@ -1,4 +1,4 @@
-"""Removing any element or attribute of a written file is noticed by engines that are not ours."""
+"""Independent engines notice the removal of any element or attribute of a written file."""
 
 import os
 from collections import Counter
@@ -36,7 +36,7 @@ XML = b"""<?xml version="1.0"?>
 
 
 def test_everything_is_removed_once() -> None:
-    """Every element but the root with what is in it, and every attribute; blocks that nobody reads are marked."""
+    """Every element but the root with its content, and every attribute; blocks that no engine reads are marked."""
     found = {one.path: one for one in removals(XML, "urdf")}
     assert list(found) == [
         "robot[r]@name",
@@ -57,7 +57,7 @@ def test_everything_is_removed_once() -> None:
 @pytest.mark.pybullet
 @pytest.mark.mujoco
 def test_a_slice_is_noticed(tmp_path: Path) -> None:
-    """Some removals from each file of an arm; what nobody notices has a reason."""
+    """Some removals from each file of an arm; every unnoticed one has a reason."""
     for engines in CORE.values():
         for engine in engines:
             skip_without(engine)
@@ -72,7 +72,7 @@ def test_a_slice_is_noticed(tmp_path: Path) -> None:
 
 @pytest.mark.mujoco
 def test_what_changes_nothing_is_not_noticed(tmp_path: Path) -> None:
-    """A judge that cries at every file would be none; and one that is shown another robot cries."""
+    """The judge accepts an unchanged file, and rejects another robot."""
     skip_without("mujoco")
     folder = write(ROBOTS["pendulum"](), tmp_path)
     path = folder.written["mjcf"].path

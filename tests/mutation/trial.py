@@ -1,4 +1,4 @@
-"""Robots with one thing less in a file: which engine notices, and what nobody does."""
+"""Robots with one removal in a file: which engines notice it."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -21,7 +21,7 @@ class Verdict:
     format: str
     removal: Removal
     noticed: str
-    """Which engine noticed what; empty where none did."""
+    """Which engine noticed what; empty if none did."""
     readers: tuple[str, ...]
     """The engines that read the file as it was written."""
 

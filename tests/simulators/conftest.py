@@ -28,12 +28,12 @@ class Folder:
     written: Mapping[str, Written]
 
     def request(self, written_in: str) -> Request:
-        """What is asked of engines that read the file of a format."""
+        """The request to engines that read the file of a format."""
         one = self.written[written_in]
         return requests(self.robot, {written_in: one.robot}, {written_in: one.path})[written_in]
 
     def expected(self, written_in: str, asked: Request | None = None) -> Observation:
-        """What they should see, where they are asked that or else everything."""
+        """The expected observation, for that request or in full."""
         moved = mechanism(self.robot, self.written[written_in].robot)
         moved = replace(moved, actuators=self.written[written_in].robot.actuators)
         return observe_robot(moved, asked or self.request(written_in))

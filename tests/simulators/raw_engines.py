@@ -33,7 +33,7 @@ def principal_moments(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 def axis(path: str, joint: str) -> tuple[float, ...]:
-    """Axis of a joint as PyBullet tells it."""
+    """Axis of a joint as reported by PyBullet."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)

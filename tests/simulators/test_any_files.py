@@ -93,7 +93,7 @@ def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostic
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics) -> None:
-    """Two roots crash PyBullet; everything else is still told."""
+    """Two roots crash PyBullet; everything else is still reported."""
     skip_without("pybullet")
     path = _copy(arm, "urdf", "two_roots.urdf", ('<link name="base">', '<link name="other"/><link name="base">'))
     report = verify_files([path], found, timeout=120.0)
@@ -104,7 +104,7 @@ def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics
 
 
 def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Missing, not XML, another XML: each is told, and the rest is verified all the same."""
+    """Missing, not XML, another XML: each is reported, and the rest is verified."""
     (tmp_path / "broken.urdf").write_text("<robot", encoding="utf-8")
     (tmp_path / "page.xml").write_text("<html/>", encoding="utf-8")
     (tmp_path / "empty.sdf").write_bytes(b"")
@@ -153,7 +153,7 @@ def test_a_required_engine_says_how_to_get_it(
 
 
 def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Then nothing passed, and a warning says so."""
+    """Then nothing passed, which is a warning."""
     for engine in engines():
         monkeypatch.setattr(engine, "available", lambda: "not installed")
     report = verify_files([arm.written["mjcf"].path], found)
@@ -210,7 +210,7 @@ def test_a_number_that_one_engine_reads_is_compared(
 def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     side: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """A moved site of the MJCF differs from the closing joint of the SDFormat, whatever the URDF."""
+    """A moved site of the MJCF differs from the closing joint of the SDFormat, even if URDF has neither."""
     skip_without("mujoco")
     folder = write(ROBOTS["four_bar"](), tmp_path)
     sites = folder.written["mjcf"].path.read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Mechanisms with several loops against closed forms: what MuJoCo and stepbot solve is what the textbook says."""
+"""Mechanisms with several loops against closed forms, for both MuJoCo's and stepbot's solutions."""
 
 from pathlib import Path
 
@@ -58,7 +58,7 @@ def stewart_platform(X_WL: Pose) -> Pose:
 
 
 def test_inverse_kinematics_of_the_stewart_platform() -> None:
-    """The length of each leg is the distance of its ends, whatever the pose: p + R b - a."""
+    """The length of each leg is the distance of its ends at any pose: p + R b - a."""
     robot = stewart()
     assert degrees_of_freedom(robot) == 6
     assert driven_joints(robot) == tuple(f"leg_{leg}" for leg in range(1, 7))
@@ -102,7 +102,7 @@ def test_the_delta_goes_straight_down() -> None:
 @pytest.mark.mujoco
 @pytest.mark.parametrize("build", [slider_crank, sliding_closure, welded, delta, stewart])
 def test_mujoco_closes_all_loops_alike(build: type, tmp_path: Path) -> None:
-    """Newton's method on MuJoCo's own rows ends where ours does: 1e-9 m and rad over the range."""
+    """Newton's method on MuJoCo's own rows agrees with stepbot's: 1e-9 m and rad over the range."""
     folder = write(build(), tmp_path)
     observed = look("mujoco", folder.request("mjcf"))
     closures = {closure.name: closure for closure in observed.closures or () if "/" not in closure.name}

@@ -1,4 +1,4 @@
-"""Blocks that no engine reads: whatever is taken out of them is noticed by the parser that reads them back."""
+"""Blocks that no engine reads: the parser that reads them back notices every removal."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,7 +20,7 @@ BLOCKS = {
 }
 
 DEFAULTS = {"min_angle": ("0",), "max_angle": ("0",)}
-"""What the formats' specifications have where nothing is said: it cannot be missed."""
+"""Defaults in the formats' specifications: their removal cannot be noticed."""
 
 
 @pytest.fixture(scope="module")

@@ -61,14 +61,14 @@ def _told(written_in: str, engine: str, name: str) -> set[str]:
     if written_in == "urdf" and JointKind.SCREW in kinds:
         # Half of the screw follows the other half, which comes after it: Pinocchio follows none of these.
         lacks = lacks | {"mimic"} if engine == "pinocchio" else lacks - {"mimic"}
-    # What turns without an axis has none to compare.
+    # A joint without an axis has none to compare.
     if kinds <= {JointKind.FIXED, JointKind.BALL, JointKind.FLOATING}:
         lacks |= {"axes"}
     return COMPARED[written_in, engine] - lacks
 
 
 IN_ONE_BODY = {JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.SCREW, JointKind.PLANAR, JointKind.FLOATING}
-"""Kinds of joints that MJCF says by several joints in one body, which Drake and Pinocchio make something else of."""
+"""Joint types that MJCF represents by several joints in one body, which Drake and Pinocchio read differently."""
 
 
 def _unreadable(written_in: str, engine: str, name: str) -> bool:
@@ -84,7 +84,7 @@ def _unreadable(written_in: str, engine: str, name: str) -> bool:
         return half_open or any(link.mass_properties.mass == 0.0 for link in robot.links[1:])
     if (written_in, engine) == ("sdf", "drake"):
         return bool(robot.closures)
-    # libsdformat 12, which is what distributions have, knows neither mimics nor pitches.
+    # libsdformat 12, the version in distributions, supports neither mimics nor pitches.
     later = any(joint.mimic or joint.kind is JointKind.SCREW for joint in robot.joints)
     return engine == "libsdformat" and later
 
@@ -125,7 +125,7 @@ def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
 
 
 def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) -> None:
-    """Each engine passes exactly what it can tell of this robot: nothing is skipped in silence."""
+    """Each engine passes exactly the quantities it can report of this robot: nothing is skipped silently."""
     name, report, _ = proof
     installed = {engine.name for engine in engines() if engine.available() is None}
     passed: dict[tuple[str, str], set[str]] = defaultdict(set)

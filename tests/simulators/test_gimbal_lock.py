@@ -1,4 +1,4 @@
-"""Three hinges stand for a ball joint in URDF: their gimbal lock is no fault of the robot, and hides none either."""
+"""Three hinges represent a ball joint in URDF: their gimbal lock is not a fault of the robot, and hides none."""
 
 from pathlib import Path
 
@@ -68,7 +68,7 @@ def test_a_ball_joint_in_urdf_is_proven(tmp_path: Path) -> None:
 
 
 def test_hinges_in_a_file_of_others(tmp_path: Path) -> None:
-    """A fall through the lock stays finite, and a note tells what was done."""
+    """A fall through the lock stays finite, and a note describes the reversal."""
     seen = _seen(_urdf(tmp_path))
     assert seen.simulation_finite
     assert any("hinges 'yaw', 'pitch', 'roll' approach gimbal lock" in note for note in seen.notes)

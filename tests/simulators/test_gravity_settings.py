@@ -91,7 +91,7 @@ def test_other_gravity_in_one_file_is_noticed(
 
 
 def test_files_that_agree_on_gravity_pass(siblings: Siblings) -> None:
-    """One link without weight in all of them; Earth's gravity, to the digits that people write."""
+    """One massless link in all of them; Earth's gravity, to common precision."""
     weightless = {name: changed(siblings, name, change) for name, change in WEIGHTLESS.items()}
     assert siblings.by_verify(weightless) == ""
     assert siblings.by_verify({"sdf": changed(siblings, "sdf", *world("0 0 -9.8"))}) == ""
@@ -99,7 +99,7 @@ def test_files_that_agree_on_gravity_pass(siblings: Siblings) -> None:
 
 
 def test_gravity_that_two_files_give_is_compared(siblings: Siblings) -> None:
-    """To 1e-9, although either could be Earth's; the URDF says nothing of it."""
+    """To 1e-9, although either could be Earth's; the URDF states none."""
     both = {
         "sdf": changed(siblings, "sdf", *world("0 0 -9.8")),
         "mjcf": changed(siblings, "mjcf", option('gravity="0 0 -9.8">')),

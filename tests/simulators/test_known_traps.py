@@ -38,7 +38,7 @@ def _changed(folder: Folder, written_in: str, name: str, pattern: str, new: str)
 
 @pytest.mark.pybullet
 def test_pybullet_is_kept_from_joints_of_one_name(arm: Folder) -> None:
-    """In one URDF they end the process or the loading; it is told either way, and nothing passes."""
+    """In one URDF they end the process or the loading; both are reported, and nothing passes."""
     skip_without("pybullet")
     path = _changed(arm, "urdf", "twice.urdf", 'joint name="elbow"', 'joint name="shoulder"')
     with pytest.raises((WorkerDied, RemoteError)) as caught:
@@ -72,7 +72,7 @@ def test_pybullet_gives_axes_in_the_inertial_frame(arm: Folder) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_follows_a_mimic_by_a_gear_alone(tmp_path: Path) -> None:
-    """A follower stands still until a JOINT_GEAR with the ratio -1/multiplier takes it along."""
+    """A follower does not move until a JOINT_GEAR with the ratio -1/multiplier drives it."""
     skip_without("pybullet")
     robot = ROBOTS["gripper_with_mimic"]()
     file = str(write(robot, tmp_path).written["urdf"].path)
@@ -106,7 +106,7 @@ def test_pybullet_shakes_where_damping_is_too_much(share: float, grows: bool, tm
 
 @pytest.mark.pybullet
 def test_pybullet_is_asked_of_mjcf_whether_it_loads_and_no_more(arm: Folder) -> None:
-    """It computes wrong poses there: everything else is not run, and says why."""
+    """It computes wrong poses there: everything else is not run, with a reason."""
     seen = look("pybullet", arm.request("mjcf"))
     assert set(Quantity) - set(seen.not_run) == {Quantity.LOAD}
     assert {"computes wrong poses" in reason for reason in seen.not_run.values()} == {True}
@@ -122,7 +122,7 @@ def test_mujoco_lets_the_base_touch_the_first_link_unless_told(arm: Folder) -> N
 
 @pytest.mark.mujoco
 def test_mujoco_equal_limits_are_noticed(arm: Folder) -> None:
-    """It takes equal limits for none, or refuses them."""
+    """It interprets equal limits as unlimited, or rejects them."""
     path = _changed(arm, "urdf", "equal.urdf", 'lower="-2" upper="2.25"', 'lower="0" upper="0"')
     seen = look("mujoco", replace(arm.request("urdf"), file=str(path), simulate=0.0))
     elbow = next(joint for joint in seen.joints if joint.name == "elbow")
@@ -199,7 +199,7 @@ def test_drake_takes_no_joint_that_closes_a_loop(tmp_path: Path) -> None:
 
 
 def test_drake_ends_over_swapped_limits(arm: Folder) -> None:
-    """In a process of its own, so that it is told and the others go on."""
+    """In a separate process, so that it is reported and the others continue."""
     skip_without("drake")
     path = _changed(arm, "urdf", "swapped_limits.urdf", 'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"')
     request = replace(arm.request("urdf"), file=str(path), simulate=0.0)

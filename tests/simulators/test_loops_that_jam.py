@@ -1,4 +1,4 @@
-"""Loops that the CAD did not draw well: what verify says of them."""
+"""Inaccurately drawn loops: the diagnostics of verification."""
 
 from dataclasses import replace
 from pathlib import Path

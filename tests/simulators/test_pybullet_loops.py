@@ -19,7 +19,7 @@ from tests.simulators.conftest import skip_without, write
 
 
 def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None) -> float:
-    """How far [m] loops open in half a second of falling sideways, held by the constraints of a report or by none."""
+    """Gap [m] of loops in half a second of falling sideways, with and without the constraints of a report."""
     import pybullet as engine
 
     client = engine.connect(engine.DIRECT)
@@ -59,7 +59,7 @@ def test_it_holds_what_would_fall_apart(build: type, tmp_path: Path) -> None:
 
 
 def test_a_tree_needs_none() -> None:
-    """No constraint where there is nothing to hold."""
+    """No constraint without closures."""
     assert _report(two_link_arm())["robot"]["pybullet"] == []
 
 

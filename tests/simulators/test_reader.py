@@ -81,7 +81,7 @@ def test_a_joint_beside_its_link_turns_about_itself(tmp_path: Path) -> None:
     ],
 )
 def test_axes_in_other_frames(tmp_path: Path, axis: str, expected: tuple[float, float, float]) -> None:
-    """In the joint's frame unless the axis says otherwise; b is turned about x by 90 degrees."""
+    """In the joint's frame unless the axis overrides it; b is rotated about x by 90 degrees."""
     seen = read(
         tmp_path,
         f'<link name="a">{LINK}</link><link name="b"><pose degrees="true">0 0 0 90 0 0</pose>{LINK}</link>'
@@ -91,7 +91,7 @@ def test_axes_in_other_frames(tmp_path: Path, axis: str, expected: tuple[float, 
 
 
 def test_what_is_left_out_has_the_specified_default(tmp_path: Path) -> None:
-    """1 kg, unit inertia, no limits; 1e16 and negative speeds mean none."""
+    """1 kg, unit inertia, no limits; 1e16 and negative speeds mean unlimited."""
     seen = read(
         tmp_path,
         '<link name="a"/><link name="b"/>'
@@ -211,7 +211,7 @@ def test_faults_are_refused_with_the_reason(tmp_path: Path, model: str, message:
     ],
 )
 def test_what_it_does_not_know_is_not_called_wrong(tmp_path: Path, model: str, message: str) -> None:
-    """Unreadable here says nothing against the file."""
+    """Unreadable here is not a fault of the file."""
     with pytest.raises(EngineCannotRead, match=message):
         read(tmp_path, model, configurations=({},))
 

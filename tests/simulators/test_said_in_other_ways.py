@@ -1,4 +1,4 @@
-"""Joints that formats say in different ways: the same robot where they are the same, and another where they are not."""
+"""Joints that formats represent differently: recognized as the same robot if equivalent, and as different otherwise."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -23,7 +23,7 @@ INERTIA = "0.01 0.02 0.025"
 
 
 class InThisProcess:
-    """Stands for the process of an engine: the files of these tests crash none."""
+    """Replaces the process of an engine: the files of these tests do not crash any."""
 
     def __init__(self, function: str, **_limits: object) -> None:
         self._module, self._name = function.split(":")

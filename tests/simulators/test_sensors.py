@@ -49,7 +49,7 @@ def _below(robot: Robot, link: str) -> list[str]:
 
 
 def test_an_imu_at_rest_feels_the_ground_push_up(tmp_path: Path) -> None:
-    """The accelerometer tells 1 g along what is up in its own frame, the gyro nothing."""
+    """The accelerometer measures 1 g upwards in its own frame, the gyro nothing."""
     data = _at_rest(equipped(), tmp_path)
     (imu,) = (sensor for sensor in equipped().sensors if sensor.name == "imu")
     up = imu.X_LS.R.T @ np.array([0.0, 0.0, G])
@@ -60,7 +60,7 @@ def test_an_imu_at_rest_feels_the_ground_push_up(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["shoulder_cell", "wrist_cell"])
 def test_a_cell_bears_the_weight_of_what_hangs_from_it(name: str, tmp_path: Path) -> None:
-    """The parent holds the child up against its weight, about the sensor's origin, in the sensor's axes."""
+    """The parent supports the child against its weight, about the sensor's origin, in the sensor's axes."""
     robot = equipped()
     data = _at_rest(robot, tmp_path)
     (cell,) = (sensor for sensor in robot.sensors if sensor.name == name)
@@ -90,7 +90,7 @@ def test_rays_of_a_lidar_meet_a_wall_ahead(tmp_path: Path) -> None:
 
 
 def test_a_camera_looks_along_x_with_z_up(tmp_path: Path) -> None:
-    """MuJoCo's camera looks along its -z, with y up; its image is as wide as the sensor's field of view says."""
+    """MuJoCo's camera looks along its -z, with y up; its image is as wide as the sensor's field of view."""
     robot = equipped()
     data = _at_rest(robot, tmp_path)
     (camera,) = (sensor for sensor in robot.sensors if sensor.name == "camera")

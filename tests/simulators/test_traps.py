@@ -1,4 +1,4 @@
-"""What engines are known to do behind one's back, each with a test: if an engine changes its ways, we want to know."""
+"""Known deviations of engines, each with a test that fails if the engine's behaviour changes."""
 
 import re
 import sys
@@ -48,7 +48,7 @@ def test_pybullet_poses_are_doubles(arm: Folder) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_prints_a_question_mark_for_a_ball_beside_a_mesh(tmp_path: Path) -> None:
-    """Asked for the vertices of a link, it prints one for each shape that has none: no complaint about the file."""
+    """For the vertices of a link, it prints a line per shape without any: not a warning about the file."""
     robot = ROBOTS["two_link_arm"]()
     link = robot.links[-1]
     shapes = (Collision("hull", link.visuals[0].geometry), Collision("ball", Sphere(0.01)))
@@ -110,7 +110,7 @@ def test_pybullet_reads_sdformat_from_a_copy_without_world_and_loops(tmp_path: P
 
 @pytest.mark.pybullet
 def test_pybullet_ignores_inertia_in_sdformat(arm: Folder) -> None:
-    """So it is not asked: inertia and mass matrix are not run, never passed. Gravity knows masses alone."""
+    """So it is not queried: inertia and mass matrix are not run, never passed. Gravity uses masses only."""
     seen = look("pybullet", arm.request("sdf"))
     assert all(link.inertia is None for link in seen.links)
     assert all(one.mass_matrix is None and one.inverse is None for one in seen.dynamics)
@@ -168,7 +168,7 @@ def test_mujoco_keeps_base_visuals_and_folders_of_a_urdf(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
-    """Its own has it on the diagonal; ours compares like with like, and armature by itself."""
+    """Its own has it on the diagonal; stepbot compares without it, and armature separately."""
     seen, expected = look("mujoco", arm.request("mjcf")), arm.expected("mjcf")
     assert arm.robot.joint_by_name["shoulder"].dynamics.armature > 0.0
     for ours, theirs in zip(expected.dynamics, seen.dynamics, strict=True):
@@ -177,7 +177,7 @@ def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
-    """It turns them into no limits, others refuse them or die over them, and say why."""
+    """It makes them unlimited, others reject them or crash, and report why."""
     path = arm.path / "swapped.urdf"
     text = arm.written["urdf"].path.read_text(encoding="utf-8")
     path.write_text(re.sub(r'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"', text), encoding="utf-8")

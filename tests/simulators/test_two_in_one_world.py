@@ -73,7 +73,7 @@ def _world(files: list[Path], path: Path) -> Path:
 
 
 SHARING = {"drake": "tests.worlds:drake_models", "pybullet": "tests.worlds:pybullet_models"}
-"""For each engine that reads worlds what tells the links of each of their models."""
+"""For each engine that reads worlds, the function that lists the links of each model."""
 
 
 @pytest.mark.parametrize("engine", SHARING)

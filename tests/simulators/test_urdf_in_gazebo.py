@@ -21,7 +21,7 @@ SPRING = ("spring_stiffness", "spring_reference")
 
 
 def _robot() -> Robot:
-    """The equipped robot, with a bumper on a link that a fixed joint holds."""
+    """The equipped robot, with a contact sensor on a link with a fixed joint."""
     robot = equipped()
     fixed = replace(robot.joint_by_name["neck"], kind=JointKind.FIXED)
     joints: tuple[Joint, ...] = tuple(fixed if joint.name == "neck" else joint for joint in robot.joints)

@@ -1,4 +1,4 @@
-"""A file that is wrong is noticed, by every engine that can tell: one number changed at a time."""
+"""Every engine that reports a quantity notices a wrong value: one number changed at a time."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Foreign text takes time in proportion to its length: no search in it is quadratic, and none is exponential."""
+"""Foreign text takes linear time: no search in it is quadratic or exponential."""
 
 import os
 import signal
@@ -19,7 +19,7 @@ from stepbot.step.structure import paths
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="a search that does not end cannot be stopped there")
 
 SECONDS = 30.0
-"""Of processor time, after which a search is taken for endless."""
+"""Of processor time, after which a search counts as endless."""
 SHORT, LONG = 1 << 16, 1 << 20
 MOST = 4.0
 """How many times longer one long text may take than short ones of that length together: the square takes 16 times."""
@@ -43,7 +43,7 @@ def stopwatch() -> Iterator[None]:
 
 
 def check(data: bytes) -> None:
-    """What is told of a STEP file without the kernel."""
+    """The checks of a STEP file without the kernel."""
     part21._check(data, "", "foreign.step", Diagnostics())
 
 

@@ -1,4 +1,4 @@
-"""A hinge that nobody converted."""
+"""A hinge that was never converted."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Two files, each of which needs the other one."""
+"""Two files that refer to each other."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A part was added to a subassembly of which each part is named."""
+"""A part was added to a subassembly whose parts are all listed."""
 
 from pathlib import Path
 

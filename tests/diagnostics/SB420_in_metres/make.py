@@ -1,4 +1,4 @@
-"""A box of 100 m in a file that says metres and means millimetres."""
+"""A box of 100 m in a file that declares metres instead of millimetres."""
 
 from pathlib import Path
 

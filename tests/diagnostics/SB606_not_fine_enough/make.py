@@ -1,4 +1,4 @@
-"""A ball, and a limit of faces below those of the mesh that was asked for."""
+"""A ball, and a limit of faces below that of the requested mesh."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Three joints, of which the third follows the second, which follows the first."""
+"""Three joints; the third follows the second, which follows the first."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A written file that somebody changes before the engines load it."""
+"""A written file that is changed before the engines load it."""
 
 import re
 from pathlib import Path

@@ -89,7 +89,7 @@ def test_ignored_components_are_in_no_link(tmp_path: Path) -> None:
 
 
 def test_two_links_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The second link that names a component is told, at its line, with both names."""
+    """The second link that claims a component is reported, at its line, with both names."""
     text = (
         TWO
         + """
@@ -122,7 +122,7 @@ def test_components_in_no_link_are_listed(tmp_path: Path, found: ReadDiagnostics
 
 
 def test_misspelt_part_comes_with_near_matches(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A path that names nothing is an error at its place, and the leftovers say that it may be meant for them."""
+    """A path without a match is an error at its place, and the error about unassigned components refers to it."""
     build(_motor_shop(), tmp_path, TWO + "    links: {base: {parts: [plate, motor]}, arm: {parts: [hron]}}\n", found)
     (fault,) = found
     assert fault.code == "SB301"
@@ -148,7 +148,7 @@ def test_every_unbound_path_is_told(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A claim on what is ignored, or wholly claimed more closely, draws a warning that says why."""
+    """A claim on ignored components, or ones claimed more closely, causes a warning with the reason."""
     shop = Workshop()
     pair = shop.group("pair")
     shop.box("x", parent=pair)

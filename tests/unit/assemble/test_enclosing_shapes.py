@@ -73,7 +73,7 @@ def test_cylinder_along_an_axis_line() -> None:
 
 
 def test_capsule() -> None:
-    """A stadium is its own capsule; a short cylinder gets one that reaches over its edges."""
+    """A stadium is its own capsule; a short cylinder gets one that extends beyond its edges."""
     angles = np.linspace(0, np.pi / 2, 9)
     profile = [(0.01 * np.cos(t), 0.03 + 0.01 * np.sin(t)) for t in angles]
     turns = np.linspace(0, 2 * np.pi, 32, endpoint=False)

@@ -1,4 +1,4 @@
-"""Every form of ``origin`` gives the frame that the sidecar's rules say, or an error with what to paste."""
+"""Every form of ``origin`` gives the documented frame, or an error with a snippet to paste."""
 
 from pathlib import Path
 
@@ -78,7 +78,7 @@ def test_component_and_center(tmp_path: Path) -> None:
 
 
 def test_ignored_components_can_be_named(tmp_path: Path) -> None:
-    """What is in no link can still say where a joint is."""
+    """Components in no link can still define an origin."""
     shop = _two([], [])
     shop.box("marker", (1, 1, 1), at(3, 4, 5))
     text = _joint("{center: marker}") + "    parts: {marker: {ignore: true}}\n"
@@ -106,7 +106,7 @@ def test_axis_of_a_subassembly(tmp_path: Path) -> None:
 
 
 def test_mate_and_auto(tmp_path: Path) -> None:
-    """``auto``, said or left out, is the mate between the parts of both links, with its origin in what both share."""
+    """``auto``, written or omitted, is the mate between the parts of both links, with its origin in their overlap."""
     shop = _two(
         [axis((20, 0, 0), radius=8, length=10), axis((0, 20, 0), radius=2)],
         [axis((0, 0, 0), radius=7.9, length=40, bore=False), axis((-20, 20, 0), radius=2)],
@@ -169,7 +169,7 @@ def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadD
 
 
 def test_no_axis_tells_near_misses(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where two links share nothing, what is less than 2 mm apart is told, with the lines to paste."""
+    """If two links share no line, lines less than 2 mm apart are reported, with snippets to paste."""
     shop = _two([axis((10, 0, 0), radius=5), axis((30, 0, 0), radius=1)], [axis((11.57, 0, 0), radius=4)])
     assert build(shop, tmp_path, _joint("auto"), found) is None
     (fault,) = found
@@ -258,7 +258,7 @@ def test_a_slide_takes_any_of_parallel_lines(tmp_path: Path) -> None:
 
 
 def test_auto_without_parts(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A link without parts shares no line, and the message says why; one with a misspelt path is not told twice."""
+    """A link without parts shares no line, and the message has the reason; a misspelt path is not reported twice."""
     shop = _two([axis((0, 0, 0))], [])
     inertial = "{mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}"
     empty = _joint("auto").replace("arm: {parts: [arm]}", f"arm: {{inertial: {inertial}}}")
@@ -285,7 +285,7 @@ def test_paths_in_origins_are_checked(tmp_path: Path, found: ReadDiagnostics) ->
 
 
 def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A joint relative to its own child, or two that are relative to each other's, is told once."""
+    """A joint relative to its own child, or two relative to each other's, is reported once."""
     shop = _two([], [])
     shop.box("tip")
     text = """
@@ -302,7 +302,7 @@ def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics)
 
 
 def test_root_frame(tmp_path: Path) -> None:
-    """The root's frame is the assembly's unless ``root`` says otherwise; everything follows from it."""
+    """The root's frame is the assembly's unless ``root`` overrides it; everything follows from it."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)])
     plain = built(shop, tmp_path, _joint("auto"))
     root = "    root: {link: base, frame: {axis_of: base, offset: {xyz: [0, 0, -40 mm]}}}\n"
@@ -342,7 +342,7 @@ def test_named_frames(tmp_path: Path) -> None:
     ],
 )
 def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -> None:
-    """The joint table tells where frames come from."""
+    """The joint table states the source of each frame."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
     made = build_robot(shop.assembly, sidecar(tmp_path, _joint(origin)), lambda: shop.measures, Diagnostics())
     assert made is not None

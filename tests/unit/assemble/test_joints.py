@@ -59,7 +59,7 @@ def test_the_drawn_pose_is_q_equal_zero_key(zero_a: float, zero_b: float, tmp_pa
 
 
 def test_the_joint_frame_is_where_the_origin_says(tmp_path: Path) -> None:
-    """At q = 0 the child's frame is the frame of the origin, whatever ``zero`` is; what hangs on it is turned back."""
+    """At q = 0 the child's frame is the frame of the origin for any ``zero``; everything below it is rotated back."""
     text = (
         CHAIN
         + """

@@ -1,4 +1,4 @@
-"""Densities, measured masses and inertias: each gram where the sidecar says it comes from, against closed forms."""
+"""Densities, measured masses and inertias: the source of each mass, against closed forms."""
 
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def _mass(link: Link) -> MassProperties:
 
 
 def test_each_field_comes_from_the_first_rule_that_sets_it(tmp_path: Path) -> None:
-    """Density by rule, by a rule's material, by the STEP, by the defaults, in this order, with the origin told."""
+    """Density by rule, by a rule's material, by the STEP, by the defaults, in this order, with its source."""
     shop = Workshop()
     shop.box("a", density=7850)
     shop.box("b", density=7850)
@@ -295,7 +295,7 @@ def test_a_glob_that_matches_a_part_of_its_match_weighs_once(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("outer", ["30 g", "40 g"])
 def test_nested_masses_that_contradict(outer: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Inner masses that leave nothing for the rest are not used; the outer is shared, and a warning says so."""
+    """Inner masses that leave nothing for the rest are not used; the outer one is divided, with a warning."""
     text = f"    defaults: {{density: 1000}}\n    parts: {{motor: {{mass: 40 g}}, arm: {{mass: {outer}}}}}\n" + ONE
     robot = build(_nested_shop(), tmp_path, text, found)
     assert robot is not None
@@ -339,7 +339,7 @@ def test_surfaces_weigh_nothing_and_are_drawn(tmp_path: Path, found: ReadDiagnos
 
 
 def test_a_solid_without_volume_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid that neither kernel nor mesh can weigh is not taken for massless, unless its link needs no weighing."""
+    """A solid that neither kernel nor mesh can measure is not massless, unless its link needs no mass."""
     shop = Workshop()
     shop.box("broken", kind=BodyKind.SURFACE)
     object.__setattr__(shop.bodies[0], "kind", BodyKind.SOLID)
@@ -389,7 +389,7 @@ def test_inertial_mass_on_nothing(tmp_path: Path, found: ReadDiagnostics) -> Non
 
 
 def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """``auto`` writes the mesh's value within a thousandth of the exact one, else the exact, and says which and why."""
+    """``auto`` writes the mesh's value within a thousandth of the exact one, else the exact, and reports which."""
     shop = Workshop()
     shop.rod("fine", sides=256)
     shop.rod("coarse", X_PC=at(20, 0, 0), sides=24)
@@ -442,7 +442,7 @@ def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> No
 
 @pytest.mark.parametrize("mode", ["auto", "mesh", "exact"])
 def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Whichever values are asked for, an uncertain solid has none, unless its link has an inertial of its own."""
+    """In every mode an uncertain solid has no mass properties, unless its link has an inertial of its own."""
     shop = Workshop()
     shop.box("a", density=1000)
     object.__setattr__(shop.bodies[0], "exact_error", 0.04)
@@ -457,7 +457,7 @@ def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path:
 
 
 def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where the mesh encloses nothing the exact solid is taken and the reason told; a closed tessellation is enough."""
+    """If the mesh encloses nothing the exact solid is used, with the reason; a closed tessellation is sufficient."""
     shop = Workshop()
     shop.box("a", density=1000)
     shop.box("b", X_PC=at(20, 0, 0), density=2000)

@@ -1,4 +1,4 @@
-"""Mass that overlapping solids count twice, against closed forms, and what is not taken for an overlap."""
+"""Mass that overlapping solids count twice, against closed forms, and cases that are not overlaps."""
 
 import os
 import signal
@@ -58,7 +58,7 @@ def test_boxes_that_overlap(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_the_mass_in_the_file_is_not_changed(tmp_path: Path) -> None:
-    """What is counted twice is told, not taken away."""
+    """Mass counted twice is reported, not subtracted."""
     shop = Workshop()
     shop.box("a", density=1000)
     shop.box("b", X_PC=at(5, 0, 0), density=1000)
@@ -236,7 +236,7 @@ def overlap_with_an_open_mesh() -> Workshop:
 
 
 def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid whose mesh has a hole is weighed by its exact shape; its overlaps are not known, and that is told."""
+    """A solid with an open mesh has the mass of its exact shape; its overlaps are unknown, which is reported."""
     assert build(overlap_with_an_open_mesh(), tmp_path, WATER + ONE, found) is not None
     assert found.codes() == ["SB505", "SB514"]
     assert list(found)[1].notes == ('"a" and "b": a mesh is not watertight; at most 0.5 g are counted twice',)
@@ -285,7 +285,7 @@ def _row_of_blocks(count: int) -> Workshop:
 
 
 def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Once it has measured, the process that measures says of overlaps what this one would."""
+    """The process that measured gives the same overlaps as this one."""
     shop = _row_of_blocks(4)
     with Worker(MESH_WORKER) as process:
         meshes = tuple(body.mesh for body in shop.assembly.bodies)
@@ -299,7 +299,7 @@ def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_the_death_of_that_process_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """As an error: nobody knows then what is weighed twice."""
+    """As an error: the mass counted twice is unknown."""
     with Worker(MESH_WORKER) as process:
         os.kill(process.pid, signal.SIGKILL)
         _search(_row_of_blocks(2), tmp_path, found, process).report()

@@ -30,7 +30,7 @@ def _collision(robot: Robot) -> Collision:
 
 
 def test_occurrences_share_one_mesh(tmp_path: Path) -> None:
-    """However often a part occurs, in whatever link, its mesh and its hull are there once."""
+    """Mesh and hull of a part exist once, for any number of occurrences and links."""
     shop = Workshop()
     first = shop.box("bolt")
     shop.again(first, at(50, 0, 0, (0, 0, 1)))
@@ -114,7 +114,7 @@ def test_visual_false(tmp_path: Path) -> None:
 
 
 def test_names_of_meshes(tmp_path: Path) -> None:
-    """Products of the same name, whatever the case, and parts of several bodies get names of their own."""
+    """Products of the same name, in any case, and parts of several bodies get unique names."""
     shop = Workshop()
     shop.box("Größe 1")
     shop.box("grosse_1")
@@ -170,7 +170,7 @@ def test_shapes_by_word(word: str, kind: type, tmp_path: Path) -> None:
 
 
 def test_a_rod_fits_its_cylinder(tmp_path: Path) -> None:
-    """A slanting rod gets the cylinder that it is, along its own axis line."""
+    """A slanting rod gets its own cylinder, along its own axis line."""
     shop = Workshop()
     shop.rod("rod", 4, 50, at(0, 0, 0, (0.4, 0.5, 0)))
     collision = _collision(built(shop, tmp_path, ONE.replace("rest: true", "rest: true, collision: cylinder")))
@@ -239,7 +239,7 @@ def test_given_primitives(tmp_path: Path) -> None:
 
 
 def test_flat_bodies_have_no_hull(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A label without thickness is drawn, has no collision shape, and one warning says so."""
+    """A label without thickness is displayed, has no collision shape, and causes one warning."""
     shop = Workshop()
     shop.box("plate")
     shop.box("label", (30, 20, 0), kind=BodyKind.SURFACE)

@@ -26,7 +26,7 @@ GIVEN = "inertial: {mass: 5 g, com: [60 mm, 0, 0], inertia: {ixx: 1e-6, iyy: 2e-
 
 
 def _convert(drawing: Drawing | Path, folder: Path, text: str, found: Diagnostics) -> Robot | None:
-    """The robot, checked, as `convert` makes it; what the reader says of the file is not of interest here."""
+    """The checked robot, as `convert` makes it; the reader's diagnostics are ignored here."""
     path = drawing if isinstance(drawing, Path) else drawing.path
     assembly = read_here(path, Diagnostics())
     assert assembly is not None
@@ -71,7 +71,7 @@ def test_a_link_of_surfaces_needs_an_inertial(tmp_path: Path, found: ReadDiagnos
 
 @pytest.mark.parametrize("link", ["", ", inertial: {mass: 5 g}"], ids=["by a rule", "by its link"])
 def test_mass_alone_on_a_surface_is_an_error(link: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A mass says how much and not where: one error at the mass, with the remedy."""
+    """A mass without a position: one error at the mass, with the remedy."""
     rule = "" if link else "    parts: {sheet: {mass: 5 g}}\n"
     drawing = parts.write_surface_body(tmp_path / "robot.step")
     assert _convert(drawing, tmp_path, WATER + rule + TWO % link, found) is None
@@ -96,7 +96,7 @@ def test_a_solid_that_does_not_close(tmp_path: Path, found: ReadDiagnostics) -> 
 
 
 def test_closed_triangles_have_a_volume(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A tessellated box is weighed by its mesh, and that is told where the exact solid was asked for."""
+    """A tessellated box has the mass of its mesh, which is reported if the exact solid was requested."""
     drawing = parts.write_tessellated(tmp_path / "robot.step")
     robot = _convert(drawing, tmp_path, WATER + ONE, found)
     assert robot is not None

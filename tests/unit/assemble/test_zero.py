@@ -91,7 +91,7 @@ def _built_corners(robot: Robot, q: dict[str, float]) -> list[Array]:
 
 
 def _same(a: list[Array], b: list[Array]) -> None:
-    """The same corners, in whatever order."""
+    """The same corners, in any order."""
     for x, y in zip(a, b, strict=True):
         distances = np.linalg.norm(x[:, None, :] - y[None, :, :], axis=2)
         assert distances.min(axis=0).max() < 5e-9  # vertices lie on a grid of a nanometre

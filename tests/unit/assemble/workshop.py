@@ -81,7 +81,7 @@ class Workshop:
         self.measures: list[VolumeProperties | None] = []
 
     def group(self, name: str, parent: int = 0, X_PC: Pose = IDENTITY, occurrence: str = "") -> int:
-        """A component that only holds others."""
+        """A component without a body, which contains others."""
         return self._add(name, parent, X_PC, occurrence)
 
     def box(
@@ -202,7 +202,7 @@ HEAD = "version: 1\nrobot: test\nstep: robot.step\n"
 
 
 def sidecar(folder: Path, text: str) -> Sidecar:
-    """A sidecar that is valid on its own; what tests say is added to a head of version, robot and step."""
+    """A sidecar that is valid on its own; the tests' text is added to version, robot and step."""
     path = folder / "test.robot.yaml"
     path.write_text(HEAD + textwrap.dedent(text), encoding="utf-8")
     found = Diagnostics()
@@ -219,7 +219,7 @@ def build(shop: Workshop, folder: Path, text: str, found: Diagnostics) -> Robot 
 
 
 def robot_of(built: Built | None) -> Robot | None:
-    """The robot, once all is said about it."""
+    """The robot, after all diagnostics."""
     if built is None:
         return None
     built.double_counting.report()

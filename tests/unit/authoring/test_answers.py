@@ -1,4 +1,4 @@
-"""Drafts corrected by what their owner says."""
+"""Drafts corrected by answers of the user."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -61,7 +61,7 @@ def test_another_root_leaves_the_motion_as_it_was(elbow: JointKind, tmp_path: Pa
     drawn = [link_poses(before, {}), link_poses(after, {})]
     for name in ARMS:
         motions = []
-        for then, now in zip(drawn, moved, strict=True):  # of bodies in the assembly, whatever frames links have
+        for then, now in zip(drawn, moved, strict=True):  # of bodies in the assembly, independent of the links' frames
             body, arm = (now[one] @ then[one].inverse() for one in (name, "arm"))
             motions.append((arm.inverse() @ body).matrix)
         assert np.allclose(*motions, atol=1e-12), name

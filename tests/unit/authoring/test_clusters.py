@@ -4,7 +4,7 @@ from stepbot.authoring.clusters import Clusters
 
 
 def test_what_is_kept_apart_stays_apart_through_joins() -> None:
-    """A joint between two parts keeps apart whatever is welded to them later."""
+    """A joint between two parts keeps apart everything that is welded to them later."""
     found = Clusters(range(5))
     assert found.forbid(0, 1)
     assert found.join(0, 2)

@@ -98,7 +98,7 @@ def test_struts_slide_without_names() -> None:
 
 
 def test_motors_by_their_use() -> None:
-    """Without names and tree, equal blocks that drive on one axis of theirs and are held off it make all 18 joints."""
+    """Without names and tree, equal blocks that drive about one axis of theirs, mounted off it, give all 18 joints."""
     draft = infer(assembly("stepbot_hexapod"), "hexapod", Sources(names=False, tree=False))
     assert [j.type for j in draft.joints] == [JointKind.REVOLUTE] * 18
     assert all(j.is_reviewed for j in draft.joints)

@@ -35,5 +35,5 @@ from stepbot.authoring.names import Role, roles
     ],
 )
 def test_first_role_of_a_name(name: str, role: Role | None) -> None:
-    """A standard, a catalogue number or a whole word gives a role; a part of a word and a motor's holder give none."""
+    """A standard, a catalogue number or a whole word gives a role; a part of a word and a motor's holder do not."""
     assert next(iter(roles(name)), None) == role

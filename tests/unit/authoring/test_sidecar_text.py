@@ -180,7 +180,7 @@ def test_closures(score: float, tmp_path: Path) -> None:
 
 
 def test_every_kind_of_joint_is_valid(tmp_path: Path) -> None:
-    """Each kind gets the keys that it needs and none that it does not have; an unknown pitch is no number."""
+    """Each type gets the keys that it requires and no others; an unknown pitch is not written as a number."""
     for kind in JointKind:
         joint = replace(
             HINGE, type=kind, axis="x", axis2="y", origin=OriginSnippet(OriginForm.XYZ, rpy=(0.1, 0.0, 1.0))
@@ -241,7 +241,7 @@ def test_paths_of_any_characters_are_quoted(tmp_path: Path) -> None:
 
 
 def test_materials_get_typical_densities_and_the_rest_a_placeholder(tmp_path: Path) -> None:
-    """A material that is known by name gets its density, others a placeholder, each with a REVIEW."""
+    """A material with a known name gets its density, others a placeholder, each with a REVIEW."""
     made = shop()
     made.made_of(2, "ABS Plastic, black")
     draft = replace(DRAFT, without_density=("ABS Plastic, black", "Unobtainium: #7", ""))

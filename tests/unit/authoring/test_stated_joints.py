@@ -145,7 +145,7 @@ def test_link_that_no_pair_connects_is_held_by_the_base(tmp_path: Path) -> None:
 
 
 def test_occurrences_that_links_refer_to_count_before_names() -> None:
-    """Links of any name, or of none, find their components by the usages that the file associates with them."""
+    """Links with any name, or none, find their components by the usages that the file associates with them."""
     links = (
         KinematicLink("", (Occurrence("robot", "arm", 1),)),
         KinematicLink("x", (Occurrence("robot", "base", 1),)),

@@ -18,7 +18,7 @@ def test_place_is_clickable() -> None:
 
 
 def test_headline_is_complete() -> None:
-    """The first line alone says where, how bad, which code and what."""
+    """The first line has place, severity, code and message."""
     diagnostic = Diagnostic("SB001", "error", "no such file", Span("arm.step", 3, 4))
     assert str(diagnostic) == "arm.step:3:4: error[SB001]: no such file"
 
@@ -37,7 +37,7 @@ def test_unknown_code_is_refused(found: Diagnostics) -> None:
 
 
 def test_finding_is_kept_once(found: Diagnostics) -> None:
-    """The same finding from two places of the program is told once, where it was first found."""
+    """A diagnostic added twice is reported once, in its first position."""
     first = found.add(WARNING, "w", Span("a"))
     found.add(WARNING, "v", Span("a"))
     assert found.extend([first]) == [first]
@@ -70,7 +70,7 @@ def test_strict_turns_warnings_into_errors(found: Diagnostics) -> None:
 
 
 def test_error_carries_all_findings(found: Diagnostics) -> None:
-    """The exception at the end of a stage holds warnings too, and its text only the errors."""
+    """The exception at the end of a stage has warnings too; its text has only the errors."""
     found.add(WARNING, "harmless", Span("a"))
     found.add(ERROR, "bad", Span("a"))
     with pytest.raises(StepbotError) as raised:
@@ -81,7 +81,7 @@ def test_error_carries_all_findings(found: Diagnostics) -> None:
 
 
 def test_near_matches() -> None:
-    """A misspelt name gets the nearest candidates, each once, a strange one nothing."""
+    """A misspelt name gets the nearest candidates, without duplicates; an unrelated name gets none."""
     assert did_you_mean("forarm", ["forearm", "wrist"]) == ("did you mean 'forearm'?",)
     assert did_you_mean("xyz", ["forearm", "wrist"]) == ()
     assert did_you_mean("BASE", ["base", "case"]) == ("did you mean 'base'?",)

@@ -19,7 +19,7 @@ def codes(path: Path, text: str, written_in: str) -> list[str]:
 
 
 def test_entities_are_refused_before_they_are_expanded(tmp_path: Path) -> None:
-    """A bomb of a gigabyte is refused for what it declares; a DOCTYPE without entities is none."""
+    """An entity bomb of a gigabyte is rejected by its declaration; a DOCTYPE without entities is accepted."""
     entities = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 10))
     bomb = f'<!DOCTYPE robot [<!ENTITY e0 "x">{entities}]><robot name="r"><link name="&e9;"/></robot>'
     assert codes(tmp_path / "bomb.urdf", bomb, "urdf") == ["SB820"]

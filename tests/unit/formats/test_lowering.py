@@ -1,4 +1,4 @@
-"""What becomes of a robot in a format that cannot say all of it."""
+"""Lowering a robot to the features of a format."""
 
 from dataclasses import replace
 from math import inf
@@ -55,7 +55,7 @@ LEFT_OUT = {"urdf": ["SB703", "SB727"], "sdf": ["SB703", "SB727", "SB729"], "mjc
 
 
 def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
-    """The robot as a format says it, which must report these codes and no others."""
+    """The lowered robot, which must report exactly these codes."""
     found = Diagnostics()
     result = lower(robot, FORMATS[format_], found)
     assert sorted({d.code for d in found} - {ALWAYS_IN_URDF}) == sorted(codes)
@@ -64,7 +64,7 @@ def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
 
 @every_format
 def test_every_notion_is_declared(format_: str) -> None:
-    """A writer says for every feature what it does; what is not exact has a code of the right severity."""
+    """Every writer declares every feature; inexact support has a code of the right severity."""
     declared = FORMATS[format_].expresses
     assert set(declared) == set(Feature)
     for feature, support in declared.items():
@@ -98,7 +98,7 @@ def test_every_loss_is_an_error_when_strict(format_: str) -> None:
 
 @every_format
 def test_what_is_not_exact_is_handled(format_: str) -> None:
-    """A feature that a format does not say as it is cannot slip through unnoticed."""
+    """A feature without exact support cannot go unreported."""
     handled = {*lowering._HANDLINGS, Feature.RESERVED_NAME}
     not_exact = {feature for feature, s in FORMATS[format_].expresses.items() if s.level is not Level.EXACT}
     assert not_exact <= handled
@@ -113,7 +113,7 @@ def test_mapping_page_is_fresh() -> None:
 @every_format
 @pytest.mark.parametrize("name", ROBOTS)
 def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
-    """What a format can say stays as it is."""
+    """Supported features are unchanged."""
     once = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
     assert lower(once, FORMATS[format_], Diagnostics()) == once
 
@@ -233,7 +233,7 @@ def test_loop_zeros_move_only_in_loops() -> None:
 def test_joints_of_several_freedoms_are_split(
     format_: str, kind: JointKind, chain: dict[str, str], found: ReadDiagnostics
 ) -> None:
-    """Into joints of one freedom; the links between have neither mass nor shape, and a warning says so."""
+    """Into joints of one degree of freedom; the links in between have neither mass nor shape, with a warning."""
     robot = pendulum()
     said = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
     assert {joint.name: joint.kind for joint in said.joints} == {f"swing{end}": k for end, k in chain.items()}

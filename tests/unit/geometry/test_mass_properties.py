@@ -41,7 +41,7 @@ def test_box() -> None:
 
 
 def test_far_from_the_origin() -> None:
-    """Kilometres away, where the vertices themselves are rounded to nanometres, six digits are left and not none."""
+    """Kilometres away, where the vertices themselves are rounded to nanometres, six digits remain."""
     far = measured(box().moved(X_AB))
     near = measured(box())
     assert far is not None
@@ -93,7 +93,7 @@ def test_in_a_process_of_its_own() -> None:
 
 
 def test_what_is_withheld_comes_back() -> None:
-    """After the import, who asks for scipy gets it."""
+    """After the import, scipy can be imported."""
     program = (
         "import sys; from stepbot.geometry.mass_properties import prepare; prepare();"
         "assert 'trimesh.triangles' in sys.modules; assert 'scipy' not in sys.modules; import scipy, networkx"

@@ -97,7 +97,7 @@ def test_no_faces_are_not_watertight() -> None:
 
 
 def test_encloses() -> None:
-    """Points in a tetrahedron are told from those beside it, however near; a mesh inside out encloses the same."""
+    """Points inside a tetrahedron are distinguished from those outside, at any distance; also with inverted faces."""
     for mesh in (TETRAHEDRON, TriMesh.of(TETRAHEDRON.vertices, TETRAHEDRON.faces[:, ::-1])):
         assert encloses(mesh, (0.25, 0.25, 0.25))
         assert encloses(mesh, (0.3333, 0.3333, 0.3333))

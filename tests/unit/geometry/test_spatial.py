@@ -177,7 +177,7 @@ def test_perpendicular_frame_is_a_rotation_with_that_z(z: np.ndarray) -> None:
 
 
 def test_bounds_of_points_and_boxes() -> None:
-    """Lowest and highest corner; of no box there is none."""
+    """Lowest and highest corner; no boxes are an error."""
     assert bounds([(1, 5, 3), (2, 4, 3)]) == ((1.0, 4.0, 3.0), (2.0, 5.0, 3.0))
     assert join_bounds([((0, 0, 0), (1, 1, 1)), ((-1, 0.5, 0), (0, 2, 0))]) == ((-1, 0, 0), (1, 2, 1))
     with pytest.raises(ValueError, match="no box"):

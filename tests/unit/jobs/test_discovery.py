@@ -1,4 +1,4 @@
-"""Which sidecars somebody means."""
+"""Finding sidecars."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ def make(folder: Path, *names: str) -> None:
 
 
 def test_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """All sidecars below, in order; nothing in hidden folders, nothing that only looks alike."""
+    """All sidecars below, in order; none in hidden folders, no files with similar names."""
     names = ["b/robot.yaml", "a/arm.robot.yml", "c.robot.yaml"]
     make(tmp_path, *names, ".git/x.robot.yaml", "a/myrobot.yaml", "a/arm.robot.yaml.orig", "robots.yaml")
     sidecars = find_sidecars([tmp_path], found)
@@ -30,7 +30,7 @@ def test_list(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A folder without sidecars and a list that is not there are told; a sidecar that is not there comes later."""
+    """A folder without sidecars and a missing list are reported; a missing sidecar is reported later."""
     assert find_sidecars([tmp_path, tmp_path / "no.txt", tmp_path / "no.robot.yaml"], found) == [
         tmp_path / "no.robot.yaml"
     ]
@@ -38,7 +38,7 @@ def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_names(tmp_path: Path) -> None:
-    """The robot is called like its sidecar; where that says nothing, like its folder."""
+    """The robot is named after its sidecar; after the folder if the file name is generic."""
     assert robot_name(Path("x/arm.robot.yaml")) == "arm"
     assert robot_name(Path("x/arm.yml")) == "arm"
     assert robot_name(tmp_path / "arm7" / "robot.yaml") == "arm7"

@@ -1,4 +1,4 @@
-"""What is found in the library of robots, and what pages tell."""
+"""Finding robots of the library, and reading their pages."""
 
 from pathlib import Path
 
@@ -61,7 +61,7 @@ def test_page_that_is_not_generated_yet_tells_less(tmp_path: Path) -> None:
 
 
 def test_every_robot_of_the_checkout_is_found_and_told(robot_library: Path) -> None:
-    """In an editable install the robots are those of the checkout; each says what it is."""
+    """In an editable install the robots are those of the checkout; each has a summary."""
     robots = library_robots()
     assert [robot.folder for robot in robots] == sorted(path.parent for path in robot_library.glob("*/*.robot.yaml"))
     for robot in robots:

@@ -70,7 +70,7 @@ def test_same_reasons_are_told_once() -> None:
 
 
 def test_files_compared_with_several_others_have_several_rows() -> None:
-    """What it was compared with tells them apart."""
+    """Checks are distinguished by their reference."""
     assert len(Report((PASSED, replace(PASSED, against="b.urdf (mujoco)"))).rows()) == 2
 
 
@@ -131,7 +131,7 @@ def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012
 
 
 def test_what_no_engine_tells_is_counted_apart() -> None:
-    """Checks that stepbot's own parsers pass are among those that passed, and said to be theirs."""
+    """Checks that passed in stepbot's own parsers are counted as passed, and also separately."""
     read_back = replace(PASSED, file="a.sdf", format="sdf", engine="reader")
     report = Report(
         (PASSED, read_back, replace(read_back, file="a.urdf", engine="extensions"), FAILED),

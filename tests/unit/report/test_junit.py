@@ -26,7 +26,7 @@ def check(**changes: Any) -> dict[str, Any]:
 
 
 def test_counts_and_cases() -> None:
-    """One case for the conversion and one for each check; failures and what did not run are told apart."""
+    """One case for the conversion and one for each check; failures and omitted checks are distinguished."""
     checks = [
         check(),
         check(quantity="com", status="failed", why="off by a lot"),

@@ -1,4 +1,4 @@
-"""Lock files are read back as they were written, and whatever is wrong with one is an error that names its place."""
+"""Lock files round-trip, and an invalid one is an error with its place."""
 
 import json
 from dataclasses import replace
@@ -32,7 +32,7 @@ LOCK = Snapshot(
 
 
 def read(path: Path, content: bytes, robot: str = "arm") -> tuple[Snapshot | None, list[tuple[str, str]]]:
-    """What a lock file holds, and the codes and messages of what is wrong with it."""
+    """The content of a lock file, and the codes and messages of its errors."""
     path.write_bytes(content)
     found = Diagnostics()
     return read_lock(path, robot, found), [(one.code, one.message) for one in found]
@@ -55,7 +55,7 @@ def test_each_record_is_one_line() -> None:
 
 
 def test_no_lock_is_no_error(tmp_path: Path) -> None:
-    """Where there is no lock nothing is said."""
+    """A missing lock is not reported."""
     found = Diagnostics()
     assert read_lock(tmp_path / "arm.lock.json", "arm", found) is None
     assert not list(found)
@@ -63,7 +63,7 @@ def test_no_lock_is_no_error(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["arm.robot.yaml", "arm.robot.yml", "arm.yaml"])
 def test_lock_has_the_name_of_its_sidecar(name: str) -> None:
-    """The name of a lock is that of the sidecar, whatever that ends in."""
+    """The name of a lock is the sidecar's, for any suffix."""
     assert lock_path(Path("folder") / name) == Path("folder/arm.lock.json")
     assert lock_path(Path("robot.yaml")) == Path("robot.lock.json")
 
@@ -82,7 +82,7 @@ def test_lock_has_the_name_of_its_sidecar(name: str) -> None:
     ],
 )
 def test_broken_files_are_errors(content: bytes, words: str, tmp_path: Path) -> None:
-    """Whatever the file holds, there is one error that says what is wrong."""
+    """Any invalid content gives one error with the reason."""
     lock, ((code, message),) = read(tmp_path / "arm.lock.json", content)
     assert lock is None
     assert code == "SB013"

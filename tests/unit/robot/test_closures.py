@@ -157,7 +157,7 @@ def test_actuated_joints_drive_first() -> None:
 
 
 def test_what_cannot_close_says_how_far_it_stays_open() -> None:
-    """A rocker that is too short: Newton stands still, and the gap is the reach that lacks."""
+    """A rocker that is too short: Newton's method stalls, and the gap is the missing length."""
     robot = four_bar()
     X = robot.closures[0].X_BF
     short = replace(robot, closures=(replace(robot.closures[0], X_BF=Pose.of(X.R, X.p + np.array([0, 0, 0.01]))),))

@@ -7,7 +7,7 @@ from stepbot.robot.file_names import is_device
 
 @pytest.mark.parametrize("name", ["CON", "nul", "Aux.urdf", "COM1", "lpt9.tar.gz", "com¹", "prn .txt", "CONIN$"])
 def test_devices_of_windows(name: str) -> None:
-    """Windows opens a device whatever the case and the extension."""
+    """Windows opens a device for any case and extension."""
     assert is_device(name)
 
 

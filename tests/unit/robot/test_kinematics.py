@@ -114,7 +114,7 @@ def test_a_circle_of_mimics_is_an_error() -> None:
 
 
 def test_an_unknown_joint_is_an_error() -> None:
-    """A misspelt name must not be taken for 0."""
+    """A misspelt name must not be treated as 0."""
     with pytest.raises(KeyError, match="sholder"):
         link_poses(two_link_arm(), {"sholder": 1.0})
     with pytest.raises(KeyError, match="base_to_post"):
@@ -144,7 +144,7 @@ def test_joints_of_several_freedoms_in_closed_form(q: tuple[float, float, float]
 
 
 def test_a_screw_advances_as_it_turns() -> None:
-    """By its pitch along its axis, and its Jacobian says so at any point of the link."""
+    """By its pitch along its axis, and its Jacobian agrees at any point of the link."""
     spindle = _chain(Joint("s", JointKind.SCREW, "base", "nut", axis=(0.0, 0.0, 1.0), pitch=0.003))
     X = link_poses(spindle, {"s": 2.5})["nut"]
     np.testing.assert_allclose(X.p, (0, 0, 0.0075), atol=1e-16)
@@ -157,7 +157,8 @@ def test_a_screw_advances_as_it_turns() -> None:
 def test_a_universal_joint_turns_unevenly() -> None:
     """Cardan's formula: of shafts at an angle beta, tan(driven) = tan(driving) / cos(beta)."""
     beta, driving = 0.5, 0.8
-    # The driving yoke turns about x and holds the cross on its y, in the plane of the shafts; the driven one on its z.
+    # The driving yoke turns about x and carries the cross on its y, in the plane of the shafts; the driven one on its
+    # z.
     cross = _chain(
         Joint("one", JointKind.REVOLUTE, "base", "yoke", axis=(1.0, 0.0, 0.0)),
         Joint("u", JointKind.UNIVERSAL, "yoke", "out", axis=(0.0, 1.0, 0.0), axis2=(0.0, 0.0, 1.0)),
@@ -207,7 +208,7 @@ def test_configurations_are_the_same_for_everyone() -> None:
 def test_what_has_no_limit_is_sampled_within_reach(
     kind: JointKind, limit: Limit, expected: tuple[float, float]
 ) -> None:
-    """Half a turn or a metre to either side; numbers that stand for no limit are none."""
+    """Half a turn or a metre to either side; numbers that mean unlimited are ignored."""
     assert sampling_range(Joint("j", kind, "base", "x", limit=limit)) == expected
 
 
@@ -237,7 +238,7 @@ def test_the_initial_configuration_is_the_drawn_one() -> None:
 
 
 def test_neighbours_reach_across_fixed_joints_and_closures() -> None:
-    """Whatever a joint or closure holds together, and whatever is fixed to either side of it."""
+    """All links connected by a joint or closure, including those fixed to either side."""
     close = neighbours(tree())
     assert frozenset(("base", "left_arm")) in close
     assert frozenset(("post", "right_arm")) in close

@@ -1,4 +1,4 @@
-"""What no physical robot can have is told, once, with its code; sound robots pass without a word."""
+"""Physically impossible properties are reported once, with their code; valid robots pass without diagnostics."""
 
 from dataclasses import replace
 from math import inf, nan
@@ -181,12 +181,12 @@ SOUND: dict[str, Robot] = {
 
 @pytest.mark.parametrize("case", list(SOUND))
 def test_what_is_allowed(case: str) -> None:
-    """Bounds are where they should be: just inside them nothing is said."""
+    """Limits are exact: just inside them nothing is reported."""
     assert _codes(SOUND[case]) == []
 
 
 def test_all_faults_at_once() -> None:
-    """Faults that do not depend on each other are told together, at the place that was given."""
+    """Independent faults are reported together, at the given place."""
     found = Diagnostics()
     span = Span("arm.robot.yaml", 3, 1)
     robot = _pair(
@@ -202,6 +202,6 @@ def test_all_faults_at_once() -> None:
     [((1, 1, 1), True), ((1, 2, 3), True), ((1, 2, 3.1), False), ((0, 1, 1), False), ((-1, 2, 2), False)],
 )
 def test_triangle_inequality(moments: tuple[float, float, float], sound: bool) -> None:
-    """No principal moment of a body is larger than the sum of the others, in whatever axes the tensor is given."""
+    """No principal moment of a body is larger than the sum of the others, for any axes of the tensor."""
     R = Pose.from_xyz_rpy(rpy=(0.3, 0.2, 1)).R
     assert (inertia_fault(MassProperties.of(1.0, (0, 0, 0), R @ np.diag(moments) @ R.T)) == "") is sound

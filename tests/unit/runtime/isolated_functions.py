@@ -40,7 +40,7 @@ def start_thread() -> None:
 
 
 def thread_limits() -> set[str | None]:
-    """What the environment tells native libraries about threads."""
+    """The thread settings in the environment."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     return {os.environ.get(name) for name in names}
 

@@ -22,7 +22,7 @@ HERE = "tests.unit.runtime.isolated_functions"
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[ForkServer]:
-    """One that knows the functions already, and a module that is not there."""
+    """A server with the functions imported, and a missing module."""
     with ForkServer((f"{HERE}:prepare", "stepbot.no_such_module")) as started:
         yield started
 
@@ -36,7 +36,7 @@ def call(
 
 
 def test_results_of_many_at_once(server: ForkServer) -> None:
-    """Each gets its own arguments, larger than a pipe too, and answers for itself."""
+    """Each gets its own arguments, also larger than a pipe, and returns its own result."""
     workers = [Worker(f"{HERE}:double", start=server.fork) for _ in range(8)]
     assert len({worker.pid for worker in workers}) == len(workers)
     for number, worker in enumerate(workers):
@@ -90,7 +90,7 @@ def test_too_much_memory_is_a_death(server: ForkServer) -> None:
 
 
 def test_a_process_that_is_killed(server: ForkServer) -> None:
-    """From outside, before it was asked."""
+    """From outside, before its call."""
     worker = Worker(f"{HERE}:double", start=server.fork)
     os.kill(worker.pid, signal.SIGKILL)
     worker.submit(b"x" * (1 << 22))
@@ -107,7 +107,7 @@ def test_closed_before_it_was_asked(server: ForkServer) -> None:
 
 
 def test_processes_end_with_their_server() -> None:
-    """Closing the server is the end of all; who waits for one of them is told."""
+    """Closing the server ends all; a caller that waits for one gets an error."""
     with ForkServer(()) as server:
         busy, idle = (Worker(f"{HERE}:sleep", start=server.fork) for _ in range(2))
         pids = [busy.pid, idle.pid]
@@ -160,7 +160,7 @@ def test_threads_of_an_import(server: ForkServer) -> None:
 
 @pytest.mark.parametrize("name", ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"])
 def test_threads_that_the_user_asks_for(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    """However many the environment says, a server with numpy in it has one thread, and so do its workers."""
+    """For any thread settings in the environment, a server with numpy has one thread, and so do its workers."""
     monkeypatch.setenv(name, "4")
     with ForkServer((f"{HERE}:multiply_matrices", f"{HERE}:prepare")) as server:
         assert call(server, "thread_limits") == {"1"}
@@ -174,7 +174,7 @@ def test_a_server_started_from_a_thread_that_ends() -> None:
 
     def start() -> None:
         servers.append(ForkServer((f"{HERE}:prepare",)))
-        assert call(servers[0], "prepared") == 2  # the server has asked by now to end with its parent
+        assert call(servers[0], "prepared") == 2  # by now the server has requested to end with its parent
 
     thread = threading.Thread(target=start)
     thread.start()

@@ -18,7 +18,7 @@ FUNCTIONS = "tests.unit.runtime.isolated_functions"
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder, with modules in it that nobody may import."""
+    """The current folder, with modules that must not be imported."""
     for name in ("random", "statistics", "sitecustomize", "lxml"):
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'marker')!r}, 'a').write(__name__)\n")
     monkeypatch.chdir(tmp_path)
@@ -35,7 +35,7 @@ def test_current_folder_and_relative_entries_are_removed(here: Path) -> None:
 
 
 def test_absolute_entry_of_python_path_is_kept(here: Path) -> None:
-    """The user named that folder, wherever the command runs; an empty or relative entry names none."""
+    """The user named that folder, independent of the current one; an empty or relative entry does not."""
     assert safe_import_path([str(here), "/opt/a"], f"/opt/a{os.pathsep}{here}") == [str(here), "/opt/a"]
     assert safe_import_path([str(here), "/opt/a"], f"{os.pathsep}/opt/a{os.pathsep}.") == ["/opt/a"]
 

@@ -1,4 +1,4 @@
-"""How much memory there is, against what the system says."""
+"""Available memory, compared with the system's values."""
 
 import os
 from pathlib import Path
@@ -20,7 +20,7 @@ def test_memory_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.skipif(os.name != "posix", reason="sysconf is POSIX")
 @pytest.mark.parametrize(("text", "counts"), [("123456789\n", True), ("max\n", False), ("", False)])
 def test_memory_of_a_container(text: str, counts: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A container that has less says so in a file; a worker may always take what its libraries reserve."""
+    """A container's lower limit is read from a file; a worker may always use what its libraries reserve."""
     file = tmp_path / "memory.max"
     file.write_text(text, encoding="ascii")
     monkeypatch.setattr(memory, "_CONTAINER", (file, tmp_path / "absent"))

@@ -1,4 +1,4 @@
-"""Writing all files of a run or none, and taking away only what an earlier run wrote."""
+"""Writing all files of a run or none, and removing only files of an earlier run."""
 
 import errno
 import json
@@ -47,7 +47,7 @@ def test_second_run_touches_its_stamp_alone(tmp_path: Path) -> None:
 
 
 def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
-    """A mesh that no file needs any more is removed; what stepbot did not write, or somebody changed, is not."""
+    """An unneeded mesh is removed, unless stepbot did not write it or it was changed."""
     write_atomically({**ARM, "meshes/c.obj": b"c"}, tmp_path)
     (tmp_path / "meshes/mine.obj").write_bytes(b"mine")
     (tmp_path / "meshes/c.obj").write_bytes(b"edited by hand")
@@ -100,7 +100,7 @@ def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
 
 
 def test_list_cannot_name_files_elsewhere(tmp_path: Path) -> None:
-    """A list that somebody tampered with removes nothing outside the folder."""
+    """A manipulated list removes nothing outside the folder."""
     out = tmp_path / "out"
     victim = tmp_path / "victim"
     victim.write_bytes(b"b")
@@ -233,7 +233,7 @@ for number in range(20):
 
 
 def test_concurrent_runs_into_one_folder(tmp_path: Path) -> None:
-    """The list knows the files of all of them, and no mesh is left that nothing needs."""
+    """The list has the files of all of them, and no unneeded mesh is left."""
     names = [f"robot{number}" for number in range(4)]
     runs = [
         subprocess.Popen(
@@ -290,7 +290,7 @@ def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.Monk
 
 @pytest.mark.skipif(os.name == "nt", reason="locked in another way on Windows")
 def test_file_system_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The files are written, with a note; with locks there is none."""
+    """The files are written, with a note; with locks without one."""
     found = Diagnostics()
     write_atomically(ARM, tmp_path, found=found)
     assert not list(found)

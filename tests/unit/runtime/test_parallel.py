@@ -21,7 +21,7 @@ def square(number: int) -> tuple[int, bytes]:
 
 @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=FORKS), pytest.param(5, marks=FORKS)])
 def test_results_do_not_depend_on_processes(processes: int) -> None:
-    """Every number gets its result, in the order that was asked for."""
+    """Every number gets its result, in the requested order."""
     order = [*range(40, 0, -1)]
     results = run(square, order, processes=processes)
     assert list(results) == order
@@ -83,7 +83,7 @@ def test_expected_errors_are_results(processes: int) -> None:
 
 @FORKS
 def test_bugs_come_out_with_their_traceback() -> None:
-    """An error that nobody named ends the program, and says where it was."""
+    """An unexpected error ends the program, with its position."""
     with pytest.raises(RuntimeError, match="in fail"):
         run(fail, [0, 1], processes=2, failures=(ValueError,))
 

@@ -1,4 +1,4 @@
-"""The folder of a run's temporary files: there while it runs, gone afterwards, whatever ended it."""
+"""The folder of a run's temporary files: there while it runs, removed afterwards, however it ends."""
 
 import os
 import subprocess

@@ -35,7 +35,7 @@ def test_one_call_after_the_other() -> None:
 
 
 def test_a_death_between_calls() -> None:
-    """What was answered stays answered; the next call tells how the process ended."""
+    """Earlier results stay valid; the next call reports how the process ended."""
     with Worker(f"{HERE}:double_or_leave") as worker:
         assert worker.submit(21, more=True).result() == 42
         with pytest.raises(WorkerDied, match="exit code 3"):
@@ -62,7 +62,7 @@ def test_an_exception_comes_back_as_such() -> None:
 
 
 def test_a_module_that_is_not_there_is_an_error() -> None:
-    """An import that fails is told like any exception."""
+    """A failed import is reported like any exception."""
     with pytest.raises(RemoteError) as caught:
         call_isolated("stepbot.no_such_module:observe")
     assert caught.value.kind == "ModuleNotFoundError"
@@ -99,7 +99,7 @@ def test_too_much_memory_is_a_death() -> None:
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
 def test_a_limit_beyond_what_the_system_allows() -> None:
-    """Where less is allowed than asked for, that holds."""
+    """If the allowed limit is lower than the requested one, it applies."""
     code = (
         "import resource; from stepbot.runtime.worker import call_isolated as call\n"
         "resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))\n"
@@ -120,7 +120,7 @@ def test_a_worker_can_be_closed_before_it_is_asked() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_a_worker_that_was_killed_before_it_was_asked() -> None:
-    """Submitting to a dead worker does not hang; its death is told by the result."""
+    """Submitting to a dead worker does not block; its death is reported by the result."""
     worker = Worker(f"{HERE}:double")
     os.kill(worker.pid, 9)
     worker.submit(b"x" * (1 << 22))
@@ -142,7 +142,7 @@ def test_a_worker_started_from_a_thread_that_ends() -> None:
 
     def start() -> None:
         worker.append(Worker(f"{HERE}:sleep").submit(0.0, more=True))
-        worker[0].result()  # it has asked by now to end with its parent
+        worker[0].result()  # by now it has requested to end with its parent
 
     thread = threading.Thread(target=start)
     thread.start()

@@ -46,7 +46,7 @@ def trees(draw: st.DrawFn) -> tuple[int, list[tuple[int, int]]]:
 
 
 def test_full_sidecar_is_sound() -> None:
-    """The sidecar that has every key has no fault but those of its mimic, which is made to have none."""
+    """The sidecar with every key has no errors but those of its mimic."""
     sound = FULL.replace(
         "mimic: {joint: lift, multiplier: -1, offset: 0}", "mimic: {joint: pan, multiplier: 0, offset: 0}"
     )
@@ -55,7 +55,7 @@ def test_full_sidecar_is_sound() -> None:
 
 @given(tree=trees())
 def test_trees_are_sound(tree: tuple[int, list[tuple[int, int]]]) -> None:
-    """No tree, in whatever order its joints stand, has a fault."""
+    """A tree has no errors, for any order of its joints."""
     assert codes(robot(*tree)) == []
 
 
@@ -214,7 +214,7 @@ def test_names_are_what_they_look_like(character: str) -> None:
     ],
 )
 def test_faults_do_not_beget_faults(damage: tuple[str, str], expected: list[str]) -> None:
-    """Of what is left around a fault, only faults of its own are told."""
+    """In the rest of a document with errors, only independent errors are reported."""
     text = JOINT.format(elbow="type: revolute, limits: {lower: -1, upper: 1}", wrist=TURNS)
     assert codes(text.replace(*damage, 1)) == expected
 

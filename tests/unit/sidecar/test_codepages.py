@@ -36,7 +36,7 @@ def test_what_no_step_file_can_be_in(name: str) -> None:
     ("name", "near"), [("cp1521", "cp1251"), ("bgk", "gbk"), ("klingon", ""), ("", ""), ("\0", "")]
 )
 def test_unknown_names(name: str, near: str) -> None:
-    """A name that is none comes with near ones, and with examples."""
+    """An unknown name gets suggestions and examples."""
     with pytest.raises(UnknownCodePage, match="unknown code page") as raised:
         code_page(name)
     assert near in raised.value.hints[0]

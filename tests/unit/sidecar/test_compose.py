@@ -20,7 +20,7 @@ FILE = "a.robot.yaml"
 
 
 def composed(text: str, found: Diagnostics) -> Tree:
-    """The tree of a text that holds a value."""
+    """The tree of a text with a value."""
     tree = compose(text, FILE, found)
     assert tree is not None
     return tree
@@ -56,7 +56,7 @@ def composed(text: str, found: Diagnostics) -> Tree:
     ],
 )
 def test_scalars_follow_the_core_schema(text: str, value: object, found: Diagnostics) -> None:
-    """Plain scalars are what YAML 1.2.2, section 10.3.2, says; in quotes they are texts."""
+    """Plain scalars follow YAML 1.2.2, section 10.3.2; quoted ones are strings."""
     data = plain_data(composed(f"a: {text}", found))["a"]
     assert data == value
     assert type(data) is type(value)
@@ -76,7 +76,7 @@ VALUES = st.recursive(
 
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_json_comes_back(data: object) -> None:
-    """JSON is YAML: whatever the standard library writes is read as what it was."""
+    """JSON is YAML: all output of the standard library is read back unchanged."""
     found = Diagnostics()
     assert plain_data(composed(json.dumps(data, ensure_ascii=False), found)) == data
     assert len(found) == 0
@@ -93,7 +93,7 @@ def test_block_style_comes_back(data: object) -> None:
 
 
 def is_plain(data: object) -> bool:
-    """Whether data is what JSON can say, all the way down."""
+    """Whether data can be represented in JSON, recursively."""
     if isinstance(data, dict):
         return all(isinstance(key, str) and is_plain(value) for key, value in data.items())
     if isinstance(data, list):
@@ -112,7 +112,7 @@ def test_any_text_ends_in_a_value_or_a_fault(text: str) -> None:
 
 
 def test_places(found: Diagnostics) -> None:
-    """Lines and columns count from 1; a value on one line tells where it ends."""
+    """Lines and columns count from 1; a value on one line has an end."""
     tree = composed("a:\n  b: [1, 'zwölf']\n  c: {d: *x}\n".replace("*x", "x"), found)
     assert (span(tree, ("a", "b", 1)).line, span(tree, ("a", "b", 1)).column) == (2, 10)
     assert span(tree, ("a", "b", 1)).end_column == 17
@@ -147,7 +147,7 @@ def test_every_duplicate_is_reported(found: Diagnostics) -> None:
 
 
 def test_alias_shows_its_own_place(found: Diagnostics) -> None:
-    """A fault of an aliased scalar is where the alias stands."""
+    """An error in an aliased scalar is reported at the alias."""
     assert span(composed("a: &x 3 kg\nb: *x\n", found), ("b",)).line == 2
 
 
@@ -167,7 +167,7 @@ def test_alias_shows_its_own_place(found: Diagnostics) -> None:
     ids=["billion laughs", "doubling maps", "merges", "lists", "maps", "items", "anchors"],
 )
 def test_bombs_end_quickly(text: str) -> None:
-    """What stands for too much, or goes too deep, is reported before it is written out."""
+    """Aliases that expand to too much, or nest too deeply, are reported without expansion."""
     found, start = Diagnostics(), time.process_time()
     with pytest.raises((TooMuchError, MarkedYAMLError)) as caught:
         compose(text, FILE, found)

@@ -1,4 +1,4 @@
-"""docs/sidecar.md: its examples work, its tables are complete, and its faults are those that stepbot tells."""
+"""docs/sidecar.md: its examples work, its tables are complete, and its errors are those that stepbot reports."""
 
 import json
 import re
@@ -37,7 +37,7 @@ GRIPPER = {"links": {"hand": {}, "left_finger": {}, "right_finger": {}}, "joints
 
 
 def faults(text: str) -> list[str]:
-    """What is said about a sidecar."""
+    """The diagnostics of a sidecar."""
     found = Diagnostics()
     sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found)
     if sidecar is not None:
@@ -75,7 +75,7 @@ def test_faults_are_those_that_are_told() -> None:
 
 
 def test_every_key_and_word_is_explained() -> None:
-    """Every key, every type of joint, sensor and shape, and every unit stands on the page."""
+    """Every key, every type of joint, sensor and shape, and every unit is on the page."""
     code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE) + EXAMPLES)))
     keys = {key for section in section_classes() for key in section.model_fields}
     words = {str(word) for kinds in (JointKind, SensorKind, CollisionShape) for word in kinds}

@@ -109,7 +109,7 @@ def test_places_of_values_and_keys(found: Diagnostics) -> None:
     ],
 )
 def test_form_of_an_origin_is_told_by_its_keys(origin: str, form: str, found: Diagnostics) -> None:
-    """Without a key that tells the form, an origin is `auto`."""
+    """Without a key that determines the form, an origin is `auto`."""
     text = FULL.replace("    limits: {lower: -150", f"    origin: {origin}\n    limits: {{lower: -150", 1)
     assert type(loaded(text, found).document.joints["pan"].origin).__name__ == form
 
@@ -135,14 +135,14 @@ def test_quoting_hints(parts: str, index: int, hint: str, found: Diagnostics) ->
 
 
 def test_all_faults_at_once_in_the_order_of_the_file() -> None:
-    """Faults of syntax, schema and sense are told together, from top to bottom."""
+    """Syntax, schema and consistency errors are reported together, from top to bottom."""
     text = FULL.replace("robot: follower", "robot: follower\nrobot: leader")
     text = text.replace("base: floating", "base: hanging").replace("damping: 0.1", "dampng: 0.1")
     text = text.replace("child: shoulder", "child: shulder").replace("-inf, upper: 1}", "-inf, upper: 1 kg}")
     text = text.replace("lower: -1,", "lower: 2,").replace("kind: position", "kindd: position")
     found = Diagnostics()
     assert parse_sidecar(text, Path("a.robot.yaml"), found) is None
-    # The actuator is not judged any further: what its kind would ask for cannot be told.
+    # The actuator is not checked further: the requirements of its kind are unknown.
     assert [d.code for d in found] == ["SB107", "SB123", "SB120", "SB130", "SB124", "SB456", "SB120"]
     lines = [d.span.line for d in found]
     assert lines == sorted(lines)

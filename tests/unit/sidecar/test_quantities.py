@@ -1,4 +1,4 @@
-"""Scalars of the sidecar: what they accept, what they become, what they say when they refuse."""
+"""Scalars of the sidecar: accepted values, results, error messages."""
 
 import copy
 import math
@@ -96,7 +96,7 @@ def test_refusal(kind: Any, value: Any, code: str, message: str) -> None:
 
 
 def test_joint_values_remember_their_unit() -> None:
-    """A number of a joint is a float that knows whether an angle, a length or neither was written."""
+    """A joint's number is a float with the dimension of its unit, if it was written with one."""
     angle = value_of(quantities.JointBound, "90 deg")
     assert isinstance(angle, float)
     assert type(angle.value) is float

@@ -50,7 +50,7 @@ def findings(text: str) -> list[Diagnostic]:
     ],
 )  # fmt: skip
 def test_snippet_is_what_to_write(right: str, wrong: str, pasted: str) -> None:
-    """The help holds the value in the form that the key takes."""
+    """The help has the value in the form that the key requires."""
     assert right in ARM
     found = findings(ARM.replace(right, wrong))
     snippets = [snippet for d in found for line in d.help for snippet in SNIPPET.findall(line)]

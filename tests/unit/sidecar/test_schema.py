@@ -48,7 +48,7 @@ def subschemas(schema: Any) -> list[dict[str, Any]]:
 
 
 def test_is_a_schema() -> None:
-    """It is valid by the meta-schema, and says which one and who it is."""
+    """It is valid by the meta-schema, and has `$schema` and `$id`."""
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     assert SCHEMA["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert SCHEMA["$id"]
@@ -87,7 +87,7 @@ def test_examples_and_defaults_are_valid() -> None:
 
 
 def test_patterns_are_those_of_editors() -> None:
-    """Patterns keep to what ECMA 262 with its u flag knows: no needless escapes, no Python groups."""
+    """Patterns are valid ECMA 262 with the u flag: no needless escapes, no Python groups."""
     for schema in subschemas(SCHEMA):
         pattern = schema.get("pattern")
         if isinstance(pattern, str):
@@ -117,7 +117,7 @@ def test_editors_mark_what_is_wrong(folder: Path) -> None:
     ids=lambda f: f.name,
 )
 def test_schema_is_not_stricter(folder: Path) -> None:
-    """What only a check across the file can tell is no fault of the schema."""
+    """Contradictions between values are not errors of the schema."""
     assert faults(VALIDATOR, data_of((folder / "robot.robot.yaml").read_text(encoding="utf-8"))) == []
 
 

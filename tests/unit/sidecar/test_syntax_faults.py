@@ -32,7 +32,7 @@ FILE = "a.robot.yaml"
     ],
 )
 def test_fault_is_told_at_its_place(text: str, line: int, column: int, message: str) -> None:
-    """A fault is told in words, where the hand must go."""
+    """An error is described in words, at the place to edit."""
     found = Diagnostics()
     assert not compose_around_faults(text, FILE, found).whole
     first = next(iter(found))
@@ -42,7 +42,7 @@ def test_fault_is_told_at_its_place(text: str, line: int, column: int, message: 
 
 
 def test_sections_around_faults_are_read() -> None:
-    """Several faults are all told, and what stands between them is there."""
+    """Several errors are all reported, and the text between them is parsed."""
     found = Diagnostics()
     composed = compose_around_faults("a: [1\nb: 2\nc: {x: @}\nd:\n  e: 5\nf: 'g\n", FILE, found)
     assert composed.tree is not None
@@ -51,7 +51,7 @@ def test_sections_around_faults_are_read() -> None:
 
 
 def test_tabs_are_told_line_by_line() -> None:
-    """Each line that a tab indents is told, and read as if it had spaces."""
+    """Each line indented by a tab is reported, and parsed as if it had spaces."""
     found = Diagnostics()
     composed = compose_around_faults("a:\n\tb: 1\n\tc: 2\nd:\n  e: 3\n", FILE, found)
     assert composed.tree is not None
@@ -66,7 +66,7 @@ def test_json_with_tabs_is_yaml(found: Diagnostics) -> None:
 
 
 def test_globs_without_quotes_stay_keys() -> None:
-    """A glob that lacks its quotes is told, and its rule is checked all the same."""
+    """An unquoted glob is reported, and its rule is still checked."""
     found = Diagnostics()
     text = "parts:\n  **/M3*: {ignore: true}\n  b: {}\n  *nut v1: {mass: }\n"
     composed = compose_around_faults(text, FILE, found)

@@ -36,7 +36,7 @@ def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
 
 @pytest.mark.parametrize(("make", "reason"), [(None, "no such file"), ("folder", "is a folder, not a file")])
 def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, found: Diagnostics) -> None:
-    """A file that is not there, or is a folder, is said to be so."""
+    """A missing file, or a folder, is reported as such."""
     path = tmp_path / "a.robot.yaml"
     if make:
         path.mkdir()
@@ -48,7 +48,7 @@ def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, foun
 
 
 def test_sidecar_that_is_meant(tmp_path: Path, found: Diagnostics) -> None:
-    """A misspelt name gets the near one, a folder the sidecars in it, and an empty folder what to look for."""
+    """A misspelt name gets a suggestion, a folder its sidecars, and an empty folder general help."""
     assert read_text(tmp_path / "arm.robot.yaml", found) is None
     (tmp_path / "arm.robot.yml").touch()
     assert read_text(tmp_path / "amr.robot.yml", found) is None

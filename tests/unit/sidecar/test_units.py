@@ -105,7 +105,7 @@ def test_example_is_a_quantity(dimension: Dimension) -> None:
 
 @given(value=st.floats(allow_nan=False), dimension=st.sampled_from(DIMENSIONS))
 def test_plain_number_is_si(value: float, dimension: Dimension) -> None:
-    """A number without a unit comes back bit by bit, whatever its dimension, and is known to have none."""
+    """A number without a unit is returned bit for bit, for any dimension, and has no dimension."""
     assert read_quantity(repr(value), dimension) == (value, None, "")
 
 
@@ -141,7 +141,7 @@ def refusal(text: str, dimension: Dimension) -> str:
 
 @given(text=st.text(max_size=40))
 def test_any_text_is_a_quantity_or_a_unit_error(text: str) -> None:
-    """No text makes the parser fail otherwise, and none gives NaN."""
+    """No text makes the parser raise other errors, and none gives NaN."""
     assert refusal(text, units.LENGTH) or not math.isnan(read_quantity(text, units.LENGTH).value)
 
 
@@ -209,12 +209,12 @@ def test_says_what_is_wrong(text: str, dimension: Dimension, message: str, hint:
     [("20 kg.cm", "20 kgf*cm"), ("80 oz-in", "80 ozf*in"), ("20 kgf.cm", ""), ("1.5 N.m", ""), ("1 kg*m^2/s^2", "")],
 )
 def test_mass_for_a_weight_is_known(text: str, meant: str) -> None:
-    """A torque for which a mass was written tells how it was taken; a torque in forces has nothing to tell."""
+    """A torque with a unit of mass reports its interpretation; a torque in forces does not."""
     assert read_quantity(text, units.TORQUE, units.FORCE).taken_as == meant
 
 
 def test_one_of_several_dimensions_is_told() -> None:
-    """The dimension of the unit is known, and a text of none of them is refused with all their names."""
+    """The dimension of the unit is returned, and a text of none of them is rejected with all their names."""
     assert read_quantity("45 deg", units.ANGLE, units.LENGTH).dimension is units.ANGLE
     assert read_quantity("45 mm", units.ANGLE, units.LENGTH) == (0.045, units.LENGTH, "")
     assert read_quantity("inf", units.ANGLE, units.LENGTH).dimension is None

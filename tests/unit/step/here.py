@@ -21,7 +21,7 @@ def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None
 
 
 def read_quietly(path: Path, options: ReadOptions | None = None) -> Assembly:
-    """The assembly of a file about which there is nothing to say but notes."""
+    """The assembly of a file without diagnostics but notes."""
     found = Diagnostics()
     assembly = read_here(path, found, options)
     assert [str(d) for d in found if d.severity != "note"] == []

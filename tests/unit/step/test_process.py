@@ -1,4 +1,4 @@
-"""The kernel in its own process: same results, whatever the process; and however it ends, a diagnostic."""
+"""The kernel in its own process: the same results; any failure is a diagnostic."""
 
 import os
 import signal
@@ -29,7 +29,7 @@ def content(assembly: Assembly) -> bytes:
 
 
 def test_reading_in_a_process_of_its_own(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The result is that of reading here, also from an odd folder, and nobody can change its arrays."""
+    """The result is the same as in this process, also from an odd folder, and its arrays are read-only."""
     folder = tmp_path / "Größe 螺丝 — new"
     folder.mkdir()
     path = parts.write_nested(folder / "nested 1.step").path
@@ -59,7 +59,7 @@ def test_a_kernel_that_is_killed(tmp_path: Path, found: ReadDiagnostics) -> None
 
 
 def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """After its time it is stopped, and what to do is said."""
+    """After its time limit it is stopped, with a remedy."""
     reading = start_reading(parts.write_box(tmp_path / "box.step").path, ReadOptions())
     assert reading.finish(found, timeout=0.05) is None
     (diagnostic,) = found
@@ -93,7 +93,7 @@ def test_a_body_without_memory(tmp_path: Path, found: ReadDiagnostics, monkeypat
 
 
 def test_files_that_are_refused_at_once(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """What is no STEP file never reaches the kernel; finishing twice says it once."""
+    """A file that is not STEP never reaches the kernel; finishing twice reports it once."""
     path = tmp_path / "notes.txt"
     path.write_text("buy milk\n", encoding="utf-8")
     reading = start_reading(path, ReadOptions())
@@ -150,7 +150,7 @@ def test_all_missing_libraries_are_told_at_once(found: ReadDiagnostics, monkeypa
 
 
 def test_bugs_stay_bugs(found: ReadDiagnostics) -> None:
-    """An error that has nothing to do with loading is none of these."""
+    """An error unrelated to loading is none of these."""
     assert not reader._report_import(RemoteError("KeyError", "'x'", ""), found, "arm.step")
 
 

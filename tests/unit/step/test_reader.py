@@ -1,4 +1,4 @@
-"""STEP files in, closed forms out: trees, names, poses, mass, colours, whatever the unit; and what odd files get."""
+"""STEP files compared with closed forms: trees, names, poses, mass, colours, in any unit; and unusual files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -80,7 +80,7 @@ SCALES: dict[LengthUnit, float] = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0
 
 @pytest.mark.parametrize("unit", SCALES)
 def test_units(unit: LengthUnit, tmp_path: Path) -> None:
-    """The same machine in any unit is the same assembly, and the file's own unit is told."""
+    """The same machine in any unit is the same assembly, and the file's own unit is reported."""
     assembly = read_quietly(parts.write_nested(tmp_path / "other.step", unit).path)
     reference = read_quietly(parts.write_nested(tmp_path / "mm.step").path)
     assert (assembly.unit, assembly.unit_scale) == (unit, SCALES[unit])
@@ -101,7 +101,7 @@ def test_units(unit: LengthUnit, tmp_path: Path) -> None:
 
 
 def test_facts(tmp_path: Path) -> None:
-    """What the file says of itself is kept."""
+    """The file's own data is kept."""
     assembly = read_quietly(parts.write_nested(tmp_path / "nested.step").path)
     assert (assembly.source, assembly.schema, assembly.definitions) == ("nested.step", "AP214", 7)
     assert assembly.originating_system
@@ -126,7 +126,7 @@ def test_a_mirror_image_is_a_definition_of_its_own(tmp_path: Path) -> None:
 
 
 def test_the_tree_alone(tmp_path: Path) -> None:
-    """Without geometry the tree is the same, and bodies are told by their kind."""
+    """Without geometry the tree is the same, and bodies have their kind."""
     path = parts.write_surface_body(tmp_path / "drawn.step").path
     whole, tree = read_quietly(path), read_quietly(path, ReadOptions(geometry=False))
     assert tree.components == whole.components
@@ -175,7 +175,7 @@ def test_a_file_without_a_unit(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_files_without_geometry(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """An assembly of nothing, and one whose shapes lie elsewhere, are told apart."""
+    """An empty assembly, and one whose shapes are elsewhere, are distinguished."""
     assert read_here(parts.write_empty(tmp_path / "empty.step").path, found) is None
     assert read_here(parts.write_external_reference(tmp_path / "external.step").path, found) is None
     assert found.codes() == ["SB206", "SB203"]

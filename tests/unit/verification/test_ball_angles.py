@@ -13,7 +13,7 @@ STEP = 1e-6
 
 
 def _slanted(random: np.random.Generator) -> BallAngles:
-    """Axes of which the second is normal to the others, which make any angle with each other."""
+    """Axes, the second perpendicular to the others, which make any angle with each other."""
     second = unit(random.normal(size=3))
     first, third = (unit(np.cross(second, random.normal(size=3))) for _ in range(2))
     return BallAngles(np.array([first, second, third]))

@@ -201,7 +201,7 @@ def test_a_difference_fails_its_quantity_and_no_other(name: str) -> None:
     ],
 )
 def test_just_within_the_tolerance_passes(change: Change) -> None:
-    """1e-9, absolute or relative as the table says."""
+    """1e-9, absolute or relative as in the table."""
     assert failed(ARM, change(ARM)) == set()
 
 
@@ -265,7 +265,7 @@ def test_a_reason_of_the_engine_is_not_run_even_where_it_tells() -> None:
 
 
 def test_fields_that_are_not_told_are_named() -> None:
-    """A check that covers less than its name says so."""
+    """A check that covers less than its name states it."""
     observed = on_joint("elbow", lambda j: replace(j, limit_fields=("lower", "upper")))(ARM)
     results = {one.quantity: one for one in compare(ARM, observed)}
     check = check_of(Subject("f", "mjcf", "e"), results[Quantity.LIMITS])
@@ -349,7 +349,7 @@ def test_planar_mechanisms_feel_no_gravity() -> None:
 
 
 def test_an_engine_has_its_own_tolerance() -> None:
-    """PyBullet's inertia may be off by 3e-6, no other's; the looser of two engines holds."""
+    """PyBullet's inertia may be off by 3e-6, no other's; of two engines the looser applies."""
     off = tuple(map(tuple, (INERTIA * (1 + 2e-6)).tolist()))
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="pybullet"))) == set()
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="mujoco"))) == {Quantity.INERTIA}
@@ -431,7 +431,7 @@ def test_infinite_limits_are_equal() -> None:
 
 
 def test_bare_links_are_frames() -> None:
-    """URDF says a frame by a link without mass and shape on a fixed joint."""
+    """URDF represents a frame by a massless link without shapes on a fixed joint."""
     robot = two_link_arm()
     frames = {frame.name: frame for frame in robot.frames}
     tip = frames["tool0"]

@@ -39,7 +39,7 @@ ELL = joined([box(1.0), box(1.0, (2.0, 0, 0))])
 
 
 def robot(a: Geometry | TriMesh, b: Geometry | TriMesh, distance: float, *, turned: float = 0.0) -> Robot:
-    """Two links with a link between them, so that they are no neighbours; the second stands at x = ``distance``."""
+    """Two links with a link in between, so that they are not adjacent; the second is at x = ``distance``."""
     meshes = tuple(MeshAsset(name, shape) for name, shape in (("a", a), ("b", b)) if isinstance(shape, TriMesh))
 
     def link(name: str, shape: Geometry | TriMesh) -> Link:
@@ -112,7 +112,7 @@ def test_the_drawn_pose_counts_and_not_q_zero() -> None:
 
 
 def test_neighbours_are_left_out() -> None:
-    """A joint or a closure holds them together."""
+    """A joint or a closure connects them."""
     pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.5)
     closure = LoopClosure("pin", JointKind.REVOLUTE, "a", IDENTITY, "b", IDENTITY)
     assert overlaps(replace(pair, closures=(closure,))) == ()
@@ -136,7 +136,7 @@ def test_the_named_robots_do_not_collide(name: str) -> None:
 
 
 def test_visuals_are_not_sent_along() -> None:
-    """A worker gets what can collide, and no more."""
+    """A worker gets only the collision geometry."""
     slim = without_visuals(primitives())
     assert all(not link.visuals for link in slim.links)
     assert [mesh.name for mesh in slim.meshes] == ["base_1"]

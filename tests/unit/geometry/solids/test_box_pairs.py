@@ -31,7 +31,7 @@ def test_boxes_that_touch_are_no_pair() -> None:
 
 
 def test_nothing_gives_no_pair() -> None:
-    """No box, or one, has none to overlap."""
+    """Zero boxes, or one, have no overlaps."""
     for n in (0, 1):
         assert not len(box_pairs(np.zeros((n, 3)), np.ones((n, 3)))[0])
 

@@ -70,7 +70,7 @@ def test_a_body_within_another() -> None:
     ],
 )
 def test_what_cannot_meet_is_told_without_intersecting(mesh: TriMesh, X_AB: Pose, meets: bool) -> None:
-    """A tube against bodies in, on, around and beside it; what is told not to meet has nothing in common."""
+    """A tube against bodies in, on, around and beside it; bodies classified as separate do not intersect."""
     tube, other = _tube(0.7, 0.4, 1.0, 24), Solid(mesh)
     assert tube.may_meet(other, X_AB) == meets
     assert other.may_meet(tube, X_AB.inverse()) == meets
@@ -135,7 +135,7 @@ def _points_on_a_sphere(radius: float, count: int) -> Array:
 
 
 def test_hull_is_the_same_in_every_run() -> None:
-    """manifold3d orders the faces of large hulls by which of its threads comes first; ours have one order."""
+    """manifold3d orders the faces of large hulls by its threads; here the order is deterministic."""
     points = _points_on_a_sphere(0.1, 5000)
     hulls = [convex_hull(points) for _ in range(10)]
     assert len({hull.vertices.tobytes() + hull.faces.tobytes() for hull in hulls if hull}) == 1

@@ -100,7 +100,7 @@ def test_robot_comes_back() -> None:
 
 
 def test_arrays_come_back_read_only() -> None:
-    """They are shared with the cache's bytes, so nobody may change them."""
+    """They are shared with the cache's bytes, so they are read-only."""
     points = codec_of(Everything).decode(codec_of(Everything).encode(example())).points
     with pytest.raises(ValueError, match="read-only"):
         points[0, 0] = 2.0
@@ -110,7 +110,7 @@ def test_arrays_come_back_read_only() -> None:
     "kind", [Assembly, Diagnostic, FoundOverlaps, Geometry, Observation, ReadOptions, Report, Request, Robot]
 )
 def test_all_that_is_kept_has_a_codec(kind: type) -> None:
-    """Every field of what the cache holds has an annotation that the codec understands, all the way down."""
+    """Every field of cached data has an annotation that the codec supports, recursively."""
     seen: set[Any] = set()
 
     def walk(one: Any) -> None:
@@ -166,7 +166,7 @@ def test_arrays_of_objects_are_refused() -> None:
 
 
 def test_what_has_no_annotation_is_a_bug() -> None:
-    """A type that the codec does not know is found when it is asked for."""
+    """An unsupported type is reported when its codec is requested."""
     with pytest.raises(TypeError, match="no codec"):
         codec_of(set)
 
@@ -189,6 +189,6 @@ class Aliased:
 
 
 def test_aliases_stand_for_their_types() -> None:
-    """Aliases made by the ``type`` statement are expanded, with their arguments, whatever they are aliases of."""
+    """Aliases of the ``type`` statement are expanded, with their arguments, for any target."""
     value = Aliased(np.arange(3, dtype=np.int32), np.eye(3), (0.5,), {"a": ((1.5, 2.5),)})
     assert_same(value, codec_of(Aliased).decode(codec_of(Aliased).encode(value)))

@@ -46,7 +46,7 @@ def test_environment_holds_code_and_packages() -> None:
 
 
 def test_a_package_more_is_another_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whether or not stepbot knows it: what is installed beside it may be what its own dependencies compute with."""
+    """Any installed package counts, since stepbot's own dependencies may use it."""
     before = environment()
     monkeypatch.syspath_prepend(tmp_path)
     keys = []

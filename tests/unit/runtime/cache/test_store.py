@@ -1,4 +1,4 @@
-"""Entries in files: whole or not there, bounded, whoever writes and dies at the same time."""
+"""Entries in files: complete or absent, bounded, with concurrent writers and crashes."""
 
 import os
 import signal
@@ -33,7 +33,7 @@ def test_what_was_put_is_got(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "longer", "other head"])
 def test_broken_entry_is_a_miss(tmp_path: Path, damage: str) -> None:
-    """Whatever happened to a file, it is not taken for what it was; putting it again mends it."""
+    """A damaged file is not used; writing the entry again repairs it."""
     cache = Cache(tmp_path)
     cache.put(key(1), bytes(1000))
     path = only_file(tmp_path)
@@ -53,7 +53,7 @@ def test_broken_entry_is_a_miss(tmp_path: Path, damage: str) -> None:
 
 
 def test_entry_under_a_wrong_name_is_a_miss(tmp_path: Path) -> None:
-    """A file that was renamed is not taken for the entry whose name it has."""
+    """A renamed file is not used as the entry of its new name."""
     cache = Cache(tmp_path)
     cache.put(key(1), b"one")
     path = only_file(tmp_path)
@@ -87,7 +87,7 @@ def test_what_is_too_large_is_not_kept(tmp_path: Path) -> None:
 
 
 def test_clear_removes_entries_and_nothing_else(tmp_path: Path) -> None:
-    """A folder that holds other files keeps them."""
+    """Other files in the folder are kept."""
     mine = tmp_path / "thesis.txt"
     mine.write_text("mine", encoding="utf-8")
     cache = Cache(tmp_path)
@@ -100,7 +100,7 @@ def test_clear_removes_entries_and_nothing_else(tmp_path: Path) -> None:
 
 
 def test_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
-    """A cache that cannot be written says why, and everything else goes on."""
+    """A cache that cannot be written reports why, and everything else continues."""
     (tmp_path / "file").write_bytes(b"")
     cache = Cache(tmp_path / "file" / "cache")
     cache.put(key(1), b"content")
@@ -109,7 +109,7 @@ def test_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
 
 
 def test_drafts_of_killed_processes_are_removed(tmp_path: Path) -> None:
-    """What nobody goes on writing is removed once it is old, and what is being written is left alone."""
+    """Old unfinished files are removed, recent ones are kept."""
     cache = Cache(tmp_path)
     cache.put(key(1), b"content")
     folder = only_file(tmp_path).parent
@@ -140,7 +140,7 @@ for round in range(int(sys.argv[2])):
 
 
 def test_processes_at_once_and_one_killed(tmp_path: Path) -> None:
-    """Four processes read, write and remove the same entries, one dies at any moment: nobody sees half an entry."""
+    """Four processes read, write and remove the same entries, one is killed: no partial entry is ever visible."""
     command = [sys.executable, "-c", WRITER, str(tmp_path)]
     victim = subprocess.Popen([*command, "100000"], stdout=subprocess.PIPE)
     others = [subprocess.Popen([*command, "6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(3)]

@@ -45,7 +45,7 @@ def in_a_folder(path: Path, content: bytes) -> None:
 @pytest.mark.parametrize("name", ["arm.stpZ", "arm.step.gz", "arm.step"])
 @pytest.mark.parametrize("write", [gzipped, zipped, two_members, in_a_folder])
 def test_same_assembly(write: Callable[[Path, bytes], None], name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """What is read is what was compressed, whatever the file is called."""
+    """The decompressed content is read, for any file name."""
     drawing = parts.write_nested(tmp_path / "plain.step")
     write(tmp_path / name, drawing.path.read_bytes())
     plain, packed = read_quietly(drawing.path), read_quietly(tmp_path / name)
@@ -160,7 +160,7 @@ def test_bombs(write: Callable[[Path, bytes], None], tmp_path: Path, found: Read
 
 
 def test_what_is_in_it(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """An archive of something else is reported for what it holds; XML with the remedy."""
+    """An archive without STEP is reported with its content; XML with the remedy."""
     for content in (b"<?xml version='1.0'?><n0:Uos/>", b"solid x", b""):
         gzipped(tmp_path / "arm.stpxz", content)
         assert read_here(tmp_path / "arm.stpxz", found) is None

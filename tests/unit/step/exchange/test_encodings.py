@@ -1,4 +1,4 @@
-"""Names in code pages: read as what they are where somebody says it, and never as something else in silence."""
+"""Names in code pages: decoded as declared, and never silently decoded wrongly."""
 
 from pathlib import Path
 
@@ -40,7 +40,7 @@ def read(path: Path, encoding: str, found: ReadDiagnostics) -> Assembly | None:
     ],
 )
 def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A product that was named in a code page has its name, and nothing needs to be said."""
+    """A product named in a code page has its name, without diagnostics."""
     assembly = read(named(tmp_path / "box.step", text.encode(encoding)), encoding, found)
     assert assembly is not None
     assert [component.product for component in assembly.components] == [text]
@@ -57,7 +57,7 @@ def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path,
     ],
 )
 def test_escapes_beside_bytes(raw: bytes, encoding: str, text: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Escapes mean their characters, whatever the bytes beside them are, and however these end."""
+    """Escapes are decoded, whatever bytes are next to them."""
     assembly = read(named(tmp_path / "box.step", raw), encoding, found)
     assert assembly is not None
     assert assembly.components[0].product == text
@@ -65,7 +65,7 @@ def test_escapes_beside_bytes(raw: bytes, encoding: str, text: str, tmp_path: Pa
 
 
 def test_a_declaration_does_not_touch_ascii(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A file in ASCII, escapes and all, reads the same whatever is declared."""
+    """A file in ASCII, with escapes, is the same for any declaration."""
     assembly = read(named(tmp_path / "box.step", rb"\X2\04210431\X0\ \X\E9"), "cp932", found)
     assert assembly is not None
     assert (assembly.components[0].product, assembly.facts["encoding"]) == ("Сб é", "ASCII")
@@ -85,7 +85,7 @@ def test_a_declaration_does_not_touch_ascii(tmp_path: Path, found: ReadDiagnosti
 def test_a_wrong_code_page(
     text: str, written: str, declared: str, byte: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """Bytes that do not exist where they are said to be end the reading, with the line and what would fit."""
+    """Bytes that are invalid in the declared code page end the reading, with the line and suggestions."""
     path = named(tmp_path / "box.step", text.encode(written))
     assert read(path, declared, found) is None
     (diagnostic,) = found
@@ -109,7 +109,7 @@ def test_nobody_says_what_names_are(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_utf8_that_is_declared_otherwise(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """UTF-8 is valid in many code pages as other text: it is read so, and said."""
+    """UTF-8 is valid in many code pages as other text: it is read as UTF-8, with a warning."""
     assembly = read(named(tmp_path / "box.step", "é".encode()), "cp1252", found)
     assert assembly is not None
     assert assembly.components[0].product == "Ã©"
@@ -130,7 +130,7 @@ def test_real_names(corpus: Path, found: ReadDiagnostics) -> None:
 @pytest.mark.parametrize("encoding", ["gbk", "cp932", "utf-8", "cp1251"])
 @pytest.mark.parametrize("before", [0, 1, (1 << 20) - 1, 1 << 20])
 def test_places_across_chunks(encoding: str, before: int, found: ReadDiagnostics) -> None:
-    """A byte that means nothing is found where it is, also where a character lies across two chunks of the file."""
+    """An invalid byte is located, even if a character crosses two chunks of the file."""
     good = "Ж".encode(encoding) + b"x"
     assert check_encoding(b"\n" * before + good, encoding, "x", found) == encoding
     bad = {"cp1251": b"\x98"}.get(encoding, b"\xff")
@@ -141,7 +141,7 @@ def test_places_across_chunks(encoding: str, before: int, found: ReadDiagnostics
 
 
 def test_transcoding(tmp_path: Path) -> None:
-    """The text that the kernel gets is the same in UTF-8, line by line; what is plain is not copied."""
+    """The kernel's text is the same in UTF-8, line by line; plain files are not copied."""
     path = tmp_path / "x.step"
     text = "'螺丝'\r\n" * 300_000
     path.write_bytes(b"\xef\xbb\xbf" + text.encode("gbk"))

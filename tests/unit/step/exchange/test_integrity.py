@@ -17,7 +17,7 @@ def text(tmp_path: Path) -> str:
 
 
 def complaints(text: str, folder: Path) -> list[Diagnostic]:
-    """What is said about a file."""
+    """The diagnostics of a file."""
     path = folder / "damaged.step"
     path.write_text(text, encoding="utf-8", newline="\n")
     found = Diagnostics()
@@ -53,7 +53,7 @@ def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_pa
 
 
 def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
-    """A face that lies on a point instead of a surface."""
+    """A face on a point instead of a surface."""
     point, plane = first("CARTESIAN_POINT", text), first("PLANE", text)
     damaged = re.sub(rf"(ADVANCED_FACE\([^;]*?)#{plane[1]}\b", rf"\g<1>#{point[1]}", text, count=1)
     assert damaged != text
@@ -70,7 +70,7 @@ def test_a_statement_that_does_not_end(text: str, tmp_path: Path) -> None:
     faults = complaints(damaged, tmp_path)
     assert [d.severity for d in faults] == ["error"] * len(faults)
     broken = next(d for d in faults if d.code == "SB221")
-    assert broken.span.line == pytest.approx(line_of(point, text), abs=1)  # the kernel may tell the line of its end
+    assert broken.span.line == pytest.approx(line_of(point, text), abs=1)  # the kernel may report the line of its end
 
 
 def test_two_entities_with_one_number(text: str, tmp_path: Path) -> None:

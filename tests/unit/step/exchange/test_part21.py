@@ -1,4 +1,4 @@
-"""What is told of a file before the kernel is asked: whether it is STEP, and what is wrong with it, with the line."""
+"""Checks of a file before the kernel runs: whether it is STEP, and its faults, with the line."""
 
 import os
 from pathlib import Path
@@ -29,7 +29,7 @@ def write(tmp_path: Path, content: str | bytes) -> Path:
 
 
 def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The header's fields come out decoded; what a comment says is no field."""
+    """The header's fields are decoded; comments are ignored."""
     part21 = check_step(write(tmp_path, HEADER + DATA), "arm.step", found)
     assert part21 is not None
     assert part21.encoding == "ascii"
@@ -49,7 +49,7 @@ def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
     ],
 )
 def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A schema is told by its usual short name."""
+    """A schema is reported by its usual short name."""
     text = HEADER.replace("AUTOMOTIVE_DESIGN { 1 0 10303 214 3 1 1 }", schema)
     part21 = check_step(write(tmp_path, text + DATA), "x", found)
     assert part21 is not None
@@ -86,7 +86,7 @@ def test_files_that_cannot_be_read(
 
 
 def test_missing_folder_and_unreadable(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """What is not a file is said so."""
+    """A path that is not a file is reported."""
     assert check_step(tmp_path / "none.step", "none.step", found) is None
     assert check_step(tmp_path, "folder", found) is None
     assert [(d.code, d.message) for d in found] == [
@@ -144,7 +144,7 @@ def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> Non
 
 
 def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A reference to a manual is none to a part."""
+    """A reference to a manual is not one to a part."""
     text = DATA.replace("DATA;\n", "DATA;\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n")
     assert check_step(write(tmp_path, HEADER + text), "x", found) is not None
 
@@ -153,7 +153,7 @@ def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: Read
     ("name", "encoding"), [("Deckel", "ascii"), ("Wälzlager", "utf-8"), ("螺丝" * 400_000, "utf-8")], ids=[*"abc"]
 )
 def test_encodings(name: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """UTF-8 is recognised, also where a character lies across two chunks of the file."""
+    """UTF-8 is recognised, even if a character crosses two chunks of the file."""
     text = HEADER + DATA.replace("''", f"'{name}'")
     part21 = check_step(write(tmp_path, text), "x", found)
     assert part21 is not None

@@ -16,6 +16,6 @@ class Representation:
 
 
 def test_items_that_are_none() -> None:
-    """What is no item is left out; what is no representation has none."""
+    """Entities of other types are left out; another type of representation has no items."""
     assert list(items(Representation())) == ["a point"]
     assert list(items(None)) == []

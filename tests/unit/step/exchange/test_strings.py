@@ -21,7 +21,7 @@ from stepbot.step.exchange.strings import decode_string
     ],
 )
 def test_escapes(raw: bytes, text: str) -> None:
-    """Every directive of the standard gives the character that it stands for."""
+    """Every directive of the standard is decoded."""
     assert decode_string(raw, "utf-8") == text
 
 

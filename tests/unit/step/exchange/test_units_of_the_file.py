@@ -1,4 +1,4 @@
-"""Lengths and densities in whatever unit a file declares them, against the definitions of those units."""
+"""Lengths and densities in any declared unit, against the definitions of those units."""
 
 import re
 from pathlib import Path
@@ -70,7 +70,7 @@ def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None
     ],
 )
 def test_a_density_that_is_none(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A value that is no mass per volume is left out and told; it is not read as if it were."""
+    """A value without a unit of density is ignored and reported."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     assert density_of(read_here(rewrite(path, (old, new)), found)) is None
     (diagnostic,) = found
@@ -85,7 +85,7 @@ def test_zero_is_no_density(tmp_path: Path) -> None:
 
 
 def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Of two densities neither counts, and both are told."""
+    """Two contradictory densities are both ignored and reported."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     text = path.read_text(encoding="utf-8").replace("\n", "")
     relation = re.search(r"#(\d+)=PROPERTY_DEFINITION\('material property','density',#(\d+)\)", text)
@@ -118,7 +118,7 @@ def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnos
     ],
 )
 def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> None:
-    """A unit is as long as the file declares it, also one that nobody knows."""
+    """A unit has the declared length, even if its name is unknown."""
     assembly = read_quietly(rewrite(parts.write_box(tmp_path / "box.step").path, (MILLIMETRE, unit)))
     assert assembly.unit == name
     assert assembly.unit_scale == pytest.approx(scale, rel=1e-12)

@@ -1,4 +1,4 @@
-"""Faces become lines, and lines that two components share become joint frames, as the sidecar's rules say."""
+"""Faces become lines, and lines shared by two components become joint frames, as documented."""
 
 import time
 from collections.abc import Sequence
@@ -141,7 +141,7 @@ def test_mate_of_a_pin_in_a_hole() -> None:
 
 
 def test_mate_of_two_plates_apart() -> None:
-    """Where the extents do not overlap, the origin lies in the middle of the gap."""
+    """If the extents do not overlap, the origin is in the middle of the gap."""
     a, b = _two([_face((0, 0, 0), low=0, high=4)], [_face((0, 0, 0), low=10, high=11)])
     assert _mm(axes.mates(a, b)[0].point) == [0, 0, 7]
 
@@ -176,7 +176,7 @@ def _bolt_circle(center: float, bolt: float) -> list[AxisFace]:
 
 
 def test_the_bearing_beats_the_bolt_circle() -> None:
-    """A line that is at least twice as heavy as the next wins; below that nothing decides, and all rivals are told."""
+    """A line at least twice as heavy as the next is selected; otherwise all candidates are reported."""
     choice = axes.choose(axes.mates(*_two(_bolt_circle(4, 2), _bolt_circle(4, 2))))
     assert choice.line is not None
     assert _mm(choice.line.point) == [0, 0, 5]
@@ -227,7 +227,7 @@ def test_no_line_at_all() -> None:
 
 
 def test_near_misses_say_how_far() -> None:
-    """Lines up to 2 mm apart that do not mate are told with their distance, the widest first."""
+    """Lines up to 2 mm apart that do not mate are reported with their distance, the widest first."""
     a, b = _two(
         [_face((0, 0, 0), radius=4), _face((50, 0, 0), radius=1), _face((80, 0, 0), radius=9)],
         [_face((1.57, 0, 0), radius=5), _face((50, 0.06, 0), radius=1), _face((82.1, 0, 0), radius=9)],
@@ -248,14 +248,14 @@ def test_a_line_that_mates_misses_none() -> None:
 
 
 def test_a_tilted_line_is_a_near_miss() -> None:
-    """Lines at an angle beyond the tolerance do not mate and are told with it."""
+    """Lines at an angle beyond the tolerance do not mate and are reported with it."""
     a, b = _two([_face((0, 0, 0))], [_face((0, 0, 0), (0.005, 0, 1))])
     assert axes.mates(a, b) == ()
     assert axes.near_misses(a, b)[0].angle == pytest.approx(0.005, rel=1e-4)
 
 
 def test_selectors_select_just_their_line() -> None:
-    """What is offered to paste chooses the line that it stands beside."""
+    """The suggested selector selects the line that it is printed with."""
     faces = _faces(
         *_bolt_circle(4, 2.5), _face((0, 0, 0), (1, 0, 0), radius=2.5), _face((0, 40, 0), (0, 1, 1), radius=3.2)
     )
@@ -280,7 +280,7 @@ def test_selector_of_a_line_that_wins_is_empty() -> None:
     st.lists(st.tuples(st.floats(-0.1, 0.1), st.booleans()), min_size=1, max_size=6),
 )
 def test_any_line_in_space(direction: Vector3, point: Vector3, faces: list[tuple[float, bool]]) -> None:
-    """However an axis lies, and whichever way each face points, its faces are one line with the right extent."""
+    """For any axis and face orientation, its faces are one line with the right extent."""
     d = np.array(direction) / np.linalg.norm(direction)
     drawn = []
     for t, flipped in faces:

@@ -46,7 +46,7 @@ def test_two_faces(a: Face, b: Face, basis: Basis, overlap: float) -> None:
 
 
 def test_the_strongest_pair_counts() -> None:
-    """Of many faces the fit tells, however wide the others are; of several fits the widest."""
+    """The fit among many faces decides, however wide the others are; of several fits the widest."""
     a = _spans(("shaft", 30, 0, 5), ("shaft", 4, 5, 25), ("shaft", 6, 25, 30))
     b = _spans(("bore", 35, 0, 5), ("bore", 4.05, 10, 20), ("bore", 6.05, 28, 40))
     met = meeting(a, b)

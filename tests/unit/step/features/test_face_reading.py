@@ -80,7 +80,7 @@ def test_ball_and_socket_differ() -> None:
 
 
 def test_mirrored_face_keeps_its_outline_on_its_plane() -> None:
-    """A mirrored and scaled face lies where its points are mirrored and scaled to."""
+    """A mirrored and scaled face is where its points are mirrored and scaled to."""
     factors = 2.0 * np.array([1.0, 1.0, -1.0])
     for face in of_kind(drilled_block(), FaceKind.PLANE):
         made = face.scaled(factors, 2.0)

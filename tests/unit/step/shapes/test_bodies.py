@@ -54,7 +54,7 @@ def as_nurbs(shape: Any) -> Any:
 
 @pytest.mark.parametrize("relative", [0.02, 0.002, 0.0002])
 def test_the_mesh_follows_the_solid(relative: float, tmp_path: Path) -> None:
-    """No facet of a ball lies further from the sphere than the tolerance, a share of the ball's diagonal."""
+    """No facet of a ball is further from the sphere than the tolerance, a share of the ball's diagonal."""
     path = parts.write_sphere(tmp_path / "ball.step", radius=30).path
     body = only(read_quietly(path, ReadOptions(tolerance=MeshTolerance(relative, angle=pi))))
     middles = body.mesh.vertices[body.mesh.faces].mean(axis=1)
@@ -64,7 +64,7 @@ def test_the_mesh_follows_the_solid(relative: float, tmp_path: Path) -> None:
 
 
 def test_an_absolute_tolerance_is_a_length(tmp_path: Path) -> None:
-    """A tolerance in metres holds whatever the size."""
+    """A tolerance in metres applies for any size."""
     for radius in (3.0, 300.0):
         path = parts.write_cylinder(tmp_path / f"{radius}.step", radius=radius).path
         body = only(read_quietly(path, ReadOptions(tolerance=MeshTolerance(absolute=1e-5, angle=pi))))
@@ -97,7 +97,7 @@ def test_the_finest_claim_on_a_body_holds(tmp_path: Path) -> None:
 def test_a_mesh_that_grows_too_large_is_coarsened(
     tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """At most so many faces, and a warning that says what they cost."""
+    """The number of faces is limited, with a warning about the tolerance."""
     monkeypatch.setattr(tessellation, "MAX_FACES", 2000)
     path = parts.write_sphere(tmp_path / "ball.step").path
     body = only(read_here(path, found, ReadOptions(tolerance=MeshTolerance(1e-5, angle=0.02))))
@@ -110,7 +110,7 @@ def test_a_mesh_that_grows_too_large_is_coarsened(
 
 
 def test_measuring_meshes_are_refined(tmp_path: Path) -> None:
-    """Volume and inertia of a ball by its measuring mesh agree with the closed form as closely as asked."""
+    """Volume and inertia of a ball by its measuring mesh agree with the closed form to the requested deviation."""
     drawing = parts.write_sphere(tmp_path / "ball.step", radius=30)
     body = only(read_quietly(drawing.path, ReadOptions(refine_mass_to=1e-4)))
     assert body.refined is not None
@@ -122,7 +122,7 @@ def test_measuring_meshes_are_refined(tmp_path: Path) -> None:
 
 
 def test_refinement_has_a_bound(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the bound on faces comes first, the best measurement is kept and a warning says how far it is off."""
+    """If the limit of faces is reached first, the best measurement is kept, with a warning about the deviation."""
     monkeypatch.setattr(measuring, "MAX_MEASURING_FACES", 5000)
     drawing = parts.write_sphere(tmp_path / "ball.step")
     body = only(read_here(drawing.path, found, ReadOptions(refine_mass_to=1e-6)))
@@ -184,7 +184,7 @@ def test_a_solid_inside_out_is_turned_round(tmp_path: Path, found: ReadDiagnosti
 
 
 def test_a_closed_shell_is_no_solid(tmp_path: Path) -> None:
-    """A box of faces without a solid is a surface: closed or not, the file does not say that it is filled."""
+    """A box of faces without a solid is a surface, closed or not: the file does not declare it as solid."""
     from OCP.TopAbs import TopAbs_ShapeEnum
     from OCP.TopExp import TopExp_Explorer
 
@@ -209,7 +209,7 @@ def test_curves_alone_are_a_wire(tmp_path: Path) -> None:
 
 
 def test_curves_beside_a_solid_are_left_out(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """They are no body of their own, and that is said."""
+    """They are not a separate body, which is reported."""
     shape = solids.compound(edge(), solids.box(10, 10, 10).shape)
     body = only(read_here(write(tmp_path / "both.step", shape), found))
     assert body.kind == BodyKind.SOLID
@@ -244,7 +244,7 @@ def test_a_shaft(tmp_path: Path) -> None:
 
 
 def test_a_bore(tmp_path: Path) -> None:
-    """Material lies outside of a hole."""
+    """Material is outside of a hole."""
     plate = solids.box(40, 40, 12) - solids.cylinder(5, 12).at(8, 3, -6)
     (face,) = axis_faces(tmp_path, moved(plate.shape, X_WB))
     assert face.bore

@@ -110,7 +110,7 @@ def test_a_faceted_solid(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 @pytest.mark.parametrize("gap", [0.0, 1e-4])
 def test_faces_that_meet_are_sewn(gap: float, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid whose faces share no edges closes where they meet; a note says so, and the volume stays."""
+    """A solid whose faces share no edges is closed where they meet, with a note; the volume is unchanged."""
     drilled = BLOCK - solids.cylinder(4, 20).at(0, 7, 1)
     body = read_one(tmp_path / "unsewn.step", solids.unsewn(drilled.shape, gap), found)
     assert [(d.code, d.severity) for d in found] == [("SB228", "note")]
@@ -135,7 +135,7 @@ def test_colours_survive_sewing(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_gaps_stay_open(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Gaps beyond what the file allows itself are not closed: nobody knows what was meant."""
+    """Gaps larger than the file's precision are not closed: the intent is unknown."""
     body = read_one(tmp_path / "gaps.step", solids.unsewn(BLOCK.shape, 0.05), found)
     assert found.codes() == ["SB602"]
     assert (body.exact, body.watertight) == (None, False)
@@ -166,7 +166,7 @@ def test_lobes_that_overlap(x: float, as_shells: bool, tmp_path: Path, found: Re
 
 
 def test_lobes_that_cancel(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Two equal blocks of which one is taken for a hollow leave rounding, and no volume."""
+    """Two equal blocks, one treated as a void, leave rounding errors, not a volume."""
     blocks = (solids.box(20, 20, 20), solids.box(20, 20, 20).at(10, 5, 3))
     body = read_one(tmp_path / "nothing.step", solids.solid_of(*(solids.faces(b.shape) for b in blocks)), found)
     assert found.codes() == ["SB602"]
@@ -197,7 +197,7 @@ def test_sound_solids_are_left_alone() -> None:
 
 
 def test_share_within() -> None:
-    """Of two cubes, one pushed halfway into the other, a third of the surface lies within."""
+    """Of two cubes, one pushed halfway into the other, a third of the surface is inside."""
     large, small = mesh_of(solids.box(40, 40, 40).shape), mesh_of(solids.box(40, 40, 40).at(20, 0.1, 0.2).shape)
     both = Stitched(
         np.vstack([large.vertices, small.vertices]),
@@ -210,7 +210,7 @@ def test_share_within() -> None:
     assert share_within(Stitched(np.empty((0, 3)), np.empty((0, 3), np.int32), np.empty(0, np.int32), 0)) == 0.0
 
 
-# Solids in assemblies, and names that are none
+# Solids in assemblies, and generated names
 
 
 def rewritten(path: Path, *changes: tuple[str, str]) -> None:
@@ -263,7 +263,7 @@ def test_an_assembly_with_a_solid_of_its_own(tmp_path: Path, found: ReadDiagnost
 
 
 def test_products_without_names(tmp_path: Path) -> None:
-    """Three parts of which two have no name, in an assembly that has none: each has a path of its own, in order."""
+    """Three parts, two of them unnamed, in an unnamed assembly: each has a path of its own, in order."""
     children = [
         Occurrence(parts.drawn(name, solids.box(10, 10, 10 * (i + 1))), "", pose((20 * i, 0, 0)))
         for i, name in enumerate(("", "block", ""))

@@ -87,7 +87,7 @@ def test_sound_meshes_stay_as_they_are() -> None:
 
 
 def test_folded_faces_stay_as_they_are() -> None:
-    """A face that lies upon another, or three at an edge, tell no inside: they stay, and are told as not closed."""
+    """A face that coincides with another, or three at an edge, define no inside: reported as not closed."""
     points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -1, 0)], dtype=float)
     for triangles in ([(0, 1, 2), (1, 0, 3), (0, 1, 4)], [(0, 1, 2), (1, 0, 2), (0, 1, 3), (1, 0, 3)]):
         mesh = Stitched(points, np.array(triangles, np.int32), np.arange(len(triangles), dtype=np.int32), 0)

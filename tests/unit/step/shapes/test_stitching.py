@@ -60,7 +60,7 @@ def test_a_cube_closes() -> None:
 
 
 def test_it_closes_where_positions_differ() -> None:
-    """Edges are shared by what they are, so a face that lies a little off still closes the mesh."""
+    """Edges are shared by identity, so a slightly misplaced face still closes the mesh."""
     mesh = stitched(*cube_uses({1: 1e-3}))
     assert len(mesh.vertices) == 8
     assert is_watertight(mesh.faces)

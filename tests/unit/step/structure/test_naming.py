@@ -38,7 +38,7 @@ def test_siblings(children: Names, expected: list[str]) -> None:
 
 
 def test_an_occurrence_named_like_a_sibling_does_not_serve() -> None:
-    """A name that something else answers to tells nothing apart."""
+    """A name that another component has does not distinguish it."""
     assert paths([("bolt", "screw"), ("bolt", "left"), ("screw", "screw:1")]) == ["bolt#1", "left", "screw"]
 
 
@@ -60,13 +60,13 @@ def test_paths_go_down_from_below_the_root() -> None:
 
 @pytest.mark.parametrize("name", ["NAUO9", "12", "ID #71", "*DIT36", "=>[0:1:1:2]", "", " ", "SOLID"])
 def test_machine_made(name: str) -> None:
-    """Names that programs number say nothing."""
+    """Generated names are ignored."""
     assert is_machine_made(name)
 
 
 @pytest.mark.parametrize("name", ["bolt:1", "left", "NAUO left", "M3x8", "-> Rod"])
 def test_made_by_people(name: str) -> None:
-    """Names that people give are kept."""
+    """Names given by people are kept."""
     assert not is_machine_made(name)
 
 

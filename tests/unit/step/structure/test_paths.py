@@ -1,4 +1,4 @@
-"""Component paths and globs bind to what the sidecar's grammar says, or tell why not."""
+"""Component paths and globs match as documented, or report why not."""
 
 import pytest
 from hypothesis import example, given
@@ -86,14 +86,14 @@ def _paths(pattern: str) -> list[str]:
     ],
 )
 def test_binding(pattern: str, expected: list[str]) -> None:
-    """Product or occurrence name, save counters, ordinals, escapes, suffixes and globs bind as the grammar says."""
+    """Product or occurrence name, save counters, ordinals, escapes, suffixes and globs match as documented."""
     binding = PATHS.find(pattern)
     assert [ARM[i].path for i in binding.topmost] == expected
     assert binding.problem == ("" if expected else "unknown")
 
 
 def test_a_glob_names_what_lies_below_another_match_too() -> None:
-    """All matches are told, so that nearer claims can be found; the topmost are told apart."""
+    """All matches are returned, so that nearer claims can be found; the topmost are marked."""
     components = _tree((".", "arm", ""), ("arm", "arm plate", ""), ("arm", "bolt", ""))
     binding = ComponentPaths(components).find("**/arm*")
     assert binding.indices == (1, 2)
@@ -145,7 +145,7 @@ def test_every_canonical_path_finds_its_component() -> None:
 
 
 def test_binding_by_ordinal_alone_is_fragile() -> None:
-    """Only ``#n`` written where nothing else tells siblings apart is fragile."""
+    """Only a ``#n`` that nothing else replaces is fragile."""
     assert PATHS.find("gripper/bolt#2").fragile
     assert not PATHS.find("gripper/bolt").fragile
     assert not PATHS.find("base/bolt").fragile
@@ -206,7 +206,7 @@ _NAME = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_
 @given(st.lists(_NAME, min_size=1, max_size=5))
 @example([".", "\\.", "..", "\\/"])
 def test_escaped_names_bind_to_themselves(names: list[str]) -> None:
-    """Whatever a name holds, its escaped form names it and nothing else."""
+    """The escaped form of any name matches it and nothing else."""
     plain = list(dict.fromkeys(filter(None, map(plain_name, names))))
     components = [Component(0, -1, "", ".", "", "", 1)]
     for i, name in enumerate(plain, start=1):
@@ -239,7 +239,7 @@ def test_canonical_paths_of_any_tree_bind(rows: list[tuple[int, str, str]]) -> N
 
 
 def test_thousands_of_components_are_found() -> None:
-    """A glob and a name over ten thousand components find all of theirs."""
+    """A glob and a name match all of ten thousand components."""
     rows = [(".", f"part {i % 200}", f"part {i % 200}:{i}") for i in range(10_000)]
     components = [Component(0, -1, "", ".", "robot", "", 1)]
     for i, (_, product, name) in enumerate(rows, start=1):

@@ -1,4 +1,4 @@
-"""Many occurrences of one product: placed without the kernel, and nobody can tell."""
+"""Many occurrences of one product, placed without the kernel: the same result."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Tolerances that links ask for: the nearest claim holds for a component, the finest for a body."""
+"""Tolerances of links: the nearest claim applies to a component, the finest to a body."""
 
 from stepbot.step.assembly import Component, MeshTolerance, ReadOptions
 from stepbot.step.structure.tolerances import definition_tolerances

@@ -1,4 +1,4 @@
-"""Definitions expanded into components: poses, colours, materials, and what no pose can say."""
+"""Definitions expanded into components: poses, colours, materials, and transformations that are not poses."""
 
 import numpy as np
 import pytest
@@ -117,7 +117,7 @@ def test_colours_nearest_first(found: ReadDiagnostics) -> None:
 
 
 def test_materials_reach_bodies_but_not_components(found: ReadDiagnostics) -> None:
-    """Bodies of a part, and those the kernel made up, are of its material; a product below has its own or none."""
+    """Bodies of a part, and those the kernel created, have its material; a product below has its own or none."""
     definitions = [
         Definition(0, "root", children=[Child(1, "a", at(0.0)), Child(4, "e", at(0.0))]),
         Definition(1, "part", children=[Child(2, "", at(0.0)), Child(3, "", at(0.0))]),
@@ -141,7 +141,7 @@ def test_materials_reach_bodies_but_not_components(found: ReadDiagnostics) -> No
 
 
 def test_empty_components_are_told(found: ReadDiagnostics) -> None:
-    """What holds nothing is a component, and one note names them all."""
+    """A product without content is a component, and one note lists them all."""
     definitions = [
         Definition(0, "root", children=[Child(1, str(i), at(0.0)) for i in range(5)] + [Child(2, "p", at(0.0))]),
         Definition(1, "empty"),

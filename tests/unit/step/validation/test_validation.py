@@ -24,7 +24,7 @@ def by_quantity(assembly: Assembly) -> dict[str, Validation]:
 
 @pytest.mark.parametrize(("unit", "stated_in"), [("mm", "cm"), ("inch", "mm"), ("m", "m"), ("foot", "cm")])
 def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -> None:
-    """Values are taken in their own unit, whatever the file's lengths are in; a centroid is in the file's."""
+    """Values have their own unit, independent of the file's length unit; a centroid has the file's."""
     drawing = parts.write_cylinder(tmp_path / "cylinder.step", 20.0, 70.0, unit)
     file = Stating(drawing.path)
     root, one = file.definition("pin"), METRES[stated_in]
