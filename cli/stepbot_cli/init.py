@@ -33,6 +33,13 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Sidecar to write.  [default: name of STEP with .robot.yaml, in the same folder]",
 )
+@click.option(
+    "--from",
+    "description",
+    type=click.Path(path_type=Path),
+    metavar="ROBOT",
+    help="URDF, SDFormat or MJCF of the same robot: take its names, joints, limits and masses.",
+)
 @click.option("--force", is_flag=True, help="Overwrite an existing sidecar.")
 @click.option("-i", "--interactive", is_flag=True, help="Ask for the root link and the types of uncertain joints.")
 @reading_options
@@ -42,6 +49,7 @@ def command(
     options: "Options",
     step: Path,
     output: Path | None,
+    description: Path | None,
     force: bool,
     interactive: bool,
     as_json: bool,
@@ -49,9 +57,9 @@ def command(
 ) -> int:
     """Draft a sidecar from STEP: links, joints and densities, each guess with its evidence.
 
-    Joints are the kinematic pairs in STEP, or else inferred from shapes and names. Uncertain lines are marked REVIEW.
-    Limits are `todo`, because STEP files do not contain them. The draft passes `check --step` and can be converted
-    without changes.
+    Joints are those of --from, or else the kinematic pairs in STEP, or else inferred from shapes and names. Uncertain
+    lines are marked REVIEW. Unknown limits are `todo`. The draft passes `check --step` and can be converted without
+    changes.
     """
     from stepbot.pipeline.drafting import draft_step
 
@@ -65,7 +73,7 @@ def command(
         return _told(None, sidecar, step, found, as_json=as_json, display=display)
     with progress_bar(("read",)) as progress:
         progress("read")
-        drafting = draft_step(step, options)
+        drafting = draft_step(step, options, description)
     found.extend(drafting.diagnostics)
     draft = drafting.draft
     if draft is not None:

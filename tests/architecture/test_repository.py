@@ -69,7 +69,7 @@ def test_heavy_imports_live_in_one_place() -> None:
         "click": r"cli/stepbot_cli/",
         "lxml": r"src/stepbot/(formats|engines|verification)/",
         "yourdfpy": r"src/stepbot/engines/yourdfpy/observer\.py",
-        "trimesh": r"src/stepbot/geometry/mass_properties\.py",
+        "trimesh": r"src/stepbot/geometry/(mass_properties|mesh_files)\.py",
     }
     found = [
         (name, package)

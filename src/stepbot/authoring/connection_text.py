@@ -1,25 +1,38 @@
 """Drafted joints and closures as lines of the sidecar, with their evidence above and alternatives below."""
 
+from collections.abc import Mapping
+from math import isinf
+
 from stepbot.diagnostics import one_line
+from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.model import JointKind
 from stepbot.sidecar.starter import scalar
 
 from .draft import Alternative, DraftClosure, DraftConnection, DraftJoint
 from .draft_names import DraftNames
 from .origin_text import alternative_origin, origin_text
-from .yaml_lines import angle, axis, comment, flow, millimetres
+from .yaml_lines import angle, axis, comment, flow, lengths, millimetres, number
 
 Entries = list[tuple[str, str]]
 
 _WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 _WITH_LIMITS = (JointKind.REVOLUTE, JointKind.PRISMATIC)
+_BOUNDED = (*_WITH_LIMITS, JointKind.SCREW)
+_WITHOUT_LIMITS = (JointKind.FIXED, JointKind.PLANAR, JointKind.CYLINDRICAL, JointKind.FLOATING)
 _CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.FIXED)
 
 
-def joint_lines(joint: DraftJoint, name: str, names: DraftNames) -> list[str]:
-    """A joint under ``joints:``; below the score for drafting it is fixed, with the guess as a comment beneath."""
+def joint_lines(joint: DraftJoint, name: str, names: DraftNames, joints: Mapping[str, str]) -> list[str]:
+    """A joint under ``joints:``; below the score for drafting it is fixed, with the guess as a comment beneath.
+
+    Args:
+        joint: The joint.
+        name: What it is called.
+        names: What links are called.
+        joints: What joints are called, by their names in the draft.
+    """
     name, ends = scalar(name), _ends("parent", joint.parent, "child", joint.child, names)
-    guess = [*_typed(joint, ends), *_limits(joint)]
+    guess = [*_typed(joint, ends), *_limits(joint), *_given(joint, joints)]
     if joint.confidence.is_chosen:
         written, beneath = guess, []
     else:
@@ -66,12 +79,36 @@ def _typed(one: DraftConnection, ends: Entries) -> Entries:
 
 
 def _limits(joint: DraftJoint) -> Entries:
-    if joint.type not in _WITH_LIMITS:
-        return []
     if joint.limits is None:
-        return [("limits", "todo")]
-    write = angle if joint.type is JointKind.REVOLUTE else millimetres
-    return [("limits", flow([("lower", write(joint.limits.lower)), ("upper", write(joint.limits.upper))]))]
+        return [("limits", "todo")] if joint.type in _WITH_LIMITS else []
+    write = millimetres if joint.type is JointKind.PRISMATIC else angle
+    limits = joint.limits
+    entries = [("lower", limits.lower), ("upper", limits.upper)] if joint.type in _BOUNDED else []
+    written = [(key, str(value) if isinf(value) else write(value)) for key, value in entries]
+    rates = [("effort", limits.effort), ("velocity", limits.velocity)] if joint.type not in _WITHOUT_LIMITS else []
+    written += [(key, number(value)) for key, value in rates if not isinf(value)]
+    return [("limits", flow(written))] if written else []
+
+
+def _given(joint: DraftJoint, names: Mapping[str, str]) -> Entries:
+    """Passive forces and the joint that it follows, where they are known."""
+    entries: Entries = []
+    if joint.dynamics is not None and joint.type not in _WITHOUT_LIMITS:
+        known = [(key, value) for key, value in vars(joint.dynamics).items() if value]
+        entries += [("dynamics", flow((key, number(value)) for key, value in known))] if known else []
+    if joint.mimic is not None and joint.mimic.joint in names:
+        follows = [("joint", scalar(names[joint.mimic.joint])), ("multiplier", number(joint.mimic.multiplier))]
+        entries.append(("mimic", flow([*follows, ("offset", number(joint.mimic.offset))])))
+    return entries
+
+
+def inertial_lines(given: MassProperties) -> list[str]:
+    """Mass, centre of mass and inertia of a link."""
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = given.inertia
+    moments = {"ixx": ixx, "iyy": iyy, "izz": izz, "ixy": ixy, "ixz": ixz, "iyz": iyz}
+    entries = [("mass", f"{number(given.mass)} kg"), ("com", lengths(given.com))]
+    entries.append(("inertia", flow((key, number(value)) for key, value in moments.items())))
+    return [f"    inertial: {flow(entries)}"]
 
 
 def _evidence(one: DraftConnection) -> list[str]:

@@ -6,9 +6,11 @@ component paths, as `inspect` prints them.
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf
 
+from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, Vector3
-from stepbot.robot.model import JointKind
+from stepbot.robot.model import Base, Frame, JointDynamics, JointKind, Mimic
 
 SURE = 0.8
 """Score from which a joint needs no review."""
@@ -63,13 +65,18 @@ class OriginSnippet:
 
 @dataclass(frozen=True)
 class DraftLimits:
-    """Limits of a joint and the reason for them."""
+    """Limits of a joint and the reason for them; infinite where there is none."""
 
     lower: float
     """[rad] or [m]."""
     upper: float
     """[rad] or [m]."""
     why: str
+    """Empty where the reason is that of the joint."""
+    velocity: float = inf
+    """[rad/s] or [m/s]."""
+    effort: float = inf
+    """[N m] or [N]."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +107,8 @@ class DraftLink:
     """Whether it takes everything that no other link claims; ``parts`` may then be empty."""
     components: tuple[int, ...] = ()
     """Indices of all its components with a body."""
+    inertial: MassProperties | None = None
+    """In the link's frame, where they are given and not computed from densities."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +154,9 @@ class DraftJoint(DraftConnection):
     """Position [rad] or [m] as drawn, if the file states it."""
     pitch: float | None = None
     """Pitch of a screw [m per turn]; None if the file does not give it."""
+    dynamics: JointDynamics | None = None
+    mimic: Mimic | None = None
+    """By the leading joint's name in the draft."""
 
 
 @dataclass(frozen=True)
@@ -175,3 +187,9 @@ class Draft:
     """Density [kg/m^3] shared by all of several parts, probably a CAD program's default; 0 if they differ."""
     notes: tuple[str, ...] = ()
     """Further notes for the user: parts in no link, open questions."""
+    source: str = ""
+    """Name of the description that joints and masses are taken from; empty where there is none."""
+    root_frame: OriginSnippet | None = None
+    """The frame of the root; None for that of the assembly."""
+    base: Base = Base.FIXED
+    frames: tuple[Frame, ...] = ()

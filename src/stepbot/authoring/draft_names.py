@@ -21,6 +21,7 @@ class DraftNames:
     joints: tuple[str, ...]
     """In the order of the draft."""
     closures: tuple[str, ...]
+    frames: tuple[str, ...] = ()
 
 
 def names_of(draft: Draft) -> DraftNames:
@@ -31,6 +32,7 @@ def names_of(draft: Draft) -> DraftNames:
         dict(zip(links, _named(links, "link", taken), strict=True)),
         _named((joint.name for joint in draft.joints), "joint", taken),
         _named((closure.name for closure in draft.closures), "closure", taken),
+        _named((frame.name for frame in draft.frames), "frame", taken),
     )
 
 

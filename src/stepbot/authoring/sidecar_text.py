@@ -6,16 +6,17 @@ uncomment. Same draft, same bytes.
 
 from collections.abc import Iterable, Sequence
 
-from stepbot.robot.model import JointKind
+from stepbot.diagnostics import one_line
+from stepbot.robot.model import Base, JointKind
 from stepbot.sidecar.starter import robot_name, scalar
 from stepbot.step.structure.paths import quoted
 
-from .connection_text import closure_lines, joint_lines
+from .connection_text import closure_lines, inertial_lines, joint_lines
 from .densities import typical_density
 from .draft import Alternative, Draft, DraftLink
 from .draft_names import DraftNames, names_of
-from .origin_text import alternative_origin
-from .yaml_lines import comment, listed, number
+from .origin_text import alternative_origin, origin_text
+from .yaml_lines import angles, comment, flow, lengths, listed, number
 
 SCHEMA_FILE = "robot-1.schema.json"
 """Name of the schema in the first line, for editors."""
@@ -38,10 +39,12 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         YAML, with a line feed at the end of every line.
     """
     names = names_of(draft)
+    names_of_joints = dict(zip((joint.name for joint in draft.joints), names.joints, strict=True))
     lines = [f"# yaml-language-server: $schema={schema}"] if schema else []
     lines += _introduction(draft)
     lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}"]
-    lines += [*([f"step_encoding: {scalar(encoding)}"] if encoding else []), ""]
+    lines += [*([f"step_encoding: {scalar(encoding)}"] if encoding else [])]
+    lines += [*_stand(draft, names), ""]
     lines += _densities(draft)
     lines += ["links:"]
     for link in draft.links:
@@ -49,7 +52,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     if draft.joints:
         lines += ["", "joints:"]
         for joint, name in zip(draft.joints, names.joints, strict=True):
-            lines += joint_lines(joint, name, names)
+            lines += joint_lines(joint, name, names, names_of_joints)
     closures = [
         line
         for closure, name in zip(draft.closures, names.closures, strict=True)
@@ -58,17 +61,37 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     if closures:
         has_active = any(not line.lstrip().startswith("#") for line in closures)
         lines += ["", "closures:" if has_active else "# closures:", *closures]
+    lines += _frames(draft, names)
     lines += _offered(draft.offered)
     return "\n".join(lines) + "\n"
 
 
 def _introduction(draft: Draft) -> list[str]:
+    basis = f"--from {one_line(draft.source)}`" if draft.source else "` from the STEP: shapes, contacts, names"
     lines = [
-        "# Drafted by `stepbot init` from the STEP: shapes, contacts, names. A score from 0 to 1 ranks the evidence.",
+        f"# Drafted by `stepbot init{' ' * bool(draft.source)}{basis}. A score from 0 to 1 ranks the evidence.",
         "# Check each REVIEW, fill in each `limits: todo`, then run `stepbot check --step` and `stepbot convert`.",
     ]
     for note in draft.notes:
         lines += comment(f"Note: {note}")
+    return lines
+
+
+def _stand(draft: Draft, names: DraftNames) -> list[str]:
+    """Whether the base is fixed, and where the frame of the root is; nothing where both are the default."""
+    lines = [f"base: {draft.base}"] if draft.base is not Base.FIXED else []
+    if draft.root_frame is not None:
+        root = [("link", scalar(names.links[draft.root])), ("frame", origin_text(draft.root_frame))]
+        lines.append(f"root: {flow(root)}")
+    return lines
+
+
+def _frames(draft: Draft, names: DraftNames) -> list[str]:
+    lines = ["", "frames:"] if draft.frames else []
+    for frame, name in zip(draft.frames, names.frames, strict=True):
+        link = scalar(names.links[frame.link])
+        pose = [("xyz", lengths(frame.X_LF.position)), ("rpy", angles(frame.X_LF.rpy)), ("relative_to", link)]
+        lines.append(f"  {scalar(name)}: {flow([('link', link), ('origin', flow(pose))])}")
     return lines
 
 
@@ -108,6 +131,8 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
         lines += ["    rest: true  # everything that no other link claims"]
     if link.parts or not link.rest:
         lines += _parts(link.parts)
+    if link.inertial is not None:
+        lines += inertial_lines(link.inertial)
     return lines
 
 

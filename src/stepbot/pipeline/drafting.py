@@ -1,21 +1,26 @@
-"""Drafts a sidecar from a STEP file: with the joints stated in the file, else joints inferred from its shapes."""
+"""Drafts a sidecar from a STEP file: with joints from a description or stated in the file, else inferred ones."""
 
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.authoring.densities_of import equal_density, without_density
+from stepbot.authoring.described.drafted import draft_of_description
 from stepbot.authoring.draft import Draft
 from stepbot.authoring.infer import infer
 from stepbot.authoring.stated_joints import draft_of_mechanism
-from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.robot.step_names import step_stem
-from stepbot.step.assembly import ReadOptions
+from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
 
 from .conversion import Options
+from .describing import read_description
 from .loading import Loading
+
+_COARSE = MeshTolerance(relative=0.05, angle=0.8)
+"""Inference reads exact faces; of the meshes it needs corners and approximate volumes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,16 +34,19 @@ class Drafting:
     """Whether the joints are kinematic pairs of the file."""
 
 
-def draft_step(step: Path, options: Options) -> Drafting:
+def draft_step(step: Path, options: Options, description: Path | None = None) -> Drafting:
     """Read a STEP file and draft links and joints; writes nothing.
 
     Args:
         step: The STEP file.
         options: Code page, limits and cache.
+        description: URDF, SDFormat or MJCF of the same robot, whose joints and masses are taken; None for none.
     """
     found = Diagnostics()
     try:
-        what = ReadOptions(encoding=options.encoding, faces=True)
+        described = None if description is None else read_description(description, options, found)
+        found.raise_if_errors()
+        what = ReadOptions(_COARSE, encoding=options.encoding, faces=True)
         with closing(Loading(step, what, options, found)) as loading:
             assembly = loading.assembly(found)
             mechanism = _mechanism(step, options)
@@ -46,13 +54,22 @@ def draft_step(step: Path, options: Options) -> Drafting:
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Drafting(found)
+    if description is not None and described is not None:
+        draft = draft_of_description(described, assembly, step_stem(step.name), description.name)
+        if draft is None:
+            found.add("SB824", f"no part of it was found in {step.name}", Span(description.as_posix()))
+            return Drafting(found)
+        return Drafting(found, _with_densities(draft, assembly))
     stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None
     draft = stated or infer(assembly, step_stem(step.name))
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))
-    draft = replace(draft, without_density=without_density(assembly), equal_density=equal_density(assembly))
-    return Drafting(found, draft, stated is not None)
+    return Drafting(found, _with_densities(draft, assembly), stated is not None)
+
+
+def _with_densities(draft: Draft, assembly: Assembly) -> Draft:
+    return replace(draft, without_density=without_density(assembly), equal_density=equal_density(assembly))
 
 
 def _mechanism(step: Path, options: Options) -> Mechanism | None:

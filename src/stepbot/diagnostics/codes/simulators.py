@@ -199,4 +199,22 @@ CODES: tuple[Code, ...] = (
         "An engine that opens it blocks until the time limit, or reads endlessly.",
         "Refer to a regular file.",
     ),
+    Code(
+        "SB823",
+        "error",
+        "robot description cannot be read",
+        "The description that `init --from` names contradicts its format, or uses what its reader does not know.",
+        "No sidecar is drafted.",
+        "`stepbot verify` with the file shows what each engine says of it. Without `--from`, `init` drafts from the STEP "
+        "alone.",
+    ),
+    Code(
+        "SB824",
+        "error",
+        "robot description does not fit the STEP",
+        "Neither the axes of its joints nor the vertices of its meshes were found in the assembly, in no orientation.",
+        "No sidecar is drafted, since its joints would be at places that mean nothing.",
+        "The description may be of another robot or revision, scaled, or without its meshes. Put the meshes where the "
+        "description names them. Without `--from`, `init` drafts from the STEP alone.",
+    ),
 )

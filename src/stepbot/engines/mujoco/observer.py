@@ -66,7 +66,7 @@ def observe(request: Request) -> Observation:
     with _warnings(engine) as warnings:
         model, notes = _compile(engine, request)
         compiled = Compiled(engine, model, request.balls)
-        observation = _static(compiled, request)
+        observation = observe_model(compiled, request)
         if request.format == "mjcf":
             observation = replace(observation, closures=close_by_newton(compiled, request))
         if request.simulate:
@@ -145,7 +145,8 @@ def _urdf_copy(path: Path) -> str:
     return str(etree.tostring(top, encoding="unicode"))
 
 
-def _static(compiled: Compiled, request: Request) -> Observation:
+def observe_model(compiled: Compiled, request: Request) -> Observation:
+    """Report what a compiled model contains, without closures and simulation."""
     closed = [q for way in request.ways for q in way]
     mjcf = request.format == "mjcf"
     sensors = observed_sensors(compiled)

@@ -1,0 +1,16 @@
+"""Points by place: which of them are one, and a part of many."""
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array
+
+TOLERANCE = 5e-5
+"""Distance [m] within which vertices are one: meshes are written in single precision, and at other tolerances."""
+
+
+def spread(points: Array, most: int) -> Array:
+    """At most ``most`` of points (n, 3), evenly from their order, each place once."""
+    unique = points[np.sort(np.unique(np.rint(points / TOLERANCE), axis=0, return_index=True)[1])]
+    if len(unique) <= most:
+        return unique
+    return np.asarray(unique[np.linspace(0, len(unique) - 1, most).astype(int)])

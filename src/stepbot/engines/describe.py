@@ -1,0 +1,22 @@
+"""Reads an existing robot description as data, whatever its format; to be called in a worker process."""
+
+from .description import Description
+from .description.sdf import describe_sdf
+from .description.urdf import describe_urdf
+from .mujoco.described import describe_mjcf
+
+_READERS = {"urdf": describe_urdf, "sdf": describe_sdf, "mjcf": describe_mjcf}
+
+
+def describe(file: str, written_in: str) -> Description:
+    """Read a description.
+
+    Args:
+        file: Absolute path.
+        written_in: ``urdf``, ``sdf`` or ``mjcf``.
+
+    Raises:
+        EngineRefused: It contradicts its format.
+        EngineCannotRead: It uses what its reader does not support.
+    """
+    return _READERS[written_in](file)

@@ -1,0 +1,43 @@
+"""An existing description of the robot, read in a worker process: foreign data."""
+
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.description import Description
+from stepbot.engines.openable import openable
+from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
+from stepbot.verification.admission import admitted
+from stepbot.verification.files import format_of
+
+from .conversion import Options
+
+_DESCRIBE = "stepbot.engines.describe:describe"
+
+
+def read_description(path: Path, options: Options, found: Diagnostics) -> Description | None:
+    """What a URDF, SDFormat or MJCF holds; None after a diagnostic.
+
+    Args:
+        path: The description.
+        options: Time and memory limits.
+        found: Takes SB001, SB814, SB820, SB821, SB822, SB823 and SB902.
+    """
+    written_in = format_of(path, found)
+    if written_in is None:
+        return None
+    if not admitted({path: written_in}, found, timeout=options.timeout, memory_limit=options.memory_limit):
+        return None
+    span = Span(path.as_posix())
+    with Worker(_DESCRIBE, memory_limit=options.memory_limit) as worker:
+        try:
+            description: Description = worker.submit(str(openable(path)), written_in).result(options.timeout)
+        except RemoteError as error:
+            if error.kind not in ("EngineRefused", "EngineCannotRead"):
+                raise
+            found.add("SB823", error.text, span)
+            return None
+        except WorkerDied as death:
+            message = f"the process that reads the description died: {death.reason}"
+            found.add("SB902", message, span, notes=death.last_lines)
+            return None
+    return description
