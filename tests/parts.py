@@ -334,6 +334,24 @@ def write_hinge(path: Path, miss: float = 0.0, bolts: bool = False, unit: Length
     return draw(path, root, unit, lines)
 
 
+def write_turntable(path: Path, X: Array | None = None) -> Drawing:
+    """An arm on a pin of a foot, drawn upright or moved by a pose (4, 4) [mm]: a robot without a symmetry."""
+    X = pose() if X is None else X
+    foot = box(120, 80, 10).at(0, 10, 5) + cylinder(10, 50).at(0, 0, 5)
+    arm = box(40, 40, 20).at(0, 0, 50) - cylinder(10.05, 20).at(0, 0, 40) + box(30, 10, 140).at(30, 5, 130)
+    tip = arm + cylinder(4, 20).at(30, 5, 200)
+    return draw(
+        path,
+        Assembly(
+            "turntable",
+            [
+                Occurrence(drawn("foot", foot, "#707070", STEEL), "foot:1", X),
+                Occurrence(drawn("arm", tip, "#d08000", ALUMINIUM), "arm:1", X),
+            ],
+        ),
+    )
+
+
 def write_slider(path: Path) -> Drawing:
     """Two parallel rods in a holder, and a block that slides on both along x."""
     along = turn("y", pi / 2)

@@ -36,6 +36,7 @@ from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
 from .masses import masses
 from .material_assignment import assign_materials
+from .up_axis import report_up_axis
 from .weigh import report_weighing, report_weightless, weigh
 
 
@@ -110,7 +111,9 @@ def build_robot(
         assembly.source,
         sensors,
     )
-    return Built(robot, double_counting, bodies, joint_table(frames, joints, closures))
+    rows = joint_table(frames, joints, closures)
+    report_up_axis(binder, claims, root, rows)
+    return Built(robot, double_counting, bodies, rows)
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:

@@ -11,6 +11,7 @@ from math import inf
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, Vector3
 from stepbot.robot.model import Base, Frame, JointDynamics, JointKind, Mimic
+from stepbot.step.features.ground import Standing
 
 SURE = 0.8
 """Score from which a joint needs no review."""
@@ -185,6 +186,8 @@ class Draft:
     """Materials (or ``""`` for parts without one) whose parts have no density in the STEP."""
     equal_density: float = 0.0
     """Density [kg/m^3] shared by all of several parts, probably a CAD program's default; 0 if they differ."""
+    standing: Standing | None = None
+    """Evidence that an axis other than z is up; None if there is none."""
     notes: tuple[str, ...] = ()
     """Further notes for the user: parts in no link, open questions."""
     source: str = ""

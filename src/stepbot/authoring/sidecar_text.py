@@ -78,11 +78,14 @@ def _introduction(draft: Draft) -> list[str]:
 
 
 def _stand(draft: Draft, names: DraftNames) -> list[str]:
-    """Whether the base is fixed, and where the frame of the root is; nothing where both are the default."""
+    """Whether the base is fixed, and the frame of the root or the axis that is up; nothing for the defaults."""
     lines = [f"base: {draft.base}"] if draft.base is not Base.FIXED else []
     if draft.root_frame is not None:
         root = [("link", scalar(names.links[draft.root])), ("frame", origin_text(draft.root_frame))]
         lines.append(f"root: {flow(root)}")
+    elif draft.standing is not None:
+        lines += comment(f"REVIEW: drawn with {draft.standing.up} up? {draft.standing}")
+        lines.append(f"root: {{up: {draft.standing.up}}}")
     return lines
 
 

@@ -9,6 +9,7 @@ from stepbot.authoring.described.drafted import draft_of_description
 from stepbot.authoring.draft import Draft
 from stepbot.authoring.infer import infer
 from stepbot.authoring.stated_joints import draft_of_mechanism
+from stepbot.authoring.up_axis import drawn_up
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.robot.step_names import step_stem
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
@@ -65,6 +66,7 @@ def draft_step(step: Path, options: Options, description: Path | None = None) ->
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))
+    draft = replace(draft, standing=drawn_up(draft, assembly))
     return Drafting(found, _with_densities(draft, assembly), stated is not None)
 
 

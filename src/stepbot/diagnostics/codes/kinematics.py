@@ -154,4 +154,13 @@ CODES = (
         "Few robots are that large. A wrong length unit in the STEP file scales everything by a factor of 25 or 1000.",
         "Check the unit of the CAD export. If the size is correct, no action is needed.",
     ),
+    Code(
+        "SB421",
+        "warning",
+        "assembly probably not z-up",
+        "The base of the robot has a large flat face towards an axis other than z, on which a joint of the base is along "
+        "that axis. Nothing comparable is towards z, and the assembly is no taller along z.",
+        "In robot files z is up. A robot drawn with y up, as many CAD programs do by default, would lie on its side.",
+        "Name the axis that is up: `root: {up: y}`. If z is up, `root: {up: z}` says so.",
+    ),
 )

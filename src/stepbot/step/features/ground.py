@@ -1,0 +1,102 @@
+"""The axis that is up in an assembly, as far as its shape tells: what it stands on.
+
+A file does not say which way is up. Most robots stand on a flat face of their base. If there is none towards -z, but a
+large one towards another side, the CAD was probably drawn with another axis up.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.directions import DIRECTIONS, Direction, vector
+from stepbot.geometry.spatial import Array, Vector3
+
+from ..assembly import Assembly
+
+_FLAT = 1e-4
+"""Thickness of the ground plane, as a fraction of the assembly's diagonal."""
+_LARGE = 0.08
+"""Fraction of the assembly's footprint from which a flat face is one to stand on; robots have 0.1 to 1."""
+_OTHER = 0.25
+"""Fraction of that face's size from which one above or below is a rival."""
+_OF_BASE = 0.9
+"""Fraction of the ground's area that belongs to the base."""
+_PARALLEL = 1e-2
+"""Maximum angle [rad] between a joint's axis and the vertical."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Evidence that an axis other than z is up."""
+
+    up: Direction
+    share: float
+    """Area of the flat face below, as a fraction of the assembly's footprint."""
+
+    def __str__(self) -> str:
+        opposite = self.up.removeprefix("-") if self.up.startswith("-") else f"-{self.up}"
+        size = f"{100 * self.share:.0f} % of the footprint"
+        axis = self.up.removeprefix("-")
+        return (
+            f"its base has a flat face of {size} towards {opposite}, a joint on it is along {axis}, and z is no taller"
+        )
+
+
+def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3]) -> Standing | None:
+    """The axis that is up, if that is probably not z; None if it may be z, or is unclear.
+
+    Args:
+        assembly: The assembly.
+        base: Indices of the components of the root link.
+        axes: Unit axes of the joints on it, in the assembly's frame.
+    """
+    sides = _Sides(assembly, frozenset(base))
+    if sides.is_empty:
+        return None
+    shares = {up: sides.ground(up) for up in DIRECTIONS}
+    candidates = [up for up in DIRECTIONS if up[-1] != "z" and shares[up][0] >= _LARGE and shares[up][1] >= _OF_BASE]
+    if not candidates:
+        return None
+    up = max(candidates, key=lambda one: shares[one][0])
+    share = shares[up][0]
+    rivals = [other for other in DIRECTIONS if other != up and shares[other][0] >= _OTHER * share]
+    is_along = any(abs(float(vector(up) @ np.array(axis))) > np.cos(_PARALLEL) for axis in axes)
+    height, across = sides.size["xyz".index(up[-1])], sides.size[2]
+    return None if rivals or height < across or not is_along else Standing(up, share)
+
+
+class _Sides:
+    """The meshes of an assembly, and what lies in the planes around it."""
+
+    def __init__(self, assembly: Assembly, base: frozenset[int]) -> None:
+        self._base = base
+        self._parts: list[tuple[int, Array, NDArray[np.int32]]] = []
+        for component in assembly.components:
+            mesh = assembly.bodies[component.body].mesh if component.body >= 0 else None
+            if mesh is not None and len(mesh.faces):
+                points = mesh.vertices @ component.X_WC.R.T + component.X_WC.p
+                self._parts.append((component.index, points, mesh.faces))
+        self.is_empty = not self._parts
+        if not self.is_empty:
+            self._low = np.min([points.min(axis=0) for _, points, _ in self._parts], axis=0)
+            self._high = np.max([points.max(axis=0) for _, points, _ in self._parts], axis=0)
+            self.size: Array = self._high - self._low
+
+    def ground(self, up: Direction) -> tuple[float, float]:
+        """Area of the flat faces at the bottom as a fraction of the footprint, and the base's fraction of it."""
+        along = "xyz".index(up[-1])
+        level = self._high[along] if up.startswith("-") else self._low[along]
+        near = _FLAT * float(np.linalg.norm(self.size))
+        total = of_base = 0.0
+        for index, points, faces in self._parts:
+            is_on = np.abs(points[:, along] - level) < near
+            if not is_on.any():
+                continue
+            corners = points[faces[is_on[faces].all(axis=1)]]
+            area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+            total += float(area.sum())
+            of_base += float(area.sum()) if index in self._base else 0.0
+        footprint = float(np.prod(np.delete(self.size, along)))
+        return (total / footprint, of_base / total) if footprint > 0.0 and total > 0.0 else (0.0, 0.0)
