@@ -81,18 +81,18 @@ def _folded(components: tuple[Component, ...], indices: list[int]) -> Iterator[R
     ends, chosen = subtree_ends(components), set(indices)
     groups: dict[tuple[object, ...], list[int]] = {}
     for index in indices:
-        groups.setdefault(_likeness(components[index]), []).append(index)
+        groups.setdefault(_row_key(components[index]), []).append(index)
     hidden: set[int] = set()
     for index in indices:
         if index in hidden:
             continue
-        alike = groups[_likeness(components[index])]
-        for other in alike[1:]:
+        equal = groups[_row_key(components[index])]
+        for other in equal[1:]:
             hidden.update(chosen.intersection(range(other, ends[other])))
-        yield Row(components[index], len(alike), components[alike[-1]].path if len(alike) > 1 else "")
+        yield Row(components[index], len(equal), components[equal[-1]].path if len(equal) > 1 else "")
 
 
-def _likeness(component: Component) -> tuple[object, ...]:
+def _row_key(component: Component) -> tuple[object, ...]:
     """Equal for components that share a row."""
     if component.definition < 0:
         return (component.index,)

@@ -44,8 +44,8 @@ class Collisions:
 
     def of(self, link: str, parts: Sequence[Placed]) -> tuple[Collision, ...]:
         """Collision geometry of a link: by component in file order, then the shapes of the link as a whole."""
-        said = self._binder.document.links[link].collision
-        shape = said if isinstance(said, CollisionShape) else CollisionShape.HULL if said is None else None
+        given = self._binder.document.links[link].collision
+        shape = given if isinstance(given, CollisionShape) else CollisionShape.HULL if given is None else None
         placed: list[_Placed] = []
         whole: list[Placed] = []
         for part in parts:
@@ -54,10 +54,10 @@ class Collisions:
                 whole.append(part)
             else:
                 placed += self._component(part, own)
-        if isinstance(said, MergedCollision) and whole:
-            placed += self._merged(link, whole, said.merge)
-        elif isinstance(said, tuple):
-            placed += map(_given, said)
+        if isinstance(given, MergedCollision) and whole:
+            placed += self._merged(link, whole, given.merge)
+        elif isinstance(given, tuple):
+            placed += map(_given, given)
         return tuple(
             Collision(f"{link}_collision_{i}", geometry, X_LG) for i, (geometry, X_LG) in enumerate(placed, start=1)
         )

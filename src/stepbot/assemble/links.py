@@ -137,8 +137,8 @@ def is_complete(inertial: InertialSection) -> bool:
 def _overruled(computed: MassProperties, inertial: InertialSection) -> MassProperties:
     """Mass properties with the values of an ``inertial`` in place of computed ones."""
     com = computed.com if inertial.com is None else inertial.com
-    said = inertial.inertia
-    if said is None:
+    given = inertial.inertia
+    if given is None:
         return replace(computed, mass=inertial.mass, com=com)
-    tensor = [[said.ixx, said.ixy, said.ixz], [said.ixy, said.iyy, said.iyz], [said.ixz, said.iyz, said.izz]]
+    tensor = [[given.ixx, given.ixy, given.ixz], [given.ixy, given.iyy, given.iyz], [given.ixz, given.iyz, given.izz]]
     return MassProperties.of(inertial.mass, com, np.array(tensor))

@@ -57,8 +57,8 @@ class LibraryRobot:
     def overview(self) -> str:
         """The first paragraph of its page, on one line."""
         paragraphs = self._text().split("\n\n")[1:]
-        said = next(text for text in paragraphs if text and not _PICTURE.match(text) and text[0] not in "#<|-`")
-        return _LINK.sub(r"\1", " ".join(said.split()))
+        first = next(text for text in paragraphs if text and not _PICTURE.match(text) and text[0] not in "#<|-`")
+        return _LINK.sub(r"\1", " ".join(first.split()))
 
     def summary(self) -> str:
         """The first sentence of its page."""

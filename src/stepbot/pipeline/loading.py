@@ -51,14 +51,14 @@ class Loading:
             StepbotError: The file is rejected.
         """
         self._step, self._timeout = step, options.timeout
-        self._told = Diagnostics()
+        self._found = Diagnostics()
         self._assembly: Assembly | None = None
         self._memory = _Memory(options.cache, step, what)
         self._known = self._memory.recall()
         self._reading: Reading | None = None
         self._mesh_worker: Worker | None = None
         if self._known is not None:
-            self._told.extend(self._known.diagnostics)
+            self._found.extend(self._known.diagnostics)
         else:
             self._reading = start_reading(step, what, memory_limit=options.memory_limit, kernel=kernel)
             if self._reading.pid is None:
@@ -74,7 +74,7 @@ class Loading:
             StepbotError: There are errors.
         """
         assembly = self._read() if self._known is None else self._known.assembly
-        found.extend(self._told)
+        found.extend(self._found)
         found.raise_if_errors()
         assert assembly is not None  # otherwise there is an error with the reason
         return assembly
@@ -104,7 +104,7 @@ class Loading:
     def _read(self) -> Assembly | None:
         assert self._reading is not None  # otherwise the geometry was cached
         assert self._mesh_worker is not None
-        self._assembly = self._reading.finish(self._told, timeout=self._timeout)
+        self._assembly = self._reading.finish(self._found, timeout=self._timeout)
         if self._assembly is not None:
             self._mesh_worker.submit("measures", tuple(body.mesh for body in self._assembly.bodies), more=True)
         return self._assembly
@@ -113,10 +113,10 @@ class Loading:
         assert self._mesh_worker is not None  # otherwise the geometry was cached
         assert self._assembly is not None  # it has been awaited
         try:
-            geometry = Geometry(self._assembly, self._mesh_worker.result(self._timeout), tuple(self._told))
+            geometry = Geometry(self._assembly, self._mesh_worker.result(self._timeout), tuple(self._found))
         except WorkerDied as death:
             report_death(death, "measures the meshes", Span(str(self._step)), found)
-            return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._told))
+            return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._found))
         self._memory.keep(geometry)
         return geometry
 

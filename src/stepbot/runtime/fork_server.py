@@ -70,18 +70,18 @@ class ForkServer:
         """
         reading, input_end = os.pipe()
         output_end, writing = os.pipe()
-        told, telling = os.pipe()
+        state, report = os.pipe()
         try:
-            order = pickle.dumps(("fork", told, function, memory_limit))
-            socket.send_fds(self._socket, [order], [reading, writing, stderr.fileno(), telling])
+            order = pickle.dumps(("fork", state, function, memory_limit))
+            socket.send_fds(self._socket, [order], [reading, writing, stderr.fileno(), report])
         except OSError:
-            for end in (input_end, output_end, told):
+            for end in (input_end, output_end, state):
                 os.close(end)
             return spawned(function, memory_limit, stderr)
         finally:
-            for end in (reading, writing, telling):
+            for end in (reading, writing, report):
                 os.close(end)
-        return _Forked(self, told, os.fdopen(input_end, "wb"), os.fdopen(output_end, "rb"))
+        return _Forked(self, state, os.fdopen(input_end, "wb"), os.fdopen(output_end, "rb"))
 
     def kill(self, number: int) -> None:
         """End the process whose state pipe is descriptor ``number``, unless it has ended."""
@@ -104,9 +104,9 @@ class ForkServer:
 class _Forked:
     """A forked process with the interface of :class:`subprocess.Popen`."""
 
-    def __init__(self, server: ForkServer, told: int, stdin: BinaryIO, stdout: BinaryIO) -> None:
+    def __init__(self, server: ForkServer, state: int, stdin: BinaryIO, stdout: BinaryIO) -> None:
         self.stdin, self.stdout = stdin, stdout
-        self._server, self._told = server, told
+        self._server, self._state = server, state
         self._pid = 0
         self._status: int | None = None
 
@@ -119,7 +119,7 @@ class _Forked:
 
     def poll(self) -> int | None:
         """Its exit code, negative for a signal; None while it runs."""
-        while self._status is None and select.select([self._told], [], [], 0.0)[0]:
+        while self._status is None and select.select([self._state], [], [], 0.0)[0]:
             self._step()
         return self._status
 
@@ -132,18 +132,18 @@ class _Forked:
     def kill(self) -> None:
         """End it."""
         if self._status is None:
-            self._server.kill(self._told)
+            self._server.kill(self._state)
 
     def _step(self) -> None:
         if not self._pid:
             self._pid = self._next() or -1
             return
         status = self._next()
-        os.close(self._told)
+        os.close(self._state)
         self._status = -signal.SIGKILL if status is None else status  # it ends with its server
 
     def _next(self) -> int | None:
-        message = os.read(self._told, _NUMBER.size) if self._status is None else b""
+        message = os.read(self._state, _NUMBER.size) if self._status is None else b""
         return _NUMBER.unpack(message)[0] if message else None
 
 
@@ -151,37 +151,37 @@ class _Children:
     """The server's running processes."""
 
     def __init__(self) -> None:
-        self._telling: dict[int, tuple[int, int]] = {}
+        self._reports: dict[int, tuple[int, int]] = {}
         """For each process, the client's id and the pipe for its state."""
 
-    def add(self, pid: int, number: int, telling: int) -> None:
-        self._telling[pid] = number, telling
-        _tell(telling, pid)
+    def add(self, pid: int, number: int, report: int) -> None:
+        self._reports[pid] = number, report
+        _tell(report, pid)
 
     def kill(self, number: int) -> None:
-        for pid, (called, _) in self._telling.items():
+        for pid, (called, _) in self._reports.items():
             if called == number:
                 os.kill(pid, signal.SIGKILL)
 
     def reap(self) -> None:
         """Report the processes that have ended."""
-        while self._telling:
+        while self._reports:
             pid, status = os.waitpid(-1, os.WNOHANG)
             if not pid:
                 return
-            _, telling = self._telling.pop(pid)
-            _tell(telling, os.waitstatus_to_exitcode(status))
-            os.close(telling)
+            _, report = self._reports.pop(pid)
+            _tell(report, os.waitstatus_to_exitcode(status))
+            os.close(report)
 
     def forget(self) -> None:
         """In a forked process: close the descriptors of the others."""
-        for _, telling in self._telling.values():
-            os.close(telling)
+        for _, report in self._reports.values():
+            os.close(report)
 
 
-def _tell(telling: int, value: int) -> None:
+def _tell(report: int, value: int) -> None:
     with contextlib.suppress(BrokenPipeError):  # the client has closed its end
-        os.write(telling, _NUMBER.pack(value))
+        os.write(report, _NUMBER.pack(value))
 
 
 def _serve() -> NoReturn:
@@ -211,7 +211,7 @@ def _serve() -> NoReturn:
             if verb == "kill":
                 children.kill(number)
                 continue
-            *streams, telling = descriptors
+            *streams, report = descriptors
             if thread_count() > 1:  # an import started threads: a fork could inherit their locks
                 pid = _spawn(streams, *rest)
             else:
@@ -219,11 +219,11 @@ def _serve() -> NoReturn:
                 pid = os.fork()
                 if pid == 0:
                     end_with_parent(server)
-                    for descriptor in (orders.detach(), woken, waking, telling):
+                    for descriptor in (orders.detach(), woken, waking, report):
                         os.close(descriptor)
                     children.forget()
                     _work(streams, *rest)
-            children.add(pid, number, telling)
+            children.add(pid, number, report)
             for descriptor in streams:
                 os.close(descriptor)
 

@@ -80,8 +80,8 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
         return
     left = Diagnostics()
     check_sidecar(Sidecar(document, path, text, root), left)
-    told = {d.span for d in found}
-    found.extend(d for d in left if d.span not in told and not _follows_from(d, cuts))
+    reported = {d.span for d in found}
+    found.extend(d for d in left if d.span not in reported and not _follows_from(d, cuts))
 
 
 def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:

@@ -50,7 +50,7 @@ class Step:
     """Its coordinates: one, or three of a ball."""
     twists: Array
     """Twist of each coordinate at unit speed, in the frame of the chain's parent, at zero; shape (n, 6)."""
-    told: ObservedJoint
+    joint: ObservedJoint
     """The joint in the file."""
     named: bool = True
     """Whether the file names it."""
@@ -143,9 +143,9 @@ def chain(edge: Edge, naming: Naming, poses: Mapping[str, Pose], X_PC: Pose) -> 
     """
     back = X_PC.inverse()
     steps = []
-    for kind, names, told, named in _dofs(edge, naming):
+    for kind, names, joint, named in _dofs(edge, naming):
         twists = np.array([twist_of(poses[name] @ back) for name in names])
-        steps.append(Step(kind, names, twists, told, named))
+        steps.append(Step(kind, names, twists, joint, named))
     return Chain(edge, X_PC, tuple(_with_screws(_slides_first(steps))))
 
 
@@ -168,7 +168,7 @@ def _with_screws(steps: Sequence[Step]) -> Iterator[Step]:
     """A prismatic joint that follows the adjacent revolute joint, about the same axis, forms a screw with it."""
     waiting: Step | None = None
     for step in steps:
-        mimic = waiting.told.mimic if waiting is not None and waiting.kind == "slide" else None
+        mimic = waiting.joint.mimic if waiting is not None and waiting.kind == "slide" else None
         if waiting is None or step.kind != "turn" or mimic is None or mimic.offset or mimic.joint != step.names[0]:
             follows = False
         else:
@@ -182,20 +182,20 @@ def _with_screws(steps: Sequence[Step]) -> Iterator[Step]:
 
 def _screw(slide: Step, turn: Step) -> Step:
     """One joint for a prismatic joint that follows a revolute one, with the passive forces and limits of both."""
-    mimic = slide.told.mimic
+    mimic = slide.joint.mimic
     assert mimic is not None
     m = mimic.multiplier
     twists = turn.twists + m * slide.twists
-    return Step("screw", turn.names, twists, _both(turn.told, slide.told, m), True, {slide.names[0]: m})
+    return Step("screw", turn.names, twists, _both(turn.joint, slide.joint, m), True, {slide.names[0]: m})
 
 
 def _both(turn: ObservedJoint, slide: ObservedJoint, m: float) -> ObservedJoint:
-    told = turn
+    merged = turn
     if turn.limit is not None and slide.limit is not None and m:
         ends = sorted((slide.limit.lower / m, slide.limit.upper / m))
         lower, upper = max(turn.limit.lower, ends[0]), min(turn.limit.upper, ends[1])
         velocity = min(turn.limit.velocity, slide.limit.velocity / abs(m))
-        told = replace(told, limit=replace(turn.limit, lower=lower, upper=upper, velocity=velocity))
+        merged = replace(merged, limit=replace(turn.limit, lower=lower, upper=upper, velocity=velocity))
     if turn.dynamics is not None and slide.dynamics is not None:
         a, b = turn.dynamics, slide.dynamics
         stiffness = a.stiffness + m * m * b.stiffness
@@ -208,5 +208,5 @@ def _both(turn: ObservedJoint, slide: ObservedJoint, m: float) -> ObservedJoint:
             spring_reference=reference / stiffness if b.stiffness else a.spring_reference,
             armature=a.armature + m * m * b.armature,
         )
-        told = replace(told, dynamics=dynamics)
-    return told
+        merged = replace(merged, dynamics=dynamics)
+    return merged

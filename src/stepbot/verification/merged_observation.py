@@ -57,9 +57,9 @@ def _filled(whole: Observation, other: Observation) -> tuple[Observation, set[Qu
     filled = set[Quantity]()
     not_run, changes = dict(whole.not_run), dict[str, Any]()
     for name, quantity in _WHOLE.items():
-        told = getattr(other, name)
-        if getattr(whole, name) is None and told is not None and quantity not in other.not_run:
-            changes[name] = told
+        value = getattr(other, name)
+        if getattr(whole, name) is None and value is not None and quantity not in other.not_run:
+            changes[name] = value
             not_run.pop(quantity, None)
             filled.add(quantity)
     joints = {joint.child: joint for joint in other.joints}

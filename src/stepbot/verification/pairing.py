@@ -65,7 +65,7 @@ def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
         found.append(segment)
         a, b = a[len(segment.ours) :], b[len(segment.theirs) :]
     for step in (*a, *b):
-        raise NotTheSame(f"'{step.told.name}' has no counterpart")
+        raise NotTheSame(f"'{step.joint.name}' has no counterpart")
     if len(found) == 1 and found[0].balls is not None:
         (ball,) = found
         return (Segment(ball.ours, ball.theirs, ball.balls, ours.X_PC.R @ theirs.X_PC.R.T),)
@@ -95,13 +95,13 @@ def _ball(a: Sequence[Step], b: Sequence[Step]) -> Segment:
 def _turning_freely(steps: Sequence[Step]) -> tuple[Step, ...]:
     """The steps that form a ball joint at the beginning of a chain."""
     taken = tuple(steps[: 1 if steps[0].kind == "ball" else 3])
-    names = [step.told.name for step in taken]
+    names = [step.joint.name for step in taken]
     if steps[0].kind != "ball" and [step.kind for step in taken] != ["turn"] * 3:
         raise NotTheSame(f"{_listed(names)} do not rotate as a ball joint does")
     for step in taken:
-        limit = step.told.limit
+        limit = step.joint.limit
         if limit is not None and (isfinite(limit.lower) or isfinite(limit.upper)):
-            raise NotTheSame(f"the limits of '{step.told.name}' are not those of a ball joint")
+            raise NotTheSame(f"the limits of '{step.joint.name}' are not those of a ball joint")
     if len(taken) == 1:
         return taken
     for one, other, slant in zip(names, names[1:], _angles(taken).slant, strict=False):

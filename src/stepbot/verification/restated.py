@@ -92,8 +92,8 @@ def _same(match: Match) -> tuple[list[ObservedJoint], list[ObservedJoint]]:
     for segment in match.segments:
         for a, b in _steps(segment):
             name_a, name_b = _names(a, b, segment)
-            ours.append(_told(a, name_a, match.ours, ball=segment.balls is not None))
-            theirs.append(_told(b, name_b, match.theirs, ball=segment.balls is not None))
+            ours.append(_joint(a, name_a, match.ours, ball=segment.balls is not None))
+            theirs.append(_joint(b, name_b, match.theirs, ball=segment.balls is not None))
     if not ours:
         return [match.ours.edge.joints[-1]], [match.theirs.edge.joints[-1]]
     links = _links(match, len(ours))
@@ -109,20 +109,20 @@ def _steps(segment: Segment) -> list[tuple[Step, Step]]:
 
 def _names(a: Step, b: Step, segment: Segment) -> tuple[str, str]:
     """The common name of a step: the same on both sides if only one file names it, or names it alone."""
-    ours, theirs = (step.told.name for step in (a, b))
+    ours, theirs = (step.joint.name for step in (a, b))
     if not segment.same_words:
         return (ours, ours) if len(segment.ours) > 1 else (theirs, theirs)
     return ours if a.named else theirs, theirs if b.named else ours
 
 
-def _told(step: Step, name: str, chain: Chain, *, ball: bool) -> ObservedJoint:
-    told = replace(step.told, name=name, steps=())
+def _joint(step: Step, name: str, chain: Chain, *, ball: bool) -> ObservedJoint:
+    joint = replace(step.joint, name=name, steps=())
     if ball:
-        return replace(told, kind="ball", axis=None, mimic=None)
+        return replace(joint, kind="ball", axis=None, mimic=None)
     axis = vector3(chain.X_PC.R.T @ direction(step.twists[0]))
     if step.kind == "screw":
-        return replace(told, kind="screw", axis=axis, pitch=pitch_of(step.twists[0]), mimic=None)
-    return replace(told, axis=axis)
+        return replace(joint, kind="screw", axis=axis, pitch=pitch_of(step.twists[0]), mimic=None)
+    return replace(joint, axis=axis)
 
 
 def _links(match: Match, joints: int) -> list[str]:

@@ -84,7 +84,7 @@ def _joint(
         # Drake's pitch is the advance per turn.
         pitch=float(joint.screw_pitch()) / (2.0 * np.pi) if kind == "screw" else None,
         limit=limit,
-        limit_fields=_limits_told(built, kind, name in drives),
+        limit_fields=_limit_fields(built, kind, name in drives),
         dynamics=JointDynamics(
             float(damping[0]) if len(set(damping.tolist())) == 1 else nan,
             stiffness=stiffness,
@@ -94,7 +94,7 @@ def _joint(
     )
 
 
-def _limits_told(built: "Built", kind: str, driven: bool) -> tuple[str, ...]:
+def _limit_fields(built: "Built", kind: str, driven: bool) -> tuple[str, ...]:
     """Effort limits from actuators, where Drake keeps them: one per joint of SDFormat and per transmission of URDF."""
     if kind == "universal":
         return ("lower", "upper")
@@ -114,5 +114,5 @@ def _axes(built: "Built", joint: Any, kind: str) -> tuple[Array, Array | None]:
         X_FM = built.plant.CalcRelativeTransform(built.context, joint.frame_on_parent(), joint.frame_on_child())
         R_FM: Array = X_FM.rotation().matrix()
         return R_CM @ (np.array([R_FM[2, 1], R_FM[0, 2], R_FM[1, 0]]) - [R_FM[1, 2], R_FM[2, 0], R_FM[0, 1]]), None
-    told = {"revolute": "revolute_axis", "prismatic": "translation_axis"}.get(kind)
-    return (R_CM @ np.array(getattr(joint, told)()) if told else np.full(3, nan)), None
+    getter = {"revolute": "revolute_axis", "prismatic": "translation_axis"}.get(kind)
+    return (R_CM @ np.array(getattr(joint, getter)()) if getter else np.full(3, nan)), None

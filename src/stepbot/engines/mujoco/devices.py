@@ -118,8 +118,8 @@ def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> Ob
     seen = ObservedSensor(name, " and ".join(words), rate=1.0 / interval if interval else 0.0)
     if kind is None or rates:
         return seen
-    told = dict(_TELLERS[kind](compiled, readings))
-    return replace(seen, **{"kind": kind.value, **told}) if told else seen
+    properties = dict(_PROPERTIES[kind](compiled, readings))
+    return replace(seen, **{"kind": kind.value, **properties}) if properties else seen
 
 
 def _at_a_site(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:
@@ -146,7 +146,7 @@ def _of_joints(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[t
     words: dict[str, set[str]] = {}
     for reading in readings:
         words.setdefault(compiled.name("JOINT", reading.on[1]), set()).add(reading.word)
-    if all(len(told) == 2 for told in words.values()) and len(readings) == 2 * len(words):
+    if all(len(properties) == 2 for properties in words.values()) and len(readings) == 2 * len(words):
         names = list(words)
         stems = {name.rpartition("_")[0] for name in names}
         yield "joint", names[0] if len(names) == 1 else stems.pop() if len(stems) == 1 else ""
@@ -187,7 +187,7 @@ def _turn_about_z(a: Pose, b: Pose) -> float:
     return float(np.arctan2(R_AB[1, 0], R_AB[0, 0])) % (2.0 * pi)
 
 
-_TELLERS = {
+_PROPERTIES = {
     SensorKind.IMU: _at_a_site,
     SensorKind.FORCE_TORQUE: _in_a_joint,
     SensorKind.JOINT: _of_joints,

@@ -70,8 +70,8 @@ def observe(request: Request) -> Observation:
         if request.format == "mjcf":
             observation = replace(observation, closures=close_by_newton(compiled, request))
         if request.simulate:
-            finite, said = simulate(compiled, request)
-            observation, notes = replace(observation, simulation_finite=finite), (*notes, *said)
+            finite, reversals = simulate(compiled, request)
+            observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
 
 

@@ -171,8 +171,8 @@ def faults(top: Element) -> Iterator[str]:
         for joint in system.findall("joint"):
             states = {one.get("name", "") for one in joint.findall("state_interface")}
             if joint.findall("command_interface") and states != _STATES:
-                told = ", ".join(sorted(states)) or "nothing"
-                yield f"joint '{joint.get('name', '')}' in <ros2_control> tells {told}"
+                present = ", ".join(sorted(states)) or "none"
+                yield f"joint '{joint.get('name', '')}' in <ros2_control> has the state interfaces: {present}"
         for element in system.findall("transmission"):
             yield from _transmission_faults(element, "plugin")
             roles = [one.get("role") for one in (*element.findall("actuator"), *element.findall("joint"))]

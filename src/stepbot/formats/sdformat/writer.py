@@ -281,10 +281,10 @@ def _dynamics(axis: Element, dynamics: JointDynamics) -> None:
     given = {"damping": dynamics.damping, "friction": dynamics.friction}
     if dynamics.stiffness:  # without which its rest position has no effect
         given |= {"spring_reference": dynamics.spring_reference, "spring_stiffness": dynamics.stiffness}
-    said = {tag: value for tag, value in given.items() if value}
-    if said and not ("damping" in said or "friction" in said):
-        said = {"damping": 0.0, **said}  # PyBullet rejects an element with springs only
-    if said:
+    nonzero = {tag: value for tag, value in given.items() if value}
+    if nonzero and not ("damping" in nonzero or "friction" in nonzero):
+        nonzero = {"damping": 0.0, **nonzero}  # PyBullet rejects an element with springs only
+    if nonzero:
         xml = element(axis, "dynamics")
-        for tag, value in said.items():
+        for tag, value in nonzero.items():
             element(xml, tag, value)
