@@ -74,11 +74,14 @@ def command(
         show_diagnostics(found, display)
         if not (display.quiet or display.concise):
             for path, taken in written.items():
-                counts = _counts(taken)
-                words = f"{counts['components']} components, {counts['joints']} joints of {taken.source}"
-                write_result(printable(f"{path.as_posix()}: {words}"))
+                words = ", ".join(_words(number, noun) for noun, number in _counts(taken).items())
+                write_result(printable(f"{path.as_posix()}: {words} of {taken.source}"))
     return found.exit_code
 
 
 def _counts(taken: "Snapshot") -> dict[str, int]:
     return {"components": len(taken.parts), "joints": len(taken.joints)}
+
+
+def _words(number: int, noun: str) -> str:
+    return f"{number} {noun if number != 1 else noun.removesuffix('s')}"

@@ -61,7 +61,7 @@ def test_lock_is_valid_and_deterministic(lever: Revision, stepbot: Stepbot) -> N
     before = Path("lever.lock.json").read_bytes()
     run = stepbot("lock", "lever.robot.yaml", "--no-cache")
     assert (run.code, run.err) == (0, "")
-    assert run.out == "lever.lock.json: 7 components, 1 joints of lever.step\n"
+    assert run.out == "lever.lock.json: 7 components, 1 joint of lever.step\n"
     assert Path("lever.lock.json").read_bytes() == before
     document = json.loads(before)
     jsonschema.validate(document, json.loads(SCHEMA.read_text(encoding="utf-8")))
