@@ -9,7 +9,7 @@ A path that holds by ``#n`` alone counts as a name only after place has had its 
 inserts or removes an equal part. Parts are compared after the motion that all of them have in common.
 """
 
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -92,6 +92,7 @@ class _Matching:
         self._pairs: dict[int, Pair] = {}
         self._taken: set[int] = set()
         self._old_paths, self._new_paths = old.index_of, new.index_of
+        self._old_centroids, self._new_centroids = _centroids(old), _centroids(new)
 
     def result(self, common: Pose) -> Match:
         """Pair everything, the strongest evidence first."""
@@ -140,17 +141,15 @@ class _Matching:
         old_left = [i for i in self._left_old() if self._may_be_renamed(self._old.parts[i], self._new_paths)]
         new_left = [j for j in self._left_new() if self._may_be_renamed(self._new.parts[j], self._old_paths)]
         for ours, theirs in self._by_class(old_left, new_left):
-            near = self._distances(ours, theirs) <= 2.0 * PLACE
-            fits = [
-                [j for b, j in enumerate(theirs) if near[a, b] and self._is_at_same_place(i, j)]
-                for a, i in enumerate(ours)
-            ]
-            claims = defaultdict[int, int](int)
-            for j in (j for several in fits for j in several):
-                claims[j] += 1
-            for i, several in zip(ours, fits, strict=True):
-                if len(several) == 1 and claims[several[0]] == 1:
-                    self._pair(i, several[0], Certainty.CERTAIN)
+            fits = {i: [j for j in self._within(i, theirs, 2.0 * PLACE) if self._is_at_same_place(i, j)] for i in ours}
+            self._pair_only_ones(fits, Certainty.CERTAIN)
+
+    def _pair_only_ones(self, fits: dict[int, list[int]], certainty: Certainty) -> None:
+        """Pair parts of which each is the only one that comes into question for the other."""
+        claims = Counter(j for several in fits.values() for j in several)
+        for i, several in fits.items():
+            if len(several) == 1 and claims[several[0]] == 1:
+                self._pair(i, several[0], certainty)
 
     @staticmethod
     def _may_be_renamed(part: Part, others: dict[str, int]) -> bool:
@@ -178,23 +177,20 @@ class _Matching:
     def _pair_near(self) -> None:
         """Pair parts of nearly the same size at nearly the same place, where no other comes into question."""
         ours, theirs = self._left_old(), self._left_new()
-        if not ours or not theirs:
-            return
-        distances = self._distances(ours, theirs)
-        fits = {
-            i: [j for b, j in enumerate(theirs) if self._is_like(i, j, float(distances[a, b]))]
-            for a, i in enumerate(ours)
-        }
-        claimed = [j for several in fits.values() for j in several]
-        for i, several in fits.items():
-            if len(several) == 1 and claimed.count(several[0]) == 1:
-                self._pair(i, several[0], Certainty.PROBABLE)
+        widest = max((self._new.parts[j].diagonal for j in theirs), default=0.0)
+        fits = {}
+        for i in ours:
+            reach = _NEAR * max(widest, self._old.parts[i].diagonal)
+            fits[i] = [j for j in self._within(i, theirs, reach) if self._is_like(i, j)]
+        self._pair_only_ones(fits, Certainty.PROBABLE)
 
-    def _is_like(self, i: int, j: int, distance: float) -> bool:
+    def _is_like(self, i: int, j: int) -> bool:
         a, b = self._old.shape_of(i), self._new.shape_of(j)
         smaller, larger = sorted((a.measure, b.measure))
+        if a.basis != b.basis or not larger > 0.0 or smaller < _LIKE * larger:
+            return False
         size = max(self._old.parts[i].diagonal, self._new.parts[j].diagonal)
-        return a.basis == b.basis and larger > 0.0 and smaller >= _LIKE * larger and distance <= _NEAR * size
+        return float(np.linalg.norm(self._old_centroids[i] - self._new_centroids[j])) <= _NEAR * size
 
     def _candidates(self) -> dict[int, tuple[int, ...]]:
         theirs = _grouped(self._left_new(), lambda j: self._new_class[j])
@@ -205,11 +201,18 @@ class _Matching:
         new = _grouped(theirs, lambda j: self._new_class[j])
         return [(several, new[key]) for key, several in old.items() if key in new]
 
-    def _distances(self, ours: list[int], theirs: list[int]) -> Array:
-        """Distances (n, m) [m] of centroids."""
-        a = np.array([centroid(self._old.parts[i], self._old.shape_of(i)) for i in ours])
-        b = np.array([centroid(self._new.parts[j], self._new.shape_of(j)) for j in theirs])
-        return np.asarray(np.linalg.norm(a[:, None] - b[None, :], axis=2))
+    def _within(self, i: int, theirs: list[int], reach: float) -> list[int]:
+        """Those of some new parts whose centroids are within a distance [m] of an old part's."""
+        if not theirs:
+            return []
+        distances = np.linalg.norm(self._new_centroids[theirs] - self._old_centroids[i], axis=1)
+        return [theirs[k] for k in np.flatnonzero(distances <= reach).tolist()]
+
+
+def _centroids(taken: Snapshot) -> Array:
+    """Centroids (n, 3) [m] of all parts."""
+    found = [centroid(part, taken.shape_of(index)) for index, part in enumerate(taken.parts)]
+    return np.array(found).reshape(-1, 3)
 
 
 def _grouped(indices: Iterable[int], key: Callable[[int], Hashable]) -> dict[Hashable, list[int]]:

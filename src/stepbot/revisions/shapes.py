@@ -5,6 +5,7 @@ not tell a part from its mirror image: the box around it does, once both are at 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import radians
 
 import numpy as np
@@ -41,7 +42,7 @@ def same_shape(a: Shape, b: Shape) -> bool:
     tolerance = max(_tolerance(a, b) if exact else _COARSE, a.error + b.error)
     if abs(a.measure - b.measure) > tolerance * max(a.measure, b.measure):
         return False
-    ours, theirs = np.linalg.eigvalsh(a.tensor), np.linalg.eigvalsh(b.tensor)
+    ours, theirs = _principal_moments(a), _principal_moments(b)
     return bool(np.abs(ours - theirs).max() <= _OF_MOMENTS * tolerance * max(ours[-1], theirs[-1]))
 
 
@@ -53,6 +54,12 @@ def same_frame(a: Shape, b: Shape) -> bool:
         return False
     largest = max(float(np.abs(a.tensor).max()), float(np.abs(b.tensor).max()))
     return bool(np.abs(a.tensor - b.tensor).max() <= tolerance * largest)
+
+
+@lru_cache(maxsize=4096)
+def _principal_moments(shape: Shape) -> Array:
+    """Shape (3,), smallest first."""
+    return np.asarray(np.linalg.eigvalsh(shape.tensor), dtype=np.float64)
 
 
 @dataclass(frozen=True)

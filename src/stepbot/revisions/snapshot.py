@@ -6,6 +6,7 @@ the last bits that differ between machines.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import floor, log10
 
 import numpy as np
@@ -50,7 +51,7 @@ class Shape:
     error: float = 0.0
     """Estimated relative error of the integrals."""
 
-    @property
+    @cached_property
     def tensor(self) -> Array:
         """:attr:`inertia` as a matrix (3, 3)."""
         xx, yy, zz, xy, xz, yz = self.inertia
@@ -82,12 +83,12 @@ class Part:
     mass: float | None = None
     """[kg] in the robot; None where it is not known."""
 
-    @property
+    @cached_property
     def X_WC(self) -> Pose:
         """Pose in the assembly."""
         return Pose(self.rotation, self.position)
 
-    @property
+    @cached_property
     def diagonal(self) -> float:
         """Of :attr:`box` [m]."""
         return float(np.linalg.norm(np.subtract(*self.box)))
@@ -134,7 +135,7 @@ class Snapshot:
         """The shape of a part."""
         return self.shapes[self.parts[part].shape]
 
-    @property
+    @cached_property
     def index_of(self) -> dict[str, int]:
         """Index of each part by its path."""
         return {part.path: index for index, part in enumerate(self.parts)}
