@@ -44,6 +44,7 @@ def draft_document(draft: "Draft") -> dict[str, Any]:
             "parent": names.links[joint.parent],
             "child": names.links[joint.child],
             **_geometry(joint),
+            "stops": [{"position": stop.position, "parts": list(stop.parts)} for stop in joint.stops],
         }
         for joint, name in zip(draft.joints, names.joints, strict=True)
     ]

@@ -8,7 +8,7 @@ from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.model import JointKind
 from stepbot.sidecar.starter import scalar
 
-from .draft import Alternative, DraftClosure, DraftConnection, DraftJoint
+from .draft import Alternative, DraftClosure, DraftConnection, DraftJoint, FoundStop
 from .draft_names import DraftNames
 from .origin_text import alternative_origin, origin_text
 from .yaml_lines import angle, axis, comment, flow, lengths, millimetres, number
@@ -117,12 +117,19 @@ def _evidence(one: DraftConnection) -> list[str]:
     lines = comment(f"score {one.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
     if isinstance(one, DraftJoint) and one.limits is not None and one.limits.why:
         lines += comment(f"limits: {one.limits.why}", 2)
+    if isinstance(one, DraftJoint):
+        lines += [line for stop in one.stops for line in comment(_stop_text(one, stop), 2)]
     reasons = [one.review] if one.review else []
     if isinstance(one, DraftJoint) and one.type is JointKind.SCREW and one.pitch is None:
         reasons.append("unknown pitch: cylindrical until replaced by `type: screw` with a `pitch`")
     if not reasons and one.is_reviewed:
         reasons.append("the evidence is weak; compare with the drawing")
     return [*lines, *(line for reason in reasons for line in comment(f"REVIEW: {reason}", 2))]
+
+
+def _stop_text(joint: DraftJoint, stop: FoundStop) -> str:
+    at = millimetres(stop.position) if joint.type is JointKind.PRISMATIC else f"{number(stop.position)} rad"
+    return f"stop found by collision at {at}: '{stop.parts[0]}' and '{stop.parts[1]}'; a limit may be closer"
 
 
 def _alternative(name: str, ends: Entries, other: Alternative, joint: DraftConnection) -> str:

@@ -81,6 +81,16 @@ class DraftLimits:
 
 
 @dataclass(frozen=True)
+class FoundStop:
+    """A position of a joint at which parts of its two links meet; it need not be the limit."""
+
+    position: float
+    """[rad] or [m]."""
+    parts: tuple[str, str]
+    """Paths of a component of the parent link and of one of the child link."""
+
+
+@dataclass(frozen=True)
 class Alternative:
     """An alternative at the same place: a line that `init` writes as a comment."""
 
@@ -156,6 +166,8 @@ class DraftJoint(DraftConnection):
     pitch: float | None = None
     """Pitch of a screw [m per turn]; None if the file does not give it."""
     dynamics: JointDynamics | None = None
+    stops: tuple[FoundStop, ...] = ()
+    """Found by collision, at most one in either direction."""
     mimic: Mimic | None = None
     """By the leading joint's name in the draft."""
 

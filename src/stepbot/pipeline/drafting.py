@@ -8,6 +8,7 @@ from stepbot.authoring.densities_of import equal_density, without_density
 from stepbot.authoring.described.drafted import draft_of_description
 from stepbot.authoring.draft import Draft
 from stepbot.authoring.infer import infer
+from stepbot.authoring.joint_stops import with_stops
 from stepbot.authoring.stated_joints import draft_of_mechanism
 from stepbot.authoring.up_axis import drawn_up
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
@@ -62,7 +63,7 @@ def draft_step(step: Path, options: Options, description: Path | None = None) ->
             return Drafting(found)
         return Drafting(found, _with_densities(draft, assembly))
     stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None
-    draft = stated or infer(assembly, step_stem(step.name))
+    draft = stated or with_stops(infer(assembly, step_stem(step.name)), assembly)
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))

@@ -1,0 +1,28 @@
+"""Stops that `init` finds by collision in a robot of the library, against what its drawing says."""
+
+from math import radians
+from pathlib import Path
+
+import pytest
+
+from stepbot.authoring.sidecar_text import sidecar_text
+from stepbot.pipeline.drafting import draft_step
+from stepbot.pipeline.stages import Options
+from tests.library.conftest import LIBRARY
+
+
+def test_jaw_stops_where_its_pads_meet(tmp_path: Path) -> None:
+    """The jaw is drawn open by 32 degrees: it closes until the pads meet, within 1 degree, and opens against the palm.
+
+    Limits stay to be filled in: a stop is a comment.
+    """
+    draft = draft_step(LIBRARY / "stepbot_desk_arm" / "desk_arm.step", Options(tmp_path)).draft
+    assert draft is not None
+    (jaw,) = (joint for joint in draft.joints if joint.child == "jaw")
+    closed, opened = sorted(jaw.stops, key=lambda stop: abs(stop.position))
+    assert abs(closed.position) == pytest.approx(radians(32), abs=radians(1))
+    assert closed.parts == ("gripper_body/pad", "jaw/pad")
+    assert opened.position * closed.position < 0.0
+    text = sidecar_text(draft, "desk_arm.step")
+    assert f"# stop found by collision at {closed.position:.10g} rad: 'gripper_body/pad' and 'jaw/pad'" in text
+    assert text.count("    limits: todo\n") == len(draft.joints)

@@ -1,0 +1,71 @@
+"""Stops of joints: where lugs meet, in closed form, and what is no stop."""
+
+from math import asin, pi
+
+import numpy as np
+import pytest
+import trimesh
+
+from stepbot.authoring.stops import Question, Shape, find_stops
+
+WIDTH, RADIUS = 0.004, 0.03
+
+
+def box(part: int, center: tuple[float, float, float], size: tuple[float, float, float]) -> Shape:
+    """A box along the axes of the assembly."""
+    mesh = trimesh.creation.box(extents=size)
+    return Shape(part, np.asarray(mesh.vertices) + center, np.asarray(mesh.faces, dtype=np.int32))
+
+
+def tube(part: int, inner: float, outer: float) -> Shape:
+    """A tube about z."""
+    mesh = trimesh.creation.annulus(r_min=inner, r_max=outer, height=0.02, sections=24)
+    return Shape(part, np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int32))
+
+
+def turning(still: tuple[Shape, ...], moving: tuple[Shape, ...]) -> Question:
+    """A joint about z."""
+    return Question(False, np.zeros(3), np.array([0.0, 0.0, 1.0]), still, moving)
+
+
+def test_lugs_stop_a_turn_where_they_meet() -> None:
+    """Two lugs, a quarter turn apart, meet at the angle at which their sides do: by the inner corner of the lug."""
+    lug = (0.02, WIDTH, 0.01)
+    moving = box(1, (RADIUS, 0.0, 0.0), lug)
+    still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+    ((lower, upper),) = find_stops((turning((still,), (moving,)),))
+    # Sides at half a width from the radial line meet where both are at the inner radius, 20 mm.
+    half = asin(0.5 * WIDTH / np.hypot(0.02, 0.5 * WIDTH))
+    assert upper.position == pytest.approx(0.5 * pi - 2.0 * half, abs=1e-3)
+    assert lower.position == pytest.approx(-1.5 * pi + 2.0 * half, abs=1e-3)
+    assert (upper.still, upper.moving) == (0, 1)
+
+
+def test_shaft_in_its_bore_stops_nothing() -> None:
+    """Round faces about the axis pass along themselves, however coarse their meshes are, and flush ends too."""
+    assert find_stops((turning((tube(0, 0.01, 0.02),), (tube(1, 0.005, 0.01),)),)) == ((),)
+
+
+def test_slide_stops_at_both_ends() -> None:
+    """A block between two cheeks, 10 mm and 30 mm away, stops there to a thousandth of the travel."""
+    cheeks = (box(0, (-0.02, 0.0, 0.0), (0.01, 0.02, 0.02)), box(1, (0.04, 0.0, 0.0), (0.01, 0.02, 0.02)))
+    block = box(2, (0.0, 0.0, 0.0), (0.01, 0.01, 0.01))
+    floor = box(3, (0.0, 0.0, -0.01), (0.2, 0.02, 0.01))
+    question = Question(True, np.zeros(3), np.array([1.0, 0.0, 0.0]), (*cheeks, floor), (block,))
+    ((lower, upper),) = find_stops((question,))
+    assert (lower.position, lower.still) == (pytest.approx(-0.01, abs=1e-4), 0)
+    assert (upper.position, upper.still) == (pytest.approx(0.03, abs=1e-4), 1)
+
+
+def test_parts_that_meet_as_drawn_are_no_stop() -> None:
+    """Lugs that overlap in the drawing tell nothing of where they stop."""
+    still, moving = box(0, (RADIUS, 0.0, 0.0), (0.02, 0.01, 0.01)), box(1, (RADIUS, 0.002, 0.001), (0.02, 0.01, 0.01))
+    assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0])
+
+
+def test_same_stops_every_time() -> None:
+    """The same question has the same answer, to the last bit."""
+    moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+    question = turning((still,), (moving,))
+    assert find_stops((question,)) == find_stops((question,))
