@@ -9,7 +9,7 @@ from . import Engine
 from .observation import Observation, Request
 
 
-class Memory:
+class ObservationCache:
     """The observations in a cache."""
 
     def __init__(self, cache: Cache | None, contents: Mapping[str, str]) -> None:
@@ -22,12 +22,12 @@ class Memory:
         self.cache = cache
         self._results, self._contents = TypedCache(cache, Observation), dict(contents)
 
-    def recall(self, key: str, engine: Engine, request: Request) -> Observation | None:
+    def get(self, key: str, engine: Engine, request: Request) -> Observation | None:
         """The cached observation of this engine and version; None if there is none."""
         entry = self._key(key, engine, request)
         return self._results.get(entry) if entry is not None else None
 
-    def keep(self, key: str, engine: Engine, request: Request, observation: Observation) -> None:
+    def put(self, key: str, engine: Engine, request: Request, observation: Observation) -> None:
         """Store an observation."""
         entry = self._key(key, engine, request)
         if entry is not None:

@@ -13,7 +13,7 @@ from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Start, Worker, 
 
 from . import Engine, engines, engines_for
 from .observation import Observation, Request
-from .observation_cache import Memory
+from .observation_cache import ObservationCache
 
 
 class Fate(StrEnum):
@@ -62,8 +62,8 @@ class Engines:
         self._files: dict[str, str] = {}
         self._memory_limit, self._start = memory_limit, start
         self._asked: dict[str, Request] = {}
-        self._memory = Memory(None, {})
-        self._remembered: dict[tuple[str, str], Observation] = {}
+        self._cache = ObservationCache(None, {})
+        self._cached: dict[tuple[str, str], Observation] = {}
         self._absent: dict[str, str] = {}
         self._workers: dict[tuple[str, str], Worker] = {}
         self.start(files)
@@ -83,15 +83,15 @@ class Engines:
                 else:
                     self._absent[engine.name] = reason
 
-    def submit(self, requests: Mapping[str, Request], memory: Memory | None = None) -> None:
+    def submit(self, requests: Mapping[str, Request], cache: ObservationCache | None = None) -> None:
         """Send every worker the request for its file; returns at once.
 
         Args:
             requests: The request for each file to observe, by the caller's name for it.
-            memory: Cached observations; engines with a cached result are not run again.
+            cache: Cached observations; engines with a cached result are not run again.
         """
         self._asked = {key: requests[key] for key in self._files if key in requests}
-        self._memory = memory or self._memory
+        self._cache = cache or self._cache
         for key, request in self._asked.items():
             for engine in engines_for(self._files[key]):
                 self._ask(key, engine, request)
@@ -100,12 +100,12 @@ class Engines:
         worker = self._workers.get((key, engine.name))
         if worker is None:
             return
-        remembered = self._memory.recall(key, engine, request)
-        if remembered is None:
+        cached = self._cache.get(key, engine, request)
+        if cached is None:
             worker.submit(request)
         else:
             worker.close()
-            self._remembered[key, engine.name] = remembered
+            self._cached[key, engine.name] = cached
 
     def results(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[Outcome, ...]:
         """Wait for all workers, each of which may take ``timeout`` [s]; by file, then by engine."""
@@ -130,8 +130,8 @@ class Engines:
         written_in, name = self._files[key], engine.name
         if name in self._absent:
             return Outcome(key, written_in, name, Fate.ABSENT, reason=self._absent[name])
-        if (key, name) in self._remembered:
-            return Outcome(key, written_in, name, Fate.OBSERVED, self._remembered[key, name])
+        if (key, name) in self._cached:
+            return Outcome(key, written_in, name, Fate.OBSERVED, self._cached[key, name])
         try:
             observation = self._workers[key, name].result(timeout)
         except WorkerDied as death:
@@ -140,7 +140,7 @@ class Engines:
             fate = _FATES.get(error.kind, Fate.BROKEN)
             lines = tuple(error.trace.splitlines()[-6:]) if fate is Fate.BROKEN else ()
             return Outcome(key, written_in, name, fate, reason=error.text or error.kind, last_lines=lines)
-        self._memory.keep(key, engine, self._asked[key], observation)
+        self._cache.put(key, engine, self._asked[key], observation)
         return Outcome(key, written_in, name, Fate.OBSERVED, observation)
 
 

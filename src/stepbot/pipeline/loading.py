@@ -53,8 +53,8 @@ class Loading:
         self._step, self._timeout = step, options.timeout
         self._found = Diagnostics()
         self._assembly: Assembly | None = None
-        self._memory = _Memory(options.cache, step, what)
-        self._known = self._memory.recall()
+        self._cached = _GeometryCache(options.cache, step, what)
+        self._known = self._cached.get()
         self._reading: Reading | None = None
         self._mesh_worker: Worker | None = None
         if self._known is not None:
@@ -93,7 +93,7 @@ class Loading:
     @property
     def content(self) -> str:
         """Hash of the file that was read and of those that it refers to; empty if one changed meanwhile."""
-        return self._memory.content
+        return self._cached.content
 
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
@@ -117,11 +117,11 @@ class Loading:
         except WorkerDied as death:
             report_death(death, "measures the meshes", Span(str(self._step)), found)
             return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._found))
-        self._memory.keep(geometry)
+        self._cached.put(geometry)
         return geometry
 
 
-class _Memory:
+class _GeometryCache:
     """The cache entry of one file with one set of read options."""
 
     def __init__(self, cache: Cache | None, step: Path, what: ReadOptions) -> None:
@@ -135,11 +135,11 @@ class _Memory:
     def content(self) -> str:
         return self._content if _state(self._step) == self._state else ""
 
-    def recall(self) -> Geometry | None:
+    def get(self) -> Geometry | None:
         kept = self._results.get(self._key) if self._key else None
         return _renamed(kept, self._names(kept)) if kept is not None else None
 
-    def keep(self, geometry: Geometry) -> None:
+    def put(self, geometry: Geometry) -> None:
         """Store it, unless a file was changed during the read: then it is unknown which version was read."""
         if self.content:
             names = {place: name for name, place in self._names(geometry).items()}

@@ -5,7 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.engines.observation_cache import Memory
+from stepbot.engines.observation_cache import ObservationCache
 from stepbot.formats import format_named
 from stepbot.formats.rendering import joined, main_file
 from stepbot.report.record import Report
@@ -59,9 +59,9 @@ class Proof:
                 for beside in format_named(name).writer.companions(one):
                     written[beside.format] = Written(place / beside.path, beside.robot)
                     contents[beside.format] = contents[name]
-            memory = Memory(options.cache, contents)
+            observations = ObservationCache(options.cache, contents)
             provers, require, timeout = self._provers, options.require, options.timeout
-            return verify(robot, written, provers, found, require=require, timeout=timeout, memory=memory)
+            return verify(robot, written, provers, found, require=require, timeout=timeout, observations=observations)
 
     def close(self) -> None:
         """End all processes that still run."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
 from stepbot.engines.observation import Observation, Quantity
-from stepbot.engines.observation_cache import Memory
+from stepbot.engines.observation_cache import ObservationCache
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import Engines, Outcome, check_required, check_started
 from stepbot.report.record import Check, Report, Status
@@ -78,7 +78,7 @@ def verify(
     *,
     require: Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
-    memory: Memory | None = None,
+    observations: ObservationCache | None = None,
 ) -> Report:
     """Verify that the written files match the robot; a failure is a diagnostic, and a failed check of the report.
 
@@ -89,7 +89,7 @@ def verify(
         found: Receives the diagnostics.
         require: Engines whose absence is an error.
         timeout: Time limit [s] of each engine.
-        memory: Cached observations.
+        observations: Cached observations.
     """
     required = tuple(require)
     check_required(required, found)
@@ -100,9 +100,9 @@ def verify(
     except DoesNotClose as error:
         return _open_loop(robot, error, found)
     provers.engines.start({name: name for name in written})
-    provers.engines.submit(asked, memory)
+    provers.engines.submit(asked, observations)
     if provers.collider is not None:
-        provers.collider.submit(robot, memory.cache if memory is not None else None)
+        provers.collider.submit(robot, observations.cache if observations is not None else None)
     # The reference is computed while the engines are running.
     expected = {name: observe_robot(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
     freedom = degrees_of_freedom(robot)
