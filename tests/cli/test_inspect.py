@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from robot_library.stepbot_arm2.dimensions import BASE_PLATE, COLUMN, TURNTABLE, turntable_place
 from stepbot.step.assembly import Quantity
 from tests import command_line, parts, solids
 from tests.stating import Stating
@@ -201,8 +202,15 @@ def test_between_components(arm: Path, stepbot: Stepbot) -> None:
     document = json.loads(stepbot("inspect", "arm2.step", "--between", "base", "shoulder", "--json").out)
     (line,) = document["between"]["lines"]
     assert line["direction"] == pytest.approx([0, 0, 1])
-    assert line["weight"] == pytest.approx(0.010)
     assert line["chosen"]
+    # The pivot on the post is in the bore of the turntable for all of its height; the faces that are wider, of the post
+    # and of the turntable's outside, only touch in a plane. The weight is the smaller radius of those that meet.
+    pivot_begins = BASE_PLATE[2] + COLUMN.height
+    pivot_ends = pivot_begins + COLUMN.pivot
+    turntable_begins = float(turntable_place()[2, 3])
+    assert pivot_begins <= turntable_begins < turntable_begins + TURNTABLE.height <= pivot_ends
+    assert 0.0 < TURNTABLE.bore - COLUMN.pivot_radius < 0.1
+    assert line["weight"] * 1e3 == pytest.approx(min(COLUMN.pivot_radius, TURNTABLE.bore))
 
 
 def test_between_links_of_a_sidecar(arm: Path, stepbot: Stepbot) -> None:
