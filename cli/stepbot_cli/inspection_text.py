@@ -1,5 +1,6 @@
 """An assembly as text: a line per component, below it the axes that a joint can bind to."""
 
+import re
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -9,7 +10,7 @@ from stepbot.geometry.spatial import Vector3
 from stepbot.pipeline.stages import Inspection
 from stepbot.step.assembly import Assembly, Body, BodyKind, Component, Quantity
 from stepbot.step.features.axes import AxisLine, axis_faces, lines, millimetres, selectors
-from stepbot.step.structure.paths import quoted
+from stepbot.step.structure.paths import plain_name, quoted
 
 from .columns import aligned, cells
 from .contents import Contents, contents
@@ -41,7 +42,7 @@ def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, w
     sums = contents(assembly, inspection.measures)
     rows = listed(assembly, choice)
     cells_of_rows = [_row(assembly, row, sums[row.component.index]) for row in rows.rows]
-    blocks = _blocks(cells_of_rows, width)
+    blocks = _blocks(cells_of_rows, [_telling_names(row.component) for row in rows.rows], width)
     text = [*_fitted(_head(assembly, sums[0]), width), "", *blocks.pop(0)]
     for row, block in zip(rows.rows, blocks, strict=True):
         text += block
@@ -50,13 +51,21 @@ def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, w
     return printable("\n".join([*text, *_fitted(_left_out(rows, choice), width), *_validations(assembly)]))
 
 
-def _blocks(rows: list[tuple[str, ...]], width: int | None) -> list[list[str]]:
-    """The lines of the headings, then those of each component: one each, or its path with its properties below."""
+def _blocks(rows: list[tuple[str, ...]], telling_names: list[str], width: int | None) -> list[list[str]]:
+    """The lines of the headings, then those of each component: one each, or its path with its properties below.
+
+    Args:
+        rows: The cells of each component.
+        telling_names: For each component its names, or an empty string if its path says the same.
+        width: Width of the screen; None for unlimited.
+    """
     table = aligned([_HEADINGS, *rows])
     if width is None or max(map(cells, table)) <= width:
         return [[line] for line in table]
     blocks = [[_HEADINGS[0], f"{_INDENT}count, solids, volume, size, center, density, names"]]
-    for path, count, solids, volume, size, center, density, names, remarks in rows:
+    for (path, count, solids, volume, size, center, density, _, remarks), names in zip(
+        rows, telling_names, strict=True
+    ):
         facts = [
             f"{count} times" if count else "",
             _count(int(solids), "solid") if solids != "-" else "",
@@ -154,7 +163,6 @@ def _materials(assembly: Assembly) -> str:
 
 def _row(assembly: Assembly, row: Row, inside: Contents) -> tuple[str, ...]:
     component = row.component
-    names = ", ".join(f"'{one_line(name)}'" if name else "-" for name in (component.product, component.occurrence))
     return (
         quoted(component.path),
         str(row.count) if row.count > 1 else "",
@@ -163,9 +171,24 @@ def _row(assembly: Assembly, row: Row, inside: Contents) -> tuple[str, ...]:
         " x ".join(map(_number, inside.size)) if inside.size else "-",
         _numbers(inside.center) if inside.center else "-",
         f"{component.density:.6g} kg/m^3" if component.density else "-",
-        names,
+        _names(component),
         one_line("; ".join([*([f"to {quoted(row.last)}"] if row.last else []), *_remarks(assembly, component)])),
     )
+
+
+def _names(component: Component) -> str:
+    """Product and occurrence; the product alone if the occurrence is empty or the product with a number."""
+    product, occurrence = component.product, component.occurrence
+    if product and re.fullmatch(rf"({re.escape(product)}:\d+)?", occurrence):
+        return f"'{one_line(product)}'"
+    return ", ".join(f"'{one_line(name)}'" if name else "-" for name in (product, occurrence))
+
+
+def _telling_names(component: Component) -> str:
+    """The names; an empty string if the last name of the path is the product's, without version and number."""
+    names = _names(component)
+    same = plain_name(component.product) == re.sub(r":\d+$", "", component.segment)
+    return "" if same and names == f"'{one_line(component.product)}'" else names
 
 
 def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:

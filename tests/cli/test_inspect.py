@@ -19,15 +19,29 @@ from .conftest import Stepbot
 
 
 def test_components_with_paths_to_paste(arm: Path, stepbot: Stepbot) -> None:
-    """One line per component: quoted path, solids, volume, centre, density, both names."""
+    """One line per component: quoted path, solids, volume, centre, density, names."""
     run = stepbot("inspect", "arm2.step")
     assert (run.code, run.err) == (0, "")
     assert run.out.startswith("arm2.step: AP214, length unit mm")
     assert "15 definitions, 20 components, 16 solids" in run.out
     (line,) = [line for line in run.out.splitlines() if line.startswith('"base/screw M6x12:1"')]
     assert "7850 kg/m^3" in line
-    assert "'screw M6x12', 'screw M6x12:1'" in line
+    assert "  'screw M6x12'  " in line
+    assert "'screw M6x12:1'" not in line, "the product with a number says nothing new"
     assert "48, 48, 9" in line
+
+
+def test_names_of_an_occurrence(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An occurrence with a name of its own is listed; on a narrow screen names only where the path lacks them."""
+    text = Path("arm2.step").read_text(encoding="utf-8")
+    assert "'turntable:1'" in text
+    Path("arm2.step").write_text(text.replace("'turntable:1'", "'disc'"), encoding="utf-8")
+    (line,) = [line for line in stepbot("inspect", "arm2.step").out.splitlines() if "'turntable'" in line]
+    assert "'turntable', 'disc'" in line
+    monkeypatch.setenv("COLUMNS", "100")
+    narrow = stepbot("inspect", "arm2.step", "--filter", "shoulder/*").out
+    assert "'turntable', 'disc'" in narrow
+    assert "'cheek'" not in narrow
 
 
 def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:

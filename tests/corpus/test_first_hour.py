@@ -11,7 +11,7 @@ from .console import COLUMNS, printed
 PAGE = Path(__file__).parents[2] / "docs" / "first-hour.md"
 STEP = "low_cost_robot_follower.step"
 SIDECAR = "follower.robot.yaml"
-LINES = 2 * 55
+LINES = 2 * 50
 """Two screens."""
 
 pytestmark = pytest.mark.slow
