@@ -1,11 +1,11 @@
-# `make demo` and `make test` need nothing but Python 3.11 or later, make and a package registry.
+# `make demo` and `make test` require only Python 3.11 or later, make and a package registry.
 SHELL := /bin/sh
 VENV := .venv
 BIN := $(VENV)/bin
 # Python 3.11 first: the newest that PyBullet has wheels for.
 PYTHON := $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
 	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
-# One process per core pays from a minute of tests on; tests of a group share what one of them has read.
+# One process per core pays off from a minute of tests; tests of a group share results within one process.
 JOBS := auto --dist loadgroup
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
@@ -17,10 +17,10 @@ STAMP := $(VENV)/.stepbot-installed
 help:  ## print this
 	@sed -n 's/^\([a-z-]*\):.*  ## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
 
-install: $(STAMP)  ## make .venv with stepbot in it, editable, and the tools to develop it
+install: $(STAMP)  ## create .venv with an editable stepbot and the development tools
 
 $(STAMP): pyproject.toml requirements-ci.txt
-	@test -n "$(PYTHON)" || { echo "Python 3.11 or later not found; say where: make PYTHON=/path/to/python3.11"; exit 2; }
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or later not found; set its path: make PYTHON=/path/to/python3.11"; exit 2; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { \
 		echo "$(PYTHON) cannot make virtual environments; on Debian and Ubuntu: apt-get install python3-venv"; \
 		rm -rf $(VENV); exit 2; }
@@ -29,16 +29,16 @@ $(STAMP): pyproject.toml requirements-ci.txt
 		$(BIN)/python -m pip install --quiet --require-hashes -r requirements-ci.txt && \
 		$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .; \
 	else $(BIN)/python -m pip install --quiet -e '.[dev]'; fi
-	@$(BIN)/python -m compileall -q src cli  # as pip does: where Python may not keep bytecode, it would compile in each run
+	@$(BIN)/python -m compileall -q src cli  # as pip does: without write permission for bytecode, Python would compile in each run
 	@touch $@
 
-demo: install  ## convert the four-bar linkage to all formats and print what the engines say
+demo: install  ## convert the four-bar linkage to all formats and verify the files
 	$(BIN)/stepbot convert $(DEMO) -o build/demo/four_bar
 
 test: install  ## run the tests
 	$(BIN)/pytest -n $(JOBS) -m "not long"
 
-test-long: install  ## run the tests that `make test` leaves out; some need build123d, dask, pre-commit
+test-long: install  ## run the tests that `make test` skips; some require build123d, dask, pre-commit
 	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,verify]'
 	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/pytest -n $(JOBS) tests/simulators  # once more, with the engines of stepbot[verify]
@@ -47,49 +47,49 @@ format: install  ## format the code
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
-lint: install  ## judge format and style
+lint: install  ## check format and style
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 
 types: install  ## check types
 	$(BIN)/mypy
 
-contracts: install  ## check who imports whom
+contracts: install  ## check import contracts
 	$(BIN)/lint-imports
 
-generate: install  ## write what is generated from the code: schemas, tables in docs, help in the README
+generate: install  ## update files generated from the code: schemas, tables in docs, help in the README
 	$(BIN)/python docs/generate.py
 
-fresh: install  ## check that what is generated is up to date
+fresh: install  ## check that generated files are up to date
 	$(BIN)/python docs/generate.py --check
 
-check: lint types contracts fresh  ## all that needs no test run
+check: lint types contracts fresh  ## run all checks that are not tests
 
-wheels: install  ## try the wheel in every Python from 3.11 to 3.14 that is found, those of pyenv too
+wheels: install  ## test the wheel in every installed Python from 3.11 to 3.14, including pyenv's
 	$(BIN)/python .ci/wheels.py
 
-hostile: install  ## harm stepbot in every way that tests/hostile knows, and write docs/reliability.md; hours
+hostile: install  ## run all fault injection experiments and update docs/reliability.md (hours)
 	$(BIN)/python -m tests.hostile --page
 
-mutation: install  ## remove everything from every file, one at a time, and write docs/mutation.md; hours
+mutation: install  ## remove and change parts of written files one by one, and update docs/mutation.md (hours)
 	$(BIN)/python -m pip install --quiet -e '.[verify]'
 	$(BIN)/python -m tests.mutation.page
 	$(BIN)/python -m tests.mutation.changed
 
-library: install  ## draw, convert, verify and render every robot of the library, and write its pages
+library: install  ## draw, convert, verify and render every robot of the library, and update its pages
 	$(BIN)/python -m pip install --quiet -e '.[draw,verify]'
 	$(BIN)/python -m robot_library
 
-benchmarks: install  ## run every benchmark once on something small; docs/performance.md says how to measure
+benchmarks: install  ## run every benchmark once on small input; docs/performance.md describes measuring
 	$(BIN)/python -m benchmarks smoke
 
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check wheels test test-long library benchmarks build  ## everything, but for the hours of hostile and mutation
+all: check wheels test test-long library benchmarks build  ## everything except hostile and mutation
 
-lock: install  ## pin again what is installed on Python 3.11, Linux x86-64
+lock: install  ## pin the installed versions again, on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt
 
-clean:  ## remove what was built
+clean:  ## remove build results
 	rm -rf build dist .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
