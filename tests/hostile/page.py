@@ -10,23 +10,22 @@ from .experiment import Experiment, Trial
 PAGE = ROOT / "docs" / "reliability.md"
 
 _HEAD = """\
-# Reliability: what was done to stepbot, and what came of it
+# Reliability: fault injection experiments and their results
 
-`make hostile` harms stepbot in the ways below, as often as the table says, and writes the table: trials, how
-they ended, and how many of them found a fault in that run. In brackets is the number of trials of the long form, which
-takes hours; where fewer are shown, the row is of a shorter run. `python -m tests.hostile --only NAME --count N` runs
-one experiment, `--seed N` with other random choices; a few trials of each run in every `make test`. A fault is whatever
-must not come of it: a traceback, an internal error (SB901), a hang, an exit code other than 0, 1 and 2, a diagnostic
-without place or remedy, a file that is neither old nor new, a process or temporary file that is left over, bytes that
-differ.
+`make hostile` runs the experiments below and updates the table: the number of trials, their outcomes, and the number
+of trials that found a fault in that run. The number of trials of the long form, which takes hours, is in brackets; a
+smaller number means a shorter run. `python -m tests.hostile --only NAME --count N` runs one experiment, `--seed N`
+with other random choices; `make test` runs a few trials of each. A fault is any forbidden outcome: a traceback, an
+internal error (SB901), a hang, an exit code other than 0, 1 and 2, a diagnostic without place or remedy, a file that
+is neither old nor new, a leftover process or temporary file, different bytes.
 
-| experiment | what is done | what must come of it | trials (long form) | outcomes | faults |
+| experiment | injected faults | required outcome | trials (long form) | outcomes | faults |
 | --- | --- | --- | --: | --- | --: |
 """
 _REPAIRED = """
 ## Faults that the experiments found
 
-Each is repaired, and held by a test of its own beside the experiment.
+Each is fixed, and has a regression test of its own.
 
 """
 

@@ -4,8 +4,8 @@ import re
 
 _PYBULLET = (
     (r"link/(visual|collision)@name", "PyBullet keeps no names of shapes"),
-    (r"inertia/i..|inertial/inertia", "PyBullet makes inertias of the collision shapes in SDFormat"),
-    (r"sdf@version", "PyBullet reads all versions alike"),
+    (r"inertia/i..|inertial/inertia", "PyBullet computes inertias from the collision shapes in SDFormat"),
+    (r"sdf@version", "PyBullet ignores the version"),
     (r"(model/frame|frame/).*", "PyBullet reads no frames"),
     (r"(axis/mimic|mimic/).*", "PyBullet reads no mimics"),
     (r"dynamics/spring_.*|axis/dynamics", "PyBullet reads no springs"),
@@ -13,7 +13,7 @@ _PYBULLET = (
         r"limit/(effort|velocity)",
         "PyBullet reads no effort and velocity limits of joints that turn without end, be it to one side",
     ),
-    (r"limit/lower", "0, which PyBullet takes for a lower limit that is not there; or of a joint that closes a loop"),
+    (r"limit/lower", "0, PyBullet's default; or of a joint that closes a loop"),
     (
         r"model/joint.*|joint/(parent|child|pose)|axis2?/limit|limit/upper",
         "PyBullet reads a copy without the joint to the world and those that close loops",
@@ -23,18 +23,18 @@ _PYBULLET = (
 
 _SDFORMAT = (
     (r"inertia/i..", "far below the precision of the largest moment: rounding of a sum of parts"),
-    (r"inertial/pose", "zero: a link that weighs nothing, or whose centre of mass is its origin"),
+    (r"inertial/pose", "zero: a massless link, or one with its centre of mass at its origin"),
     (r"(axis/mimic|mimic/).*", "Drake does not read mimics"),
-    (r"axis2?/xyz|joint/axis2?", "z, which is what readers take where no axis is"),
-    (r"model/frame@attached_to", "attached to the first link, which is what readers take where nothing is named"),
-    (r"model/ball_constraint", "one of two that hold a pin: in a plane, a point is enough"),
+    (r"axis2?/xyz|joint/axis2?", "z, the default"),
+    (r"model/frame@attached_to", "attached to the first link, the default"),
+    (r"model/ball_constraint", "one of two constraints of a pin: in a plane, one is sufficient"),
     (
         r"model/joint.*|joint/(parent|child|pose)",
         "of a joint that closes a loop: PyBullet reads a copy without it, and Drake another file",
     ),
     (
         r"limit/(lower|upper)",
-        "1e16, which means no limit, as nothing does; or of a screw, which Drake bounds in no way",
+        "1e16, which means unlimited, the default; or of a screw, whose limits Drake ignores",
     ),
     (
         r"limit/(effort|velocity)",
@@ -42,30 +42,30 @@ _SDFORMAT = (
     ),
     (
         r"axis2?/limit",
-        "1e16, which means no limit, as nothing does; or effort and velocity of a universal joint, unread by Drake",
+        "1e16, which means unlimited, the default; or effort and velocity of a universal joint, ignored by Drake",
     ),
     (r"dynamics/friction", "Drake has no joint friction"),
 )
 _MJCF = (
-    (r"actuator/\w+@name", "a drive without a name is taken for the one on its joint"),
-    (r"body/freejoint@name", "what lets a base float is no joint of the robot"),
-    (r"body/geom@pos", "at the link's origin, but for the rounding of a product of poses"),
-    (r"frame/replicate@sep", "names of rays alone"),
-    (r"mujoco/keyframe|keyframe/key.*", "all joints are drawn at zero, which is where MuJoCo starts by itself"),
-    (r"key/.*|keyframe/key@ctrl", "what the drives hold in the keyframe is not compared"),
-    (r"equality/connect.*", "one of two that hold a pin: in a plane, a point is enough"),
-    (r"body/joint@(pos|axis|type)", "at the origin, about z, or a hinge, which is what MuJoCo takes by itself"),
-    (r"body/site@quat", "how the site of a point is turned, which holds nothing; of a weld, by rounding alone"),
-    (r"(body/camera|sensor/contact)@name", "a device without a name is taken for the one on its link"),
-    (r"sensor/contact@(data|reduce)", "what a contact sensor tells of a touch is not compared"),
-    (r"frame/replicate@euler", "one ray, which no angle parts from another"),
-    (r"actuator/.*@(ctrlrange|forcerange)", "a range that MuJoCo has by itself"),
-    (r"(body/camera|body/site|body/frame|frame/|replicate/|sensor/).*", "a place or rate that MuJoCo has by itself"),
+    (r"actuator/\w+@name", "an actuator without a name is matched by its joint"),
+    (r"body/freejoint@name", "the free joint of the base is not a joint of the robot"),
+    (r"body/geom@pos", "at the link's origin, except for rounding of a product of poses"),
+    (r"frame/replicate@sep", "affects only the names of rays"),
+    (r"mujoco/keyframe|keyframe/key.*", "all joints are drawn at zero, MuJoCo's default"),
+    (r"key/.*|keyframe/key@ctrl", "the actuators' targets in the keyframe are not compared"),
+    (r"equality/connect.*", "one of two constraints of a pin: in a plane, one is sufficient"),
+    (r"body/joint@(pos|axis|type)", "at the origin, about z, or a hinge: MuJoCo's defaults"),
+    (r"body/site@quat", "rotation of the site of a point constraint, without effect; for a weld, only rounding"),
+    (r"(body/camera|sensor/contact)@name", "a device without a name is matched by its link"),
+    (r"sensor/contact@(data|reduce)", "the readings of a contact sensor are not compared"),
+    (r"frame/replicate@euler", "a single ray, so that the angle has no effect"),
+    (r"actuator/.*@(ctrlrange|forcerange)", "MuJoCo's default range"),
+    (r"(body/camera|body/site|body/frame|frame/|replicate/|sensor/).*", "MuJoCo's default pose or rate"),
 )
 _URDF = (
-    (r"mimic@.*|joint/mimic", "the follower stands still at the positions that are asked for"),
-    (r"(visual|collision)/origin@.*", "turned about an axis of symmetry"),
-    (r"joint/axis.*|axis@xyz", "x, which is what readers take where no axis is"),
+    (r"mimic@.*|joint/mimic", "the follower does not move at the requested positions"),
+    (r"(visual|collision)/origin@.*", "rotated about an axis of symmetry"),
+    (r"joint/axis.*|axis@xyz", "x, the default"),
 )
 _OF = {"urdf": _URDF, "mjcf": _MJCF, "sdf": _SDFORMAT, "drake.sdf": _SDFORMAT}
 
