@@ -1,5 +1,6 @@
 """Commands on an assembly whose parts are in files of their own: every one of them is an input."""
 
+import hashlib
 import json
 import shutil
 from concurrent.futures import ThreadPoolExecutor
@@ -78,6 +79,11 @@ def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
     assert stepbot("check", "--step", "lever.robot.yaml").code == 0
     assert stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf").code == 0
     before = snapshot(Path("out"))
+    recorded = json.loads(Path("out/report.json").read_bytes())["inputs"]
+    assert recorded == {
+        name: hashlib.sha256(Path(name).read_bytes()).hexdigest()
+        for name in ("machine.step", "foot.step", "arm.step", "bar.step")
+    }
 
     replace_part(lever)
     run = stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf")

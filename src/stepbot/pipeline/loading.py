@@ -4,6 +4,7 @@ Cache entries depend on the bytes of the file and of those that it refers to, an
 sidecar as a whole: editing a joint does not read the STEP again. Only results without errors are cached.
 """
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -95,6 +96,19 @@ class Loading:
         """Hash of the file that was read and of those that it refers to; empty if one changed meanwhile."""
         return self._cached.content
 
+    def inputs(self) -> dict[str, str]:
+        """SHA-256 of each file that was read, by its path relative to the folder of the first one.
+
+        Empty if one changed meanwhile: then it is unknown which version was read.
+        """
+        assert self._known is not None  # the assembly and its measures were waited for
+        names = (self._step.name, *self._known.assembly.external_files)
+        try:
+            found = {_printable(name): _sha256(self._step.parent / name) for name in names}
+        except OSError:
+            return {}
+        return found if self.content else {}
+
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
         for running in (self._reading, self._mesh_worker):
@@ -150,6 +164,16 @@ class _GeometryCache:
         """The path of each file in diagnostics, by its name in the cache: entries do not depend on the path."""
         others = {name: str(self._step.parent / name) for name in geometry.assembly.external_files}
         return {**others, "": str(self._step)}
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _printable(name: str) -> str:
+    """A file name that UTF-8 can hold."""
+    return name.encode("utf-8", "backslashreplace").decode()
 
 
 def _state(step: Path) -> tuple[tuple[str, int, int], ...]:

@@ -115,7 +115,7 @@ def _produce(
         built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
         found.raise_if_errors()
         assert built is not None  # a missing robot always has an error
-        robot = share_meshes(built.robot)
+        robot, inputs = share_meshes(built.robot), loading.inputs()
         check_robot(robot, found, sidecar.span(), assembly.unit)
         found.raise_if_errors()
 
@@ -132,7 +132,7 @@ def _produce(
         report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
     _report_unused(found, _JUDGED_BY_BUILD + _judged_by_files(options))
     names = {asset.path: asset.source for asset in robot.meshes}
-    report = replace(report, names=names, bodies=built.bodies, joint_table=built.joint_table)
+    report = replace(report, inputs=inputs, names=names, bodies=built.bodies, joint_table=built.joint_table)
     if options.strict:
         found.make_strict()
     files = {**joined(by_format), REPORT: report_bytes(report, found)}

@@ -101,6 +101,8 @@ class Report:
     """Pairs of links that overlap in the drawn pose, and the penetration depth [m]; None between two surfaces."""
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Changes and additions that an engine needed to check a file, by file and engine."""
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256 of each STEP file that was read, by its path relative to the folder of the first one."""
     names: Mapping[str, str] = field(default_factory=dict)
     """Names in the files, and the original names in the STEP."""
     bodies: tuple[MeasuredBody, ...] = ()
