@@ -81,7 +81,7 @@ def test_no_command_imports_from_the_current_folder(
     """Workers and servers included; the results are those of another folder."""
     trap = Trap(tmp_path, robot_library, set())
     trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out")
-    elsewhere = convert_once(tmp_path_factory, "arm2_verified", robot_library / "stepbot_arm2" / "arm2.robot.yaml")
+    elsewhere = convert_once(tmp_path_factory, "stepbot_arm2", robot_library / "stepbot_arm2" / "arm2.robot.yaml")
     clean = {path.name: path.read_bytes() for path in elsewhere.folder.iterdir() if path.suffix in (".urdf", ".xml")}
     written = trap.robot_files("out")
     assert clean

@@ -44,7 +44,9 @@ def test_convert_proves_what_it_writes(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
     """All formats, bytes and checks of all engines are those of another folder; names and lists are UTF-8."""
-    elsewhere = convert_once(tmp_path_factory, "four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml")
+    elsewhere = convert_once(
+        tmp_path_factory, "stepbot_four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
+    )
     sidecar, output = f"{BAR}0/0{BAR}.robot.yaml", os.fsdecode(b"o\xfct")
     document = json.loads(run(folder, "convert", sidecar, "-o", output, "--json").out)
     assert document["report"]["checks"] == elsewhere.report["checks"]
@@ -75,7 +77,9 @@ def test_verify_gives_engines_names_that_they_can_open(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
     """Files and folders of files are verified with their meshes, by the checks of names that are UTF-8."""
-    elsewhere = convert_once(tmp_path_factory, "four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml")
+    elsewhere = convert_once(
+        tmp_path_factory, "stepbot_four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
+    )
     suffixes = (".urdf", ".sdf", ".xml")
     plain = json.loads(run(elsewhere.folder, "verify", *(f"four_bar{one}" for one in suffixes), "--json").out)
     for file in elsewhere.folder.glob("four_bar.*"):

@@ -23,7 +23,7 @@ def test_convert_a_step_with_a_mechanism(
     assert "1; `stepbot init` drafts joints from them" in inspected.out + inspected.err
     run = stepbot("convert", "four_bar.robot.yaml", "-o", "out", "--json", cwd=tmp_path)
     assert run.code == 0, run.err
-    plain = convert_once(tmp_path_factory, "four_bar", source / "four_bar.robot.yaml")
+    plain = convert_once(tmp_path_factory, "stepbot_four_bar", source / "four_bar.robot.yaml")
     checks = json.loads(run.out)["report"]["checks"]
     assert checks
     assert checks == plain.report["checks"]
