@@ -1,7 +1,7 @@
 """Print the exact versions, with the hashes of their wheels, that pip installs for stepbot and its development tools.
 
-The lock is for Python 3.11 on Linux x86-64 with glibc, where CI runs; everywhere else the ranges of ``pyproject.toml``
-hold. ``--fits`` prints nothing and says by its exit code whether this interpreter is one that the lock is for.
+The lock is for Python 3.11 on Linux x86-64 with glibc, which CI uses; elsewhere the ranges of ``pyproject.toml`` apply.
+``--fits`` prints nothing; its exit code tells whether the lock is for this interpreter.
 """
 
 import json
@@ -27,7 +27,7 @@ def fits() -> bool:
 
 
 def locked() -> str:
-    """The lock file's text, resolved anew."""
+    """The lock file's text, resolved again."""
     pip = [
         sys.executable,
         "-m",

@@ -1,4 +1,4 @@
-"""Find the Pythons of this machine that stepbot supports: on PATH, and those of pyenv, which often are not."""
+"""Find the supported Pythons of this machine: on PATH, and those of pyenv, which often are not on PATH."""
 
 import os
 import shutil
@@ -8,11 +8,11 @@ from pathlib import Path
 
 SUPPORTED = ((3, 11), (3, 12), (3, 13), (3, 14))
 _ASK = "import ensurepip, sys, venv; print(*sys.version_info[:3], sys.executable)"
-"""What an interpreter must be able to do: make virtual environments with pip in them."""
+"""Required of an interpreter: creating virtual environments with pip."""
 
 
 def found_pythons() -> dict[tuple[int, int], tuple[Path, str]]:
-    """For each supported Python that is there its interpreter and its full version: the newest of each, in order."""
+    """For each supported Python version the interpreter and full version of the newest one, in order."""
     newest: dict[tuple[int, int], tuple[tuple[int, ...], Path]] = {}
     for path in _candidates():
         version, path = _asked(path)
@@ -43,7 +43,7 @@ def _pyenv_roots() -> Iterator[Path]:
 
 
 def _asked(python: Path) -> tuple[tuple[int, ...], Path]:
-    """Its version, and where it really is; no version where it does not run, as a shim that is not selected."""
+    """Its version and real path; no version if it does not run, like a shim that is not selected."""
     try:
         run = subprocess.run([python, "-c", _ASK], capture_output=True, text=True, check=False, timeout=60)
     except OSError:

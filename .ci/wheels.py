@@ -1,11 +1,11 @@
-"""Install the wheel as users would: into a fresh environment of every supported Python, with the newest dependencies.
+"""Install the wheel like a user: into a fresh environment of every supported Python, with the newest dependencies.
 
     build the wheel
-    each Python    install; convert robots; run the tests that are marked `portable`, against what was installed
+    each Python    install; convert robots; run the tests marked `portable` against the installed package
     --oldest       the oldest Python once more, with the oldest dependencies that pyproject.toml allows
     all            the same bytes from each: URDF, SDFormat, MJCF, meshes, reports
 
-Prints which Pythons were found and which were not; the exit code is 1 if anything failed in any of them.
+Prints which Pythons were found and which were not; the exit code is 1 after any failure.
 """
 
 import argparse
@@ -28,12 +28,12 @@ BUILD = ROOT / "build" / "wheels"
 ROBOTS = ("stepbot_four_bar", "stepbot_delta", "stepbot_diff_drive", "stepbot_quadruped", "stepbot_upper_body")
 """Closed loops, hulls of thousands of vertices, fitted shapes, a hundred meshes."""
 PROVEN = "stepbot_four_bar"
-"""That robot is converted with proof too: the engines load it."""
+"""This robot is verified too: the engines load it."""
 _LOWEST = re.compile(r"([\w.-]+)\s*>=\s*([\w.]+)")
 
 
 class Failed(Exception):
-    """A command failed; what it printed has been shown."""
+    """A command failed; its output has been printed."""
 
 
 @dataclass(frozen=True)
@@ -46,22 +46,22 @@ class Environment:
 
     @property
     def folder(self) -> Path:
-        """Where it is made."""
+        """Folder of the environment."""
         return BUILD / self.name.replace(" ", "-")
 
     @property
     def programs(self) -> Path:
-        """Where its programs are."""
+        """Folder of its programs."""
         return self.folder / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
 
     @property
     def converted(self) -> Path:
-        """Where its robots are."""
+        """Folder of its robots."""
         return self.folder / "robots"
 
 
 def main() -> int:
-    """Do all that; returns the exit code."""
+    """Run everything; returns the exit code."""
     parser = argparse.ArgumentParser(description="Try the wheel in every supported Python that is found.")
     parser.add_argument("--no-tests", action="store_true", help="install, convert and compare only")
     parser.add_argument("--oldest", action="store_true", help="try the oldest dependencies too")
@@ -107,7 +107,7 @@ def _lower_bounds() -> tuple[str, ...]:
 
 
 def _test_requirements() -> list[str]:
-    """What the tests need beside the wheel, in the ranges of pyproject.toml."""
+    """The tests' dependencies besides the wheel, in the ranges of pyproject.toml."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = ("hypothesis", "jsonschema", "pytest", "pytest-xdist")
     return [one for one in project["optional-dependencies"]["dev"] if re.split("[><=]", one)[0] in wanted]
@@ -129,7 +129,7 @@ def _install(one: Environment, wheel: Path) -> None:
 
 
 def _convert(one: Environment) -> None:
-    """Convert as a user does, elsewhere than in the checkout."""
+    """Convert like a user, outside the checkout."""
     one.converted.mkdir()
     for robot in ROBOTS:
         (sidecar,) = (ROOT / "robot_library" / robot).glob("*.robot.yaml")
@@ -140,7 +140,7 @@ def _convert(one: Environment) -> None:
 
 
 def _test(one: Environment) -> None:
-    """The portable tests; the sources are not on the import path, so that the wheel is what they find."""
+    """The portable tests; the sources are not on the import path, so that the wheel is tested."""
     pytest = [
         str(one.programs / "python"),
         "-m",
@@ -170,7 +170,7 @@ def _test(one: Environment) -> None:
 
 
 def _differences(environments: list[Environment]) -> Iterator[str]:
-    """What differs between the robots of the first environment and those of the others."""
+    """Differences between the robots of the first environment and those of the others."""
     first, *others = environments
     expected = _digests(first.converted)
     print(f"{len(expected)} files of {len(ROBOTS)} robots by {first.name}", flush=True)
@@ -184,7 +184,7 @@ def _differences(environments: list[Environment]) -> Iterator[str]:
 
 
 def _digests(folder: Path) -> dict[str, str]:
-    """Of each file below a folder its hash."""
+    """Hash of each file below a folder."""
     files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
     return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
@@ -197,7 +197,7 @@ def _run(what: str, *command: str, cwd: Path) -> None:
 
 
 def _clean() -> dict[str, str]:
-    """The environment without what would lead Python to the checkout or to another environment."""
+    """The environment without variables that lead Python to the checkout or to another environment."""
     return {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
 
 

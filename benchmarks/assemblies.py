@@ -1,4 +1,4 @@
-"""Large assemblies, the same bytes each time: many definitions, many occurrences, many faces, many bytes."""
+"""Large assemblies, byte-identical each time: many definitions, many occurrences, many faces, many bytes."""
 
 import math
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ frames:
   probe: {{link: base, origin: {{xyz: [0, 0, 0.001]}}}}
 """
 _SPACING = 120.0
-"""Between occurrences [mm]: no two of them touch."""
+"""Distance between occurrences [mm], so that no two touch."""
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """Plates, each drawn ``definitions`` times anew and placed ``occurrences`` times; or one relief."""
+    """Plates, with ``definitions`` separate definitions, each placed ``occurrences`` times; or one relief."""
 
     definitions: int = 0
     occurrences: int = 1
@@ -33,7 +33,7 @@ class Assembly:
 
     @property
     def volume(self) -> float:
-        """Of all occurrences [mm^3], in closed form."""
+        """Volume of all occurrences [mm^3], in closed form."""
         if self.cells:
             return Relief(self.cells).volume
         return self.occurrences * sum(self._plate(number).volume for number in range(self.definitions))
@@ -77,7 +77,7 @@ ASSEMBLIES = {
 
 
 def generate(assembly: Assembly, folder: Path, name: str) -> Path:
-    """Write ``NAME.step`` and a sidecar for it; the path of the sidecar."""
+    """Write ``NAME.step`` and a sidecar for it; returns the path of the sidecar."""
     folder.mkdir(parents=True, exist_ok=True)
     assembly.write(folder / f"{name}.step")
     sidecar = folder / f"{name}.robot.yaml"

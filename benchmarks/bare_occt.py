@@ -1,7 +1,7 @@
-"""What the kernel alone takes for a STEP file: read, transfer, mesh, integrate, one after the other.
+"""The kernel's own time for a STEP file: read, transfer, mesh, integrate, one after the other.
 
-``python bare_occt.py FILE [RELATIVE_DEFLECTION [ANGLE]]``, as anybody would write it, with the kernel's own defaults.
-Every definition is meshed and measured once, at the tolerances that stepbot has unless a sidecar says otherwise.
+``python bare_occt.py FILE [RELATIVE_DEFLECTION [ANGLE]]``, a typical script with the kernel's own defaults. Every
+definition is meshed and measured once, at stepbot's default tolerances.
 """
 
 import json

@@ -141,7 +141,7 @@ def _smoke(_: argparse.Namespace, folder: Path) -> None:
 
 
 def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:
-    """A case in which the sidecar has a named frame to move, and nothing else is changed."""
+    """A case whose sidecar has a named frame to move."""
     text = sidecar.read_text(encoding="utf-8")
     named = _STEP.search(text)
     if step is None and named is None:

@@ -1,4 +1,4 @@
-"""Contenders in turn, round by round, on the same case: ratios of runs that met the same machine."""
+"""Runs contenders alternately, round by round, on the same case: ratios of runs under the same conditions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from .timing import Cost, peak_memory, timed
 
 @dataclass(frozen=True)
 class Row:
-    """What one contender took, beside the first of its comparison."""
+    """The result of one contender, relative to the first of its comparison."""
 
     contender: str
     wall: float
@@ -21,7 +21,7 @@ class Row:
     """Median of the ratios to the first one in the same round."""
     cpu_ratio: float
     memory: float | None = None
-    """Peak [MiB]; None where it was not asked for."""
+    """Peak [MiB]; None if not measured."""
 
 
 def compare(
@@ -30,11 +30,11 @@ def compare(
     """Time contenders against the first of them.
 
     Args:
-        case: What they work on.
-        contenders: Who; each runs once a round, in this order.
-        rounds: How often.
-        warm_up: Whether a round that does not count comes first.
-        memory: Whether to run each once more and look at its memory, which takes time of its own.
+        case: The input.
+        contenders: The contenders; each runs once per round, in this order.
+        rounds: Number of rounds.
+        warm_up: Whether to run an uncounted round first.
+        memory: Whether to run each once more to measure its memory, which takes additional time.
     """
     for contender in contenders:
         contender.before_all(case)

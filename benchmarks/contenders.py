@@ -1,4 +1,4 @@
-"""Who is timed, and what each of them is to do with a STEP file."""
+"""The contenders, and their commands for a STEP file."""
 
 import os
 import shutil
@@ -18,7 +18,7 @@ _STEPBOT = (sys.executable, "-m", "stepbot_cli")
 
 @dataclass
 class Case:
-    """One robot to convert, in a folder of its own."""
+    """One robot to convert, in its own folder."""
 
     name: str
     folder: Path
@@ -29,13 +29,13 @@ class Case:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Nothing of what the caller's own stepbot has kept counts; Python keeps bytecode, as it does by default."""
+        """Isolated from the caller's cache; Python keeps bytecode, as it does by default."""
         own = {"STEPBOT_CACHE": str(self.folder / "kept"), "STEPBOT_NO_CACHE": ""}
         return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | own
 
     @staticmethod
     def of(sidecar: Path, step: Path, folder: Path) -> "Case":
-        """A case from a sidecar and its STEP, both copied."""
+        """A case from copies of a sidecar and its STEP."""
         name = sidecar.name.removesuffix(".robot.yaml")
         folder = folder / name
         folder.mkdir(parents=True)
@@ -45,7 +45,7 @@ class Case:
         return Case(name, folder, *copies)
 
     def edit(self) -> None:
-        """Change the sidecar so that every file that is written changes: a named frame moves by a hair."""
+        """Change the sidecar so that every written file changes: a named frame moves slightly."""
         self.edits += 1
         text = self.sidecar.read_text(encoding="utf-8")
         start = text.index("\nframes:")
@@ -57,12 +57,12 @@ class Case:
 
 
 def _nothing(case: Case) -> None:
-    """What most contenders need before a run."""
+    """Preparation of most contenders before a run."""
 
 
 @dataclass(frozen=True)
 class Contender:
-    """One way to spend time on a case."""
+    """One contender."""
 
     name: str
     command: Callable[[Case], list[str]]
@@ -95,7 +95,7 @@ sys.exit(any([run.wait() for run in runs]))
 
 
 def _twice(how: str) -> Contender:
-    """The bare script two times: what the cores of a machine give to processes that share nothing."""
+    """The bare script twice: the speedup of independent processes on this machine."""
     return Contender(f"bare OCCT script, twice {how}", lambda case: [sys.executable, "-c", _TWICE, how, *_script(case)])
 
 
@@ -112,7 +112,7 @@ CHECK = Contender(
 
 
 def cascadio(python: str) -> Contender:
-    """STEP to GLB by cascadio, in an environment of its own: where it is installed, trimesh imports it too."""
+    """STEP to GLB by cascadio, in a separate environment, because trimesh imports it if it is installed."""
     return Contender("cascadio, STEP to GLB", lambda case: [python, "-c", _CASCADIO, case.step.name, "out.glb"])
 
 
@@ -130,10 +130,10 @@ def batch(jobs: int, library: Path) -> Contender:
 
 
 def revision(name: str, folder: Path) -> Contender:
-    """stepbot as it was at a commit or tag, without verification.
+    """stepbot at a commit or tag, without verification.
 
     Args:
-        name: What git calls it.
+        name: Its name in git.
         folder: Receives its source.
     """
     source = folder / "source"

@@ -1,4 +1,4 @@
-"""Writes STEP files (ISO 10303-21, AP214) statement by statement, so that files of any size need no memory."""
+"""Writes STEP files (ISO 10303-21, AP214) statement by statement, so that large files need little memory."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Product:
     shape: int
     """Its representation."""
     axes: int
-    """The placement that its shape is drawn in."""
+    """The placement of its shape."""
 
 
 class Exchange:
@@ -52,7 +52,7 @@ class Exchange:
         )
 
     def add(self, text: str) -> int:
-        """Write a statement; its number."""
+        """Write a statement; returns its number."""
         self._last += 1
         self._file.write(f"#{self._last}={text};\n")
         return self._last
@@ -121,12 +121,12 @@ class Exchange:
         return self.add(f"EDGE_CURVE('',#{v1},#{v2},#{curve},.T.)")
 
     def circle(self, vertex: int, center: Point, radius: float) -> int:
-        """A closed edge in a horizontal plane, anticlockwise, from a vertex that lies along x."""
+        """A closed edge in a horizontal plane, anticlockwise, from a vertex along x."""
         curve = self.add(f"CIRCLE('',#{self.placement(center)},{_number(radius)})")
         return self.add(f"EDGE_CURVE('',#{vertex},#{vertex},#{curve},.T.)")
 
     def loop(self, edges: Iterable[tuple[int, bool]], *, is_outer: bool) -> int:
-        """A bound of a face: edges, each with whether it is run through as it was drawn."""
+        """A bound of a face: edges, each with whether it is traversed in its own direction."""
         oriented = [self.add(f"ORIENTED_EDGE('',*,*,#{edge},{_truth(forward)})") for edge, forward in edges]
         loop = self.add(f"EDGE_LOOP('',{_list(oriented)})")
         return self.add(f"{'FACE_OUTER_BOUND' if is_outer else 'FACE_BOUND'}('',#{loop},.T.)")
@@ -137,12 +137,12 @@ class Exchange:
         return self.add(f"ADVANCED_FACE('',{_list(bounds)},#{surface},.T.)")
 
     def bore(self, bounds: Sequence[int], p: Point, radius: float) -> int:
-        """The inside of an upright cylinder."""
+        """The inner face of a vertical cylinder."""
         surface = self.add(f"CYLINDRICAL_SURFACE('',#{self.placement(p)},{_number(radius)})")
         return self.add(f"ADVANCED_FACE('',{_list(bounds)},#{surface},.F.)")
 
     def solid(self, faces: Sequence[int]) -> int:
-        """A solid within faces."""
+        """A solid bounded by faces."""
         shell = self.add(f"CLOSED_SHELL('',{_list(faces)})")
         return self.add(f"MANIFOLD_SOLID_BREP('',#{shell})")
 

@@ -1,10 +1,10 @@
-"""How well links and joints are inferred from plain STEP files, robot by robot.
+"""Quality of links and joints inferred from plain STEP files, robot by robot.
 
-    full       names and subassemblies as they are
+    full       with names and subassemblies
     nameless   without names
     bare       without names and subassemblies
 
-The robots are those of the library, and the real assemblies of the corpus that have a sidecar made by hand.
+The robots are those of the library, and the real assemblies of the corpus that have a hand-written sidecar.
 """
 
 import os
@@ -25,16 +25,16 @@ from .scoring import Score, is_unmarked, score
 from .truth import read_truth
 
 MODES = {"full": Sources(), "nameless": Sources(names=False), "bare": Sources(names=False, tree=False)}
-"""What inference may look at."""
+"""Sources of evidence that inference may use."""
 _COARSE = MeshTolerance(relative=0.05, angle=0.8)
-"""Meshes do not matter here."""
+"""Coarse: meshes are not compared here."""
 _NO_ROBOTS = ("as1-oc-214", "dm1_ideas_inch", "eight_cylinders_multi_root", "rotor_pump_ap203", "s1_autocad_foot")
 _HEADS = ("found", "seen", "precision", "wrong (unmarked)", "volume in the right link", "root")
 
 
 @dataclass(frozen=True)
 class Subject:
-    """An assembly and, where there is one, the sidecar with its joints."""
+    """An assembly and its sidecar with the true joints, if there is one."""
 
     name: str
     group: str
@@ -43,7 +43,7 @@ class Subject:
 
 
 def subjects(corpus: Path | None) -> Iterator[Subject]:
-    """The library, then what there is of the corpus."""
+    """The library, then the available part of the corpus."""
     for sidecar in sorted((ROOT / "robot_library").glob("*/*.robot.yaml")):
         (step,) = sidecar.parent.glob("*.step")
         yield Subject(sidecar.parent.name, "library", step, sidecar)
@@ -84,7 +84,7 @@ def measure(corpus: Path | None, only: str = "") -> None:
 
 
 def corpus_folder() -> Path | None:
-    """The folder of real assemblies: ``STEPBOT_CORPUS``, or beside the checkout; None where there is none."""
+    """The folder of real assemblies: ``STEPBOT_CORPUS``, or next to the checkout; None if there is none."""
     folder = Path(os.environ.get("STEPBOT_CORPUS") or ROOT.parent / "shared" / "corpus")
     return folder if folder.is_dir() else None
 

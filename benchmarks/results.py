@@ -1,4 +1,4 @@
-"""Results as they are kept, benchmarks/results.json, and as text."""
+"""Results in benchmarks/results.json, and as text."""
 
 import json
 import os
@@ -13,7 +13,7 @@ FILE = Path(__file__).with_name("results.json")
 
 
 def keep(kind: str, case: str, rows: Sequence[Row], rounds: int) -> None:
-    """Put results into the file, in place of those of the same kind and case."""
+    """Store results, replacing those of the same kind and case."""
     known = load()
     entry = {"machine": machine(), "rounds": rounds, "rows": [_rounded(row) for row in rows]}
     known.setdefault(kind, {})[case] = entry
@@ -26,14 +26,14 @@ def load() -> dict[str, dict[str, dict[str, object]]]:
 
 
 def rows_of(entry: dict[str, object]) -> list[Row]:
-    """The rows of what :func:`load` gives for a case."""
+    """The rows of a case in the result of :func:`load`."""
     rows = entry["rows"]
     assert isinstance(rows, list)
     return [Row(**{field.name: row[field.name] for field in fields(Row)}) for row in rows]
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Rows as a table in Markdown; ratios to the first of them."""
+    """Rows as a Markdown table, with ratios to the first."""
     has_memory = any(row.memory is not None for row in rows)
     lines = ["| | wall s | ratio | cpu s | ratio |" + (" peak MiB |" if has_memory else "")]
     lines.append("| --- | --: | --: | --: | --: |" + (" --: |" if has_memory else ""))

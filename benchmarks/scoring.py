@@ -1,4 +1,4 @@
-"""How much of what is true was inferred, and how much of what was inferred is true."""
+"""Recall and precision of inferred joints."""
 
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from stepbot.robot.model import JointKind
 from .truth import TrueJoint, Truth, unit_distance
 
 DISTANCE, ANGLE = 2e-5, 1e-3
-"""[m] and [rad] within which an axis is the right one."""
+"""[m] and [rad] up to which an axis is correct."""
 _SAME = {JointKind.CONTINUOUS: JointKind.REVOLUTE}
 
 
@@ -24,9 +24,9 @@ class Score:
 
     true: int = 0
     drafted: int = 0
-    """Without placeholders: fixed joints to what nothing ties."""
+    """Without placeholders, which are fixed joints to unconnected links."""
     found: int = 0
-    """With the right axis, type and sides."""
+    """With the right axis, type and links."""
     seen: int = 0
     """With the right axis, drafted or offered."""
     wrong: list[str] = field(default_factory=list)
@@ -39,7 +39,7 @@ class Score:
 
 
 def score(inferred: Inferred, truth: Truth) -> Score:
-    """Compare what was inferred with what is true."""
+    """Compare the inferred mechanism with the true one."""
     result = Score(true=len(truth.joints))
     link_of = _assigned(inferred, truth)
     arcs = [arc for arc in inferred.arcs if arc.hinge.type != JointKind.FIXED]
@@ -73,7 +73,7 @@ def is_unmarked(arc: Arc) -> bool:
 
 
 def _match(arc: Arc, joint: TrueJoint, link_of: dict[int, str], n: int) -> tuple[int, int]:
-    """3 for axis, sides and type, 2 without the type, 1 for the axis alone; then the first of equal ones."""
+    """3 for axis, links and type, 2 without the type, 1 for the axis alone; then the first of equal ones."""
     if not _is_on(arc.hinge.axis, arc.hinge.type, joint):
         return 0, -n
     if {link_of.get(arc.parent), link_of.get(arc.child)} != {joint.a, joint.b}:
@@ -95,7 +95,7 @@ def _is_on(axis: Axis, kind: JointKind, joint: TrueJoint) -> bool:
 
 
 def _assigned(inferred: Inferred, truth: Truth) -> dict[int, str]:
-    """Which true link each inferred one is: the largest common volume first, each true one once."""
+    """The true link of each inferred one: the largest common volume first, each true one once."""
     common: dict[tuple[int, str], float] = defaultdict(float)
     for n, members in enumerate(inferred.links):
         for i in members:

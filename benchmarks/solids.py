@@ -1,4 +1,4 @@
-"""Solids whose volume is known: plates with bores, and reliefs of thousands of triangles."""
+"""Solids of known volume: plates with bores, and reliefs of thousands of triangles."""
 
 import math
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Plate:
 
 @dataclass(frozen=True)
 class Relief:
-    """A square block, 1 mm to a cell, whose upper side is two plane triangles a cell, as converted meshes have."""
+    """A square block of 1 mm cells with two plane triangles each on its upper side, like converted meshes."""
 
     cells: int
 
@@ -83,7 +83,7 @@ class Relief:
         return to.solid(faces + self._below(to, vertex, rims))
 
     def _below(self, to: Exchange, vertex: dict[tuple[int, int], int], rims: list[list[tuple[int, bool]]]) -> list[int]:
-        """Bottom and sides; each rim runs from the later corner of its side to the earlier one."""
+        """Bottom and sides; each rim is directed from the later corner of its side to the earlier one."""
         n, size = self.cells, float(self.cells)
         corners = [(0.0, 0.0, 0.0), (size, 0.0, 0.0), (size, size, 0.0), (0.0, size, 0.0)]
         feet = [to.vertex(p) for p in corners]
@@ -143,7 +143,7 @@ def _box(
 
 
 def _height(i: int, j: int) -> float:
-    """Of a relief [mm]; rough, and the same everywhere."""
+    """Height of a relief [mm]; rough, and deterministic."""
     return 10.0 + ((7 * i * i + 3 * j * j + 5 * i * j) % 11) / 4.0
 
 

@@ -1,4 +1,4 @@
-"""What one run of a command costs: time on the wall, processor time of all its processes, memory of all of them."""
+"""The cost of one run of a command: elapsed time, processor time and memory of all its processes."""
 
 import os
 import subprocess
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _BETWEEN_SAMPLES = 0.02
-"""Seconds between two looks at the memory of a tree of processes."""
+"""Sampling interval [s] of the memory of a process tree."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run cost."""
+    """The cost of a run."""
 
     wall: float
     """[s]."""
@@ -23,11 +23,11 @@ class Cost:
 
 
 class CommandFailed(Exception):
-    """A command that is to be timed does not work; the message ends with what it printed."""
+    """A timed command failed; the message ends with its output."""
 
 
 def timed(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> Cost:
-    """Run a command in a folder and take its times.
+    """Run a command in a folder and measure its times.
 
     Raises:
         CommandFailed: Its exit code is not 0.
@@ -43,9 +43,9 @@ def timed(command: Sequence[str], folder: Path, environment: Mapping[str, str]) 
 
 
 def peak_memory(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> float:
-    """Most memory [MiB] that a command and its processes held at a time, as proportional set sizes; on Linux.
+    """Peak memory [MiB] of a command and its processes, as proportional set sizes; on Linux.
 
-    Pages that several processes share count once, unlike in a sum of resident set sizes.
+    Pages shared by several processes count once, unlike in a sum of resident set sizes.
 
     Raises:
         CommandFailed: Its exit code is not 0.
@@ -67,7 +67,7 @@ def _check(command: Sequence[str], code: int, told: "tempfile._TemporaryFileWrap
 
 
 def _tree(pid: int) -> list[int]:
-    """A process and all below it that are still there."""
+    """A process and its running descendants."""
     found, left = [], [pid]
     while left:
         found.append(left.pop())

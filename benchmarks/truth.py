@@ -1,4 +1,4 @@
-"""What a sidecar made by hand says of a robot: links as sets of parts, joints as lines in the assembly."""
+"""The true mechanism of a robot by a hand-written sidecar: links as sets of parts, joints as lines in the assembly."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -35,12 +35,12 @@ class TrueJoint:
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Links, each the union of all that fixed joints hold together, and the joints between them."""
+    """Links, each the union of those connected by fixed joints, and the joints between them."""
 
     link_of: dict[int, str]
-    """For each part that a link claims the link."""
+    """For each claimed part its link."""
     joints: list[TrueJoint]
-    """Those that move; not those to links without parts, which nobody could find."""
+    """Moving joints, except those to links without parts, which cannot be found."""
     root: str
 
 
@@ -80,7 +80,7 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
 
 
 def _simplified(parts: dict[str, tuple[int, ...]], joints: list[TrueJoint], root: str) -> Truth:
-    """Links that fixed joints hold together are one; what hangs on a link without parts hangs on what is above."""
+    """Links connected by fixed joints are one; the children of a link without parts belong to its parent."""
     one = _united(parts, ((j.a, j.b) for j in joints if j.kind == JointKind.FIXED))
     filled = {one[link] for link, members in parts.items() if members}
     above = {one[j.b]: one[j.a] for j in joints if not j.is_closure and one[j.a] != one[j.b]}

@@ -1,6 +1,6 @@
-"""Write the files that are generated from the code, or say with ``--check`` which of them are stale.
+"""Write the files that are generated from the code, or list outdated ones with ``--check``.
 
-README.md is written by hand but for the parts between ``<!-- generated: NAME -->`` and ``<!-- end -->``.
+README.md is written by hand except for the parts between ``<!-- generated: NAME -->`` and ``<!-- end -->``.
 """
 
 import re
@@ -20,12 +20,12 @@ ROOT = Path(__file__).resolve().parents[1]
 _GENERATED_PART = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 _MOST_LINES = 8
-"""Lines of an example of a diagnostic."""
+"""Maximum number of lines of a diagnostic's example."""
 _LAYERS = re.compile(r"(## Who may import whom\n\n```text\n).*?(```\n)", re.DOTALL)
 
 
 def readme() -> str:
-    """README.md with its generated parts written anew."""
+    """README.md with its generated parts updated."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     return _GENERATED_PART.sub(lambda match: match[1] + _README_PARTS[match[2]]() + match[3], text)
 
@@ -40,7 +40,7 @@ _README_PARTS: dict[str, Callable[[], str]] = {"help": help_text}
 
 
 def architecture() -> str:
-    """docs/architecture.md with the layers as the import contract has them."""
+    """docs/architecture.md with the layers of the import contract."""
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
         "contracts"
@@ -57,7 +57,7 @@ def diagnostics() -> str:
 
 
 def _example(folder: Path) -> str:
-    """The command of a transcript, where it has one, and the first diagnostic of its code."""
+    """The command of a transcript, if it has one, and the first diagnostic of its code."""
     code = f"[{folder.name[:5]}]: "
     blocks = (folder / "expected.txt").read_text(encoding="utf-8").rstrip().split("\n\n")
     block = next(block for block in blocks if code in block.partition("\n")[0])
@@ -81,7 +81,7 @@ GENERATED: dict[str, Callable[[], str]] = {
 
 
 def main(arguments: list[str]) -> int:
-    """Write all generated files; with ``--check`` only compare, and return 1 where one is stale."""
+    """Write all generated files; with ``--check`` only compare, and return 1 if one is outdated."""
     stale = []
     for path, text in GENERATED.items():
         file, wanted = ROOT / path, text()

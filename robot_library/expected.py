@@ -1,4 +1,4 @@
-"""The expected.json of a robot: numbers that hold whatever program reads its STEP, always the same bytes."""
+"""The expected.json of a robot: values that any program should read from its STEP, with deterministic bytes."""
 
 import json
 from collections.abc import Sequence
@@ -10,16 +10,16 @@ import numpy as np
 from .moments import Array, Moments, inverse
 
 _DIGITS = 12
-"""Significant digits: nearly as many as the STEP has, and few enough that every platform writes the same."""
+"""Significant digits: nearly as many as the STEP has, and few enough to be the same on every platform."""
 
 
 def mass_properties(body: Moments) -> dict[str, Any]:
-    """Mass [kg], com [m] and inertia [kg m^2] about the com, in the frame that the body is given in."""
+    """Mass [kg], com [m] and inertia [kg m^2] about the com, in the body's frame."""
     return {"mass": body.mass, "com": body.com, "inertia": body.inertia}
 
 
 def link(body_W: Moments, X_WL: Array) -> dict[str, Any]:
-    """A link's mass properties in the assembly's frame W, where its frame L lies, and the same properties in L."""
+    """A link's mass properties in the assembly's frame W, the pose of its frame L, and the same properties in L."""
     body_L = body_W.moved(inverse(X_WL))
     return {**mass_properties(body_W), "frame": frame(X_WL), "in_link_frame": mass_properties(body_L)}
 
@@ -35,7 +35,7 @@ def joint(X_WJ: Array, axis_W: Sequence[float]) -> dict[str, Any]:
 
 
 def write_expected(path: Path, content: dict[str, Any]) -> None:
-    """Write expected.json; arrays of numbers keep to one line."""
+    """Write expected.json; arrays of numbers are on one line."""
     path.write_text(_text(content) + "\n", encoding="utf-8", newline="\n")
 
 
@@ -52,7 +52,7 @@ def _text(value: Any, indent: str = "") -> str:
 def _rounded(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         scale = float(np.max(np.abs(value), initial=0.0))
-        # What is 1e-14 of its neighbours is the noise of a sum that is 0 in exact arithmetic.
+        # Values below 1e-14 of their neighbours are rounding errors of a sum that is exactly 0.
         return _rounded(np.where(np.abs(value) < 1e-14 * scale, 0.0, value).tolist())
     if isinstance(value, dict):
         return {key: _rounded(item) for key, item in value.items()}

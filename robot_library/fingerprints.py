@@ -1,4 +1,4 @@
-"""Hashes by which what was made is known to be stale, so that nothing needs to be drawn or converted to find out."""
+"""Hashes of inputs, by which outdated results are detected without drawing or converting."""
 
 import hashlib
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ _DIGITS = 16
 
 
 def drawing(folder: Path) -> str:
-    """Of what the STEP of a robot is drawn from: its scripts, its expected.json, and the modules they share."""
+    """Of the inputs of a robot's STEP: its scripts, its expected.json, and shared modules."""
     scripts = sorted(path for path in folder.glob("*.py") if path.name != "view.py")
     text = "\n".join(path.read_text(encoding="utf-8") for path in scripts)
     used = [f"{name}.py" for name in _OF_MACHINES if f"from ..{name} import" in text]
@@ -21,12 +21,12 @@ def drawing(folder: Path) -> str:
 
 
 def robot(folder: Path) -> str:
-    """Of what a robot is converted from: its STEP and its sidecar."""
+    """Of the inputs of a robot's conversion: its STEP and its sidecar."""
     return _hash((*sorted(folder.glob("*.step")), *sorted(folder.glob("*.robot.yaml"))))
 
 
 def picture(folder: Path) -> str:
-    """Of what a picture shows, where it is taken from, and what renders it."""
+    """Of the inputs of a picture: the robot, the view, and the renderer."""
     return _hash(
         (
             *sorted(folder.glob("*.step")),
@@ -40,7 +40,7 @@ def picture(folder: Path) -> str:
 def _hash(paths: Iterable[Path]) -> str:
     digest = hashlib.sha256()
     for path in paths:
-        # A checkout may have other ends of lines.
+        # A checkout may have other line ends.
         content = path.read_bytes().replace(b"\r\n", b"\n") if path.is_file() else b""
         digest.update(f"{path.name} {len(content)}\n".encode())
         digest.update(content)

@@ -1,8 +1,8 @@
-"""Make the library anew, ``python -m robot_library``, or say with ``--check`` what of it is stale.
+"""Update the library, ``python -m robot_library``, or list outdated parts with ``--check``.
 
-For every robot, several at once: draw its STEP, convert and verify it into ``build/library/<folder>``, draw its picture
-where it is stale, write the tables of its README; then the gallery of all. ``--check`` compares hashes alone: it needs
-neither build123d nor Embree, and no time.
+For every robot, several in parallel: draw its STEP, convert and verify it into ``build/library/<folder>``, render its
+picture if outdated, write the tables of its README; then the gallery of all. ``--check`` compares only hashes: it needs
+neither build123d nor Embree, and takes no time.
 """
 
 import argparse
@@ -26,7 +26,7 @@ _PAGE = "README.md"
 
 
 def folders(names: Iterable[str] = ()) -> list[Path]:
-    """The folders of the robots, or of those that are named."""
+    """The folders of the robots, or of the named ones."""
     found = sorted(path.parent for path in LIBRARY.glob("*/*.robot.yaml"))
     wanted = set(names)
     unknown = wanted - {path.name for path in found}
@@ -36,7 +36,7 @@ def folders(names: Iterable[str] = ()) -> list[Path]:
 
 
 def stale(folder: Path) -> list[str]:
-    """What of a robot was made from something other than what there is now."""
+    """The outdated parts of a robot."""
     from .preview import stale as picture_is_stale
 
     told = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
@@ -51,11 +51,11 @@ def stale(folder: Path) -> list[str]:
 
 
 def make(folder: Path, force: bool = False) -> str:
-    """Make one robot; gives what went wrong, or nothing.
+    """Make one robot; returns the reason for a failure, or an empty string.
 
     Args:
         folder: The robot's folder.
-        force: Whether to draw what is not stale, too.
+        force: Whether to draw what is up to date, too.
     """
     told = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
     if force or told is None or told[0] != fingerprints.drawing(folder):
@@ -85,7 +85,7 @@ def _converted(folder: Path) -> "Conversion":
 
 
 def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
-    """Mass properties by their shapes alone of the links that have shapes and whose sidecar gives others."""
+    """Mass properties, from their shapes only, of the links with shapes whose sidecar gives others."""
     from ruamel.yaml import YAML
 
     from stepbot.pipeline.stages import Options, convert
@@ -108,7 +108,7 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
 
 
 def fresh_gallery() -> str:
-    """The library's README with pictures and table of all robots, as their pages have them now."""
+    """The library's README with pictures and table of all robots, from their pages."""
     from stepbot.jobs.library import LibraryRobot
 
     robots = [LibraryRobot(sidecar.parent, sidecar) for sidecar in sorted(LIBRARY.glob("*/*.robot.yaml"))]
@@ -116,12 +116,12 @@ def fresh_gallery() -> str:
 
 
 def gallery_is_stale() -> bool:
-    """Whether a robot's page says something else than the gallery, or is missing there."""
+    """Whether a robot's page differs from the gallery, or is missing there."""
     return (LIBRARY / _PAGE).read_text(encoding="utf-8") != fresh_gallery()
 
 
 def main() -> int:
-    """Do what the command line says; gives the exit code."""
+    """Run the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description="Make the library of robots anew.")
     parser.add_argument("names", nargs="*", metavar="FOLDER", help="only these robots")
     parser.add_argument("--check", action="store_true", help="only say what is stale")

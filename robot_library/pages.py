@@ -1,4 +1,4 @@
-"""The parts of README.md that are written from what was found: tables of each robot, and the gallery of all."""
+"""The generated parts of README.md: tables of each robot, and the gallery of all."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ _PART = re.compile(f"{re.escape(START)}.*{re.escape(END)}\n?", re.DOTALL)
 _MADE_FROM = re.compile(r"<!-- drawn from ([0-9a-f]+), converted from ([0-9a-f]+) -->")
 _COLUMNS = 3
 _WHOLE = "robot"
-"""In place of a format, for what is checked of the robot itself."""
+"""In place of a format, for checks of the robot itself."""
 _LOWERED = re.compile(r"SB7\d\d")
 
 
@@ -29,8 +29,8 @@ def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassPr
 
     Args:
         folder: The robot's folder.
-        conversion: What came of it, verified.
-        own: Mass properties of links by their shapes alone, for those whose maker publishes others.
+        conversion: The verified conversion.
+        own: Mass properties of links from their shapes only, for those whose maker publishes others.
     """
     robot, report = conversion.robot, conversion.report
     assert robot is not None
@@ -44,20 +44,20 @@ def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassPr
 
 
 def with_part(page: str, part: str) -> str:
-    """A page with its generated part replaced, or appended where it has none yet."""
+    """A page with its generated part replaced, or appended if it has none."""
     if START not in page:
         return f"{page.rstrip()}\n\n{part}"
     return _PART.sub(lambda _: part, page)
 
 
 def made_from(page: str) -> tuple[str, str] | None:
-    """Hashes that a robot's README says its STEP and its tables were made from; None where it says nothing."""
+    """Hashes of the inputs of a robot's STEP and tables, from its README; None if missing."""
     found = _MADE_FROM.search(page)
     return None if found is None else (found[1], found[2])
 
 
 def gallery(robots: Sequence["LibraryRobot"]) -> str:
-    """The generated part of the library's README, by the robots' pages: pictures, and what was proven of each."""
+    """The generated part of the library's README, from the robots' pages: pictures and verification results."""
     lines = [START, "", "<table>"]
     for first in range(0, len(robots), _COLUMNS):
         lines.append("<tr>")
@@ -82,13 +82,13 @@ def gallery(robots: Sequence["LibraryRobot"]) -> str:
 
 
 def _results(robot: "LibraryRobot") -> dict[str, str]:
-    """For each format and engine what came of the verification, as the robot's page says."""
+    """For each format and engine the verification result on the robot's page."""
     rows = robot.table("Verification")[1:]
     return {f"{format_} in {engine}": result for format_, engine, result, *_ in rows if format_ != _WHOLE}
 
 
 def facts_of(conversion: "Conversion") -> str:
-    """Links, freedoms, loops and mass in a few words."""
+    """Links, degrees of freedom, loops and mass in a few words."""
     robot, report = conversion.robot, conversion.report
     assert robot is not None
     assert report is not None
