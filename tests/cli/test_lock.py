@@ -167,12 +167,15 @@ def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot
 
 def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
     """`convert` compares with the lock too: a moved part is a warning, and with a renamed one nothing is written."""
-    arguments = ("convert", "--no-verify", "--concise", "lever.robot.yaml", "-o", "out")
+    arguments = ("convert", "--no-verify", "--concise", str(Path("lever.robot.yaml").resolve()), "-o", "out")
     assert "SB31" not in stepbot(*arguments).err
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
     run = stepbot(*arguments)
     assert run.code == 0
     assert "warning[SB318]: link 'arm': component 'arm/motor' moved by 5 mm" in run.err
+    report = Path("out/report.json").read_text(encoding="utf-8")
+    assert "stepbot lock lever.robot.yaml" in report
+    assert str(Path.cwd()) not in report
     before = Path("out/lever.urdf").read_bytes()
     lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).write(Path("lever.step"))
     run = stepbot(*arguments)

@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -32,6 +32,7 @@ def compared_with_lock(
     assembly: Assembly,
     measures: Callable[[], Sequence[VolumeProperties | None]],
     digest: str,
+    options: Options,
     found: Diagnostics,
 ) -> Comparison | None:
     """Compare an assembly with the lock of its sidecar, and report what has changed.
@@ -41,6 +42,7 @@ def compared_with_lock(
         assembly: What the STEP holds now.
         measures: Gives for each of ``assembly.bodies`` what trimesh measures on its mesh.
         digest: Hash of the STEP's bytes; empty where it is not known.
+        options: Whether another STEP was given than the one that the sidecar names.
         found: Receives the diagnostics.
 
     Returns:
@@ -53,6 +55,7 @@ def compared_with_lock(
     if digest and digest == lock.digest:
         return None
     compared = revised(sidecar, assembly, lock, measures(), digest)
+    compared = replace(compared, step=options.step.name if options.step is not None else "")
     report_changes(compared, found)
     return compared
 

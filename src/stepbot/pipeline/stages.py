@@ -110,7 +110,7 @@ def _produce(
 
         progress("build")
         measures = partial(loading.measures, found)
-        compared = compared_with_lock(sidecar, assembly, measures, loading.content, found)
+        compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
         revised = UNREVISED if compared is None else compared.rebinding.revised
         built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
         found.raise_if_errors()
@@ -164,7 +164,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             source = options.step or named_step(loaded, found)
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
                 assembly, measures = loading.assembly(found), partial(loading.measures, found)
-                compared = compared_with_lock(loaded, assembly, measures, loading.content, found)
+                compared = compared_with_lock(loaded, assembly, measures, loading.content, options, found)
                 revised = UNREVISED if compared is None else compared.rebinding.revised
                 built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker, revised)
                 if built is not None:

@@ -1,6 +1,5 @@
 """Paths that a revision has broken, as diagnostics."""
 
-import shlex
 from collections.abc import Hashable, Iterable, Sequence
 
 from stepbot.assemble.binder import listed
@@ -56,8 +55,9 @@ def several(paths: Sequence[str], noun: str = "component") -> tuple[str, str]:
 def _renamed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
     help = _spelled(group)
     if all(one.replacement for one in group):
-        fix = shlex.join(["stepbot", "check", "--fix", compared.sidecar.path.as_posix()])
-        help.insert(0, f"`{fix}` rewrites {'the path' if len(group) == 1 else 'the paths'}")
+        help.insert(
+            0, f"`{compared.command('check', '--fix')}` rewrites {'the path' if len(group) == 1 else 'the paths'}"
+        )
     return "SB310", f"{_was(compared, group)} renamed to {_new(group)} ({_evidence(compared, group)})", help
 
 

@@ -1,5 +1,6 @@
 """A lock against the assembly as it is now, and what the sidecar makes of it."""
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,6 +30,13 @@ class Comparison:
     bound: Bound
     components: tuple[Component, ...]
     """The component of each part of ``new``."""
+    step: str = ""
+    """Name of the STEP file that was given in place of the one that the sidecar names; empty for that one."""
+
+    def command(self, *words: str) -> str:
+        """A command about this sidecar and STEP, by their names: reports have no folders of one machine in them."""
+        step = ("--step", self.step) if self.step else ()
+        return shlex.join(["stepbot", *words, *step, self.sidecar.path.name])
 
     def place_of(self, part: int) -> Keys:
         """Where the sidecar binds a part of ``new``: the path, `rest`, or the links where nothing does."""

@@ -3,7 +3,6 @@
 Parts that a path binds alike and that changed alike are one diagnostic.
 """
 
-import shlex
 from collections.abc import Iterable, Iterator, Sequence
 
 from stepbot.assemble.binder import listed
@@ -36,7 +35,7 @@ class _Reporter:
     def __init__(self, compared: Comparison, found: Diagnostics) -> None:
         self._c, self._found = compared, found
         self._sidecar = compared.sidecar
-        self._accept = f"if it is intended: `{shlex.join(['stepbot', 'lock', self._sidecar.path.as_posix()])}`"
+        self._accept = f"if it is intended: `{compared.command('lock')}`"
         self._paths = ComponentPaths(compared.assembly.components)
         broken = compared.rebinding.broken
         self._told = {pair.old for one in broken for pair in one.pairs}
