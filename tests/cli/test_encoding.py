@@ -47,7 +47,7 @@ def test_inspect(crate: Path, stepbot: Stepbot) -> None:
     assert (run.code, run.err) == (0, "")
     assert "encoding: gbk, as declared" in run.out
     assert '"螺丝"' in run.out
-    assert " '螺丝' " in run.out
+    assert "  '螺丝'\n" in run.out
     run = stepbot("inspect", "crate.step")
     assert run.code == 0
     assert "warning[SB210]" in run.err
