@@ -1,4 +1,4 @@
-"""Reads an existing robot description as data, whatever its format; to be called in a worker process."""
+"""Reads an existing robot description of any format as data; to be called in a worker process."""
 
 from .description import Description
 from .description.sdf import describe_sdf

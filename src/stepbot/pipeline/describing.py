@@ -1,4 +1,4 @@
-"""An existing description of the robot, read in a worker process: foreign data."""
+"""Reads an existing robot description, foreign data, in a worker process."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ _DESCRIBE = "stepbot.engines.describe:describe"
 
 
 def read_description(path: Path, options: Options, found: Diagnostics) -> Description | None:
-    """What a URDF, SDFormat or MJCF holds; None after a diagnostic.
+    """The content of a URDF, SDFormat or MJCF; None after a diagnostic.
 
     Args:
         path: The description.

@@ -1,4 +1,4 @@
-"""A sidecar, loaded and checked on its own; the STEP that it names, and how that is to be read."""
+"""Loads and checks a sidecar on its own; its STEP file and read options."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +15,7 @@ from .conversion import Options
 
 
 def load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
-    """Load a sidecar and check it, and ignore the findings that it and the options ask to ignore.
+    """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.
 
     Raises:
         StepbotError: There are errors.
@@ -31,10 +31,10 @@ def load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
 
 
 def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
-    """The STEP that the sidecar names; where there is none, the error stands at its name in the sidecar.
+    """The STEP of the sidecar; a missing file is reported at its name in the sidecar.
 
     Raises:
-        StepbotError: There is none.
+        StepbotError: It does not exist.
     """
     path = sidecar.step_path
     if not path.exists():
@@ -50,6 +50,6 @@ def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
 
 
 def what_to_read(sidecar: Sidecar | None, options: Options) -> ReadOptions:
-    """What to read of a STEP file, which may come without a sidecar."""
+    """Read options of a STEP file, with or without a sidecar."""
     what = ReadOptions() if sidecar is None else read_options(sidecar.document)
     return replace(what, encoding=options.encoding) if options.encoding else what

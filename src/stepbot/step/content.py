@@ -1,4 +1,4 @@
-"""The files of an assembly, read one after the other and put together."""
+"""Reads the files of an assembly one after the other, and combines them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,19 +24,19 @@ class Content:
     definitions: list[Definition]
     tree: Tree
     stated: list[Stated]
-    """Values that the files state for readers to compare."""
+    """Values stated in the files for comparison."""
     mechanisms: int
-    """Kinematic mechanisms that the file of the assembly describes."""
+    """Number of kinematic mechanisms in the file of the assembly."""
     external: tuple[str, ...]
     """Names of the other files that were read."""
 
 
 def read_content(files: tuple[StepFile, ...], found: Diagnostics) -> Content | None:
-    """Everything but the bodies; None, with the reason in ``found``, where there is nothing to go on with.
+    """Everything but the bodies; None, with the reason in ``found``, after an error.
 
     Args:
-        files: The file of the assembly first; others are read where a product needs them.
-        found: Receives what there is to say about the files.
+        files: The file of the assembly first; others are read if a product needs them.
+        found: Receives the diagnostics of the files.
     """
     contents = _read_all(files, found)
     if contents is None or _has_cycle(contents, files, found):
@@ -76,7 +76,7 @@ def _put_together(
 
 
 def _read_all(files: tuple[StepFile, ...], found: Diagnostics) -> dict[int, FileContent] | None:
-    """The files that are needed, by their indices in ascending order."""
+    """Indices of the needed files, ascending."""
     contents: dict[int, FileContent] = {}
     pending = [0]
     while pending:
@@ -92,7 +92,7 @@ def _read_all(files: tuple[StepFile, ...], found: Diagnostics) -> dict[int, File
 
 
 def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...], found: Diagnostics) -> bool:
-    """Whether a file needs itself, over others or not; if so, one such cycle is in ``found``."""
+    """Whether a file needs itself, directly or indirectly; such a cycle is reported in ``found``."""
     done: set[int] = set()
     path: list[int] = []
     pending: list[tuple[int, bool]] = [(0, False)]

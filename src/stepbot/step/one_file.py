@@ -1,4 +1,4 @@
-"""One STEP file as the kernel reads it: its products, before any body is made."""
+"""One STEP file read by the kernel: its products, before any body is made."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -32,25 +32,25 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class FileContent:
-    """What a file holds."""
+    """The content of a file."""
 
     place: str
-    """What diagnostics call the file."""
+    """Name of the file in diagnostics."""
     session: Any
     """Work session of its reader."""
     unit: LengthUnit
     products: Products
     definitions: Definitions
     materials: list[StepMaterial]
-    """For each definition what its product is made of."""
+    """For each definition the material of its product."""
     mechanisms: int
-    """Kinematic mechanisms that the file describes."""
+    """Number of kinematic mechanisms in the file."""
     elsewhere: Mapping[int, int]
     """For each definition whose shape is in another file the index of that file."""
 
 
 def guarded(place: str, found: Diagnostics, read: Callable[[], T | None]) -> T | None:
-    """What a function reads; None, with SB205 in ``found``, where the kernel refuses the file or fails on it."""
+    """The result of a function that reads; None, with SB205 in ``found``, if the kernel fails on the file."""
     remedy = ["open it in another CAD program and export it again"]
     try:
         return read()
@@ -58,7 +58,7 @@ def guarded(place: str, found: Diagnostics, read: Callable[[], T | None]) -> T |
         found.add("SB205", str(error), Span(place), help=remedy)
         return None
     except OUT_OF_MEMORY:
-        raise MemoryError from None  # the process ends, and whoever waits for it knows why
+        raise MemoryError from None  # the process ends, and its parent reports why
     except KERNEL_ERRORS as error:
         message = f"kernel error: {type(error).__name__} {error}".rstrip()
         found.add("SB205", message, Span(place), help=remedy)
@@ -66,7 +66,7 @@ def guarded(place: str, found: Diagnostics, read: Callable[[], T | None]) -> T |
 
 
 def read_file(file: StepFile, found: Diagnostics) -> FileContent | None:
-    """Read a file; None, with the reason in ``found``, where there is nothing to go on with."""
+    """Read a file; None, with the reason in ``found``, after an error."""
 
     def read() -> FileContent | None:
         try:
@@ -93,7 +93,7 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
         return None
     materials = Materials(model.session, place, found)
     products = Products(model.session, take_out=take_out)
-    if products.tree_size() > MAX_COMPONENTS:  # the kernel would follow each of them
+    if products.tree_size() > MAX_COMPONENTS:  # the kernel would expand each of them
         report_too_large(products.tree_size(), place, found)
         return None
     correct_operators(model.session)
@@ -111,7 +111,7 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
 def _elsewhere(
     file: StepFile, session: Any, products: Products, definitions: list[Definition], found: Diagnostics
 ) -> dict[int, int] | None:
-    """For each definition without a shape of its own the index of the file that has it; None where one is missing."""
+    """For each definition without own shape the index of the file with its shape; None if one is missing."""
     product_of = {id(product.entity): index for index, product in enumerate(products.products)}
     definition_of = {definition.product: index for index, definition in enumerate(definitions)}
     elsewhere: dict[int, int] = {}
@@ -145,7 +145,7 @@ def _report_missing(link: Link, place: str, found: Diagnostics) -> None:
 
 
 def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
-    """Say so where the kernel built fewer solids than the file describes."""
+    """Report if the kernel built fewer solids than the file describes."""
     sources = [source for definition in definitions for source in definition.bodies]
     read = sum(source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID for source in sources)
     if read < written:

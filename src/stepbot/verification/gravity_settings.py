@@ -1,6 +1,7 @@
-"""What files say about gravity: its acceleration, and the links that it does not act on.
+"""Gravity settings of files: the acceleration, and gravity compensation of links.
 
-The gravity forces of the comparison are those of standard gravity in every engine, so they do not show these settings.
+The gravity forces of the comparison are computed with standard gravity in every engine, so they do not reveal these
+settings.
 """
 
 from math import dist
@@ -14,16 +15,16 @@ EARTH = (9.76, 9.84)
 """Acceleration of gravity [m/s^2] on the ground anywhere on Earth: 9.764 on Huascaran, 9.834 on the Arctic Ocean.
 https://doi.org/10.1002/grl.50838"""
 _SIDEWAYS = 1e-9
-"""Horizontal gravity [m/s^2] at most where a file leaves gravity to the simulator."""
+"""Maximum horizontal gravity [m/s^2] if the other file leaves gravity to the simulator."""
 
 
 def has_gravity_settings(observation: Observation) -> bool:
-    """Whether a file changes gravity: an acceleration of its own, or links without weight."""
+    """Whether a file changes gravity: its own acceleration, or links with gravity compensation."""
     return bool(observation.gravity) or any(link.gravity_compensation for link in observation.links)
 
 
 def compare_gravity_settings(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Compare the acceleration of gravity, and the share of the weight that acts on each link.
+    """Compare the acceleration of gravity, and its share that acts on each link.
 
     A file without an acceleration of gravity leaves it to the simulator; the other file must then have Earth's.
     """

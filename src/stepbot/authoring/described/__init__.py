@@ -1,1 +1,1 @@
-"""A sidecar from an existing description of the same robot: its joints and masses, the components found by geometry."""
+"""Drafts a sidecar from an existing description of the same robot: its joints and masses, components by geometry."""

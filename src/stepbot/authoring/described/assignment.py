@@ -1,7 +1,7 @@
-"""Which components belong to which described link.
+"""Assigns components to the links of a description.
 
-A component whose faces carry vertices of one link's shapes is that link's. For the others it is what they move with by
-contacts and fits (the inferred links), the box that they are in, and the nearest component whose link is known.
+A component whose faces contain vertices of one link's shapes belongs to that link. The others are assigned by the parts
+they move with (the inferred links), by bounding box, or to the link of the nearest assigned component.
 """
 
 from collections import defaultdict
@@ -27,12 +27,12 @@ from .vertices import spread
 
 _SAMPLE = 200
 _RECOGNIZED, _AHEAD = 0.6, 0.2
-"""Share of a component's faces from which it is recognized, and by how much it must be ahead of other links'."""
+"""Share of a component's faces from which it is recognized, and its required lead over other links'."""
 _SLACK = 5e-4
-"""Distance [m] that a component may stand out of the box around a link's shapes."""
+"""Distance [m] by which a component may extend beyond the bounding box of a link's shapes."""
 _INSIDE = 0.98
 _CENTRE = 0.15
-"""Share of its size by which the centre of a link may miss the described centre of mass, of unknown densities."""
+"""Deviation of a link's centre from the described centre of mass, as a share of its size, for unknown densities."""
 _SLIDING = 1e-3
 
 
@@ -42,11 +42,11 @@ class Assignment:
 
     link_of: dict[int, str] = field(default_factory=dict)
     recognized: set[int] = field(default_factory=set)
-    """Those whose faces carry vertices of the link's shapes."""
+    """Components whose faces contain vertices of the link's shapes."""
     guesses: dict[int, str] = field(default_factory=dict)
-    """Why, for components that are where they are by a guess."""
+    """Reasons for guessed assignments."""
     inferred: set[int] = field(default_factory=set)
-    """Those that an inferred link with the same joint axes has put where they are."""
+    """Components assigned by an inferred link with the same joint axes."""
 
     def members(self, link: str) -> list[int]:
         """The components of a link, ascending."""
@@ -56,7 +56,7 @@ class Assignment:
 def assign(
     described: Skeleton, placement: Placement, assembly: Assembly, found: Inferred, surfaces: Surfaces
 ) -> Assignment:
-    """Put every component with a body into a described link."""
+    """Assign every component with a body to a described link."""
     return _Assigning(described, placement, assembly, found, surfaces).made()
 
 
@@ -80,7 +80,7 @@ class _Assigning:
         return self._result
 
     def _recognize(self) -> None:
-        """Components whose faces the vertices of one link lie on."""
+        """Components with faces that the vertices of one link lie on."""
         with_points = {name: link for name, link in self._described.links.items() if len(link.points)}
         clouds = {name: self._placement.poses[name].apply(link.points) for name, link in with_points.items()}
         for i, part in self._parts.items():
@@ -101,7 +101,7 @@ class _Assigning:
         return component.X_WC.apply(spread(np.asarray(vertices), _SAMPLE)) if len(vertices) else np.zeros((0, 3))
 
     def _groups_of_clusters(self) -> dict[int, str]:
-        """For inferred links the rigid group that most of their recognized volume is in, else that with its axes."""
+        """For inferred links the rigid group with most of their recognized volume, else the one with their axes."""
         found = {}
         incident = self._incident()
         for n, members in enumerate(self._found.links):
@@ -118,7 +118,7 @@ class _Assigning:
         return found
 
     def _incident(self) -> dict[str, dict[str, Axis]]:
-        """For each rigid group the joints that move it or that it carries, with their axes as drawn."""
+        """For each rigid group its joints, with their axes as drawn."""
         found: dict[str, dict[str, Axis]] = {group: {} for group in self._group_of.values()}
         for child, joint in self._described.joints.items():
             if joint.kind is not JointKind.FIXED:
@@ -129,7 +129,7 @@ class _Assigning:
         return found
 
     def _by_axes(self, n: int, incident: Mapping[str, Mapping[str, Axis]]) -> str | None:
-        """The group whose joints are on the axes of an inferred link; of equal ones that with its centre of mass."""
+        """The group whose joints are on the axes of an inferred link; of several the one with its centre of mass."""
         own = [arc for arc in self._found.arcs if n in (arc.parent, arc.child) and arc.hinge.type != JointKind.FIXED]
         best = None
         for group, axes in incident.items():
@@ -143,7 +143,7 @@ class _Assigning:
         return self._described.joints[child].kind
 
     def _apart(self, n: int, group: str) -> float:
-        """Distance of an inferred link's centre from the group's centre of mass, by the size of the assembly."""
+        """Distance of an inferred link's centre from the group's centre of mass, relative to the assembly's size."""
         links = [self._described.links[name] for name, own in self._group_of.items() if own == group]
         mass = exact_sum(link.inertial.mass for link in links)
         if not mass:
@@ -157,7 +157,7 @@ class _Assigning:
         return np.asarray(weights @ np.array([self._parts[i].com for i in members]) / weights.sum())
 
     def _settle(self, i: int, n: int, group: str | None) -> None:
-        """Put a component that was not recognized."""
+        """Assign a component that was not recognized."""
         inside, sibling = self._inside(i), self._sibling(i)
         if sibling is not None:
             is_agreed = group is not None and self._group_of[sibling] == group
@@ -186,7 +186,7 @@ class _Assigning:
             self._result.inferred.add(i)
 
     def _is_sure(self, n: int, group: str) -> bool:
-        """Whether an inferred link without a guess of its own has its centre where the description has it."""
+        """Whether an inferred link without guesses has the described centre of mass."""
         members = self._found.links[n]
         if any(i in self._found.guesses for i in members):
             return False
@@ -195,7 +195,7 @@ class _Assigning:
         return self._apart(n, group) * self._found.survey.extent < _CENTRE * self._found.survey.size_of(members)
 
     def _inside(self, i: int) -> list[str]:
-        """Links whose box of shapes a component is in."""
+        """Links whose bounding box contains a component."""
         sample = self._sample(i)
         found = []
         for name, link in self._described.links.items():
@@ -207,21 +207,21 @@ class _Assigning:
         return found
 
     def _sibling(self, i: int) -> str | None:
-        """The link of all recognized bodies of the same part; None where there are none, or in several links."""
+        """The link of all recognized bodies of the same part; None if there is none, or more than one."""
         above = self._assembly.components[i].parent
         near = {self._result.link_of[k] for k in self._assembly.children[above] if k in self._result.recognized}
         return near.pop() if len(near) == 1 and above > 0 and self._is_part(above) else None
 
     def _is_part(self, component: int) -> bool:
-        """Whether a component is a part of several bodies, and no subassembly."""
+        """Whether a component is a part with several bodies, not a subassembly."""
         return all(not self._assembly.children[k] for k in self._assembly.children[component])
 
     def _words(self, i: int) -> set[str]:
-        """Names of a component and of what it is in."""
+        """Names of a component and its ancestors."""
         return {_plain(segment) for segment in self._assembly.components[i].path.split("/")}
 
     def _distance(self, i: int, link: str) -> float:
-        """Distance [m] of a component from the centre of mass of a link; infinite where that has no mass."""
+        """Distance [m] of a component from the centre of mass of a link; infinite if the link is massless."""
         one = self._described.links[link]
         if not one.inertial.mass:
             return np.inf
@@ -249,7 +249,7 @@ def _plain(name: str) -> str:
 
 
 def _is_on(arc: Arc, axis: Axis, kind: JointKind) -> bool:
-    """Whether an inferred joint is on a described axis; of slides the direction counts."""
+    """Whether an inferred joint is on a described axis; for prismatic joints only the direction counts."""
     own = arc.hinge.axis
     if own.direction is None or axis.direction is None:
         return float(np.linalg.norm(own.point - axis.point)) < ON_LINE

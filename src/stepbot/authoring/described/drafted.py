@@ -37,13 +37,13 @@ _TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 
 def draft_of_description(description: Description, assembly: Assembly, robot: str, source: str) -> Draft | None:
-    """The draft of a description; None where nothing shows that it is of this assembly.
+    """The draft of a description; None without evidence that it is of this assembly.
 
     Args:
-        description: What was read of it.
+        description: The description.
         assembly: Read with its faces (``ReadOptions.faces``).
         robot: Name of the robot.
-        source: What people call the description.
+        source: Name of the description for messages.
     """
     described = skeleton(description)
     if described is None or not any(component.body >= 0 for component in assembly.components):
@@ -178,7 +178,7 @@ class _Drafting:
         )
 
     def _largest(self, link: str) -> str:
-        """Path of the component with the most vertices of a link, for people."""
+        """Path of the component with the most vertices of a link, for messages."""
         components = [self._assembly.components[i] for i in self._members[link]]
         sizes = [(len(self._assembly.bodies[c.body].mesh.vertices), -c.index, c.path) for c in components]
         return max(sizes)[-1] if sizes else "."
@@ -205,7 +205,7 @@ def _letter(axis: Vector3) -> str | Vector3:
 
 
 def _limits(joint: Joint) -> DraftLimits | None:
-    """What the description says, where it says anything."""
+    """The value of the description, if it has one."""
     given = joint.limit
     values = given.lower, given.upper, given.velocity, given.effort
     if joint.kind is JointKind.FIXED or not any(map(isfinite, values)):
@@ -214,7 +214,7 @@ def _limits(joint: Joint) -> DraftLimits | None:
 
 
 def _rounded(inertial: MassProperties) -> MassProperties:
-    """Without the noise of composed rotations: products of inertia to 1e-9 of the largest moment."""
+    """Without rounding errors of composed rotations: products of inertia to 1e-9 of the largest moment."""
     largest = float(np.abs(inertial.inertia).max()) or 1.0
     inertia = np.array(inertial.inertia)
     inertia[np.abs(inertia) < 1e-9 * largest] = 0.0

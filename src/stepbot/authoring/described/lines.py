@@ -1,4 +1,4 @@
-"""Lines of the assembly that joints of a description may lie on, and poses that put pairs of lines on each other."""
+"""Lines of the assembly on which described joints may lie, and poses that align pairs of lines."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -11,12 +11,12 @@ from stepbot.step.assembly import Assembly
 from ..axis import PARALLEL, Axis, are_parallel
 
 ON_LINE = 5e-5
-"""Distance [m] within which a described axis is one of the assembly's."""
+"""Distance [m] up to which a described axis coincides with one of the assembly's."""
 _SIGNS = ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0))
 
 
 class Lines:
-    """The axes of all cylinders and cones of an assembly, with the components that have them."""
+    """The axes of all cylinders and cones of an assembly, with their components."""
 
     def __init__(self, assembly: Assembly) -> None:
         owners, points, directions = [], [], []
@@ -44,7 +44,7 @@ class Lines:
         return bool(((turned < PARALLEL) & (axis.distances(self._points[each]) < ON_LINE)).any())
 
     def turns(self, axis: Axis, line: Axis) -> list[float]:
-        """Angles [rad] about an axis that bring a line onto a line of the assembly, ascending."""
+        """Angles [rad] about an axis that align a line with one of the assembly, ascending."""
         frame = perpendicular_frame(axis.d)
         own, own_at = _about(line.point[None], line.d[None], axis.point, frame)
         each = self._each
@@ -56,7 +56,7 @@ class Lines:
 
 
 def _each_once(points: Array, directions: Array) -> NDArray[np.intp]:
-    """Indices of lines, each once, by their feet from the origin."""
+    """Indices of distinct lines, by the foot points from the origin."""
     feet = points - np.einsum("ij,ij->i", points, directions)[:, None] * directions
     signs = np.sign(directions[np.arange(len(directions)), np.argmax(np.abs(directions), axis=1)])
     keys = np.column_stack([np.rint(feet / ON_LINE), np.rint(directions * signs[:, None] / PARALLEL)])
@@ -64,9 +64,9 @@ def _each_once(points: Array, directions: Array) -> NDArray[np.intp]:
 
 
 def _about(points: Array, directions: Array, origin: Array, frame: Array) -> tuple[Array, Array]:
-    """How lines lie to the z axis of a frame: distance [m], height [m] and slope, and at which angle [rad].
+    """Position of lines relative to the z axis of a frame: distance [m], height [m], slope, and angle [rad].
 
-    The height of parallel lines, and the angle of lines that are the axis itself, mean nothing and are 0.
+    The height of parallel lines, and the angle of lines that coincide with the axis, are undefined and 0.
     """
     p, d = (points - origin) @ frame, directions @ frame
     across = np.hypot(d[:, 0], d[:, 1])
@@ -75,7 +75,7 @@ def _about(points: Array, directions: Array, origin: Array, frame: Array) -> tup
     along = np.where(is_parallel, 0.0, -np.einsum("ij,ij->i", p[:, :2], d[:, :2]) / safe**2)
     foot = p + along[:, None] * d
     distance = np.hypot(foot[:, 0], foot[:, 1])
-    # The foot tells the angle; where the line meets the axis, its direction does.
+    # The foot point gives the angle; if the line intersects the axis, its direction does.
     by_foot, by_direction = np.arctan2(foot[:, 1], foot[:, 0]), np.arctan2(d[:, 1], d[:, 0]) + 0.5 * np.pi
     angle = np.where(is_parallel, np.where(distance > ON_LINE, by_foot, 0.0), by_direction)
     height = np.where(is_parallel, 0.0, foot[:, 2])
@@ -88,7 +88,7 @@ def _turned(line: Axis, axis: Axis, angle: float) -> Axis:
 
 
 def distinct(axes: Iterable[Axis]) -> list[Axis]:
-    """Axes with a direction, each line once."""
+    """Distinct axes with a direction."""
     kept: list[Axis] = []
     for axis in axes:
         if axis.direction is not None and not any(axis.same(other) for other in kept):
@@ -97,7 +97,7 @@ def distinct(axes: Iterable[Axis]) -> list[Axis]:
 
 
 def matching_pairs(ours: tuple[Axis, Axis], theirs: Sequence[Axis]) -> Iterator[Pose]:
-    """Poses that put two lines, neither parallel nor one, on two of others that lie to each other alike."""
+    """Poses that align two skew or intersecting lines with two others in the same relative position."""
     if not theirs:
         return
     points, directions = np.array([a.point for a in theirs]), np.array([a.d for a in theirs])
@@ -132,7 +132,7 @@ def _poses(ours: tuple[Axis, Axis], theirs: tuple[Axis, Axis]) -> Iterator[Pose]
 
 
 def _frame(a: Axis, b: Axis) -> tuple[Pose, Array]:
-    """A frame on ``a``, where ``b`` comes nearest, with the foot on ``b``."""
+    """A frame on ``a`` at the point nearest to ``b``, with the foot point on ``b``."""
     normal = np.cross(a.d, b.d)
     between = b.point - a.point
     scale = float(normal @ normal)

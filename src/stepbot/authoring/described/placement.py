@@ -1,8 +1,8 @@
-"""Where a described robot is in the assembly, and where its joints are in the pose that the CAD drew.
+"""The pose of a described robot in the assembly, and its joint positions as drawn.
 
-Tried in turn: the assembly's own frame, boxes laid on each other, pairs of joint axes laid on axes of the assembly,
-vertices laid on vertices. From the link that was placed, each further one follows through its joint, whose position is
-what brings most vertices of the link onto vertices of the assembly.
+Methods, in order: the assembly's own frame, aligned bounding boxes, pairs of joint axes aligned with axes of the
+assembly, matching vertices. From the first link, each further one follows through its joint, at the position that
+matches most of its vertices with vertices of the assembly.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,22 +26,22 @@ from .vertices import spread
 from .votes import slides, translations, turns
 
 _SAMPLE, _MOVED = 60, 300
-"""Vertices of a link that are looked for on faces, and among vertices."""
+"""Maximum number of a link's vertices compared with faces, and with vertices."""
 _VOTING, _VERTICES = 24, 20_000
 _FOUND = 0.5
-"""Share of a link's vertices on faces of the assembly from which it is found there."""
+"""Share of a link's vertices on faces of the assembly from which the link is found there."""
 _BETTER = 0.1
 """Share by which another position of a joint must be better than 0."""
 _BOXES = 2e-3
-"""Share of its size within which the box around the robot is that around the assembly."""
+"""Relative difference of sizes up to which the robot's bounding box matches the assembly's."""
 _TRIED, _GROWN = 200, 4
-"""Poses that are looked at, and followed through the whole robot."""
+"""Maximum number of poses that are compared, and followed through the whole robot."""
 _PAIRS = 12
 _LINES, _OFFERED, _AHEAD = 12, 4, 2
-"""Positions of a joint by axes, those that are compared further, and how many joints further."""
+"""Maximum number of joint positions by axes, of those compared further, and number of joints to look ahead."""
 _TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 _AT_LIMIT = 1e-6
-"""Distance [rad] or [m] within which a position is 0 or a limit: meshes are written in single precision."""
+"""Distance [rad] or [m] up to which a position is 0 or a limit: meshes are in single precision."""
 _FOLLOWED = (*_TURNING, JointKind.PRISMATIC)
 
 
@@ -52,33 +52,33 @@ class Placement:
     poses: Mapping[str, Pose]
     """X_WL of each link as drawn."""
     q: Mapping[str, float]
-    """By child the positions [rad] or [m] as drawn of joints that are not at 0."""
+    """By child link, the positions [rad] or [m] as drawn of joints that are not at 0."""
     shares: Mapping[str, float]
-    """For each link with points, the share of them that are on faces of the assembly."""
+    """For each link with points, their share on faces of the assembly."""
     axes: int
-    """Number of turning joints on an axis of the assembly."""
+    """Number of rotating joints on an axis of the assembly."""
     how: str
-    """What gave it, for people."""
+    """How it was found, for messages."""
 
     def has(self, link: str) -> bool:
-        """Whether the link was found where it is."""
+        """Whether the link was confirmed at its pose."""
         return self.shares.get(link, 0.0) >= _FOUND
 
     @property
     def rank(self) -> tuple[int, int, float]:
-        """Better ones are greater."""
+        """Sort key; greater is better."""
         return sum(map(self.has, self.shares)), self.axes, round(sum(self.shares.values()), 6)
 
 
 def find_placement(
     described: Skeleton, assembly: Assembly, axes: Sequence[Axis], lines: Lines, surfaces: Surfaces
 ) -> Placement | None:
-    """The best placement; None where nothing shows that the description is of this assembly.
+    """The best placement; None without evidence that the description is of this assembly.
 
     Args:
         described: The robot.
         assembly: The STEP.
-        axes: Lines that joints are likely on, each once.
+        axes: Likely joint axes, without duplicates.
         lines: All axes of the assembly.
         surfaces: All faces of the assembly.
     """
@@ -109,7 +109,7 @@ class _Placing:
         return best if self._is_credible(best) else None
 
     def _is_whole(self, placement: Placement) -> bool:
-        """Whether every link with points was found, or without any every axis."""
+        """Whether every link with points was found, or every axis if there are none."""
         if placement.shares:
             return all(map(placement.has, placement.shares))
         return placement.axes == len(self._turning)
@@ -121,12 +121,12 @@ class _Placing:
         return 2 * axes >= max(1, len(self._turning)) and (axes >= 2 or not placement.shares)
 
     def _first_rank(self, seed: str, X_WL: Pose) -> tuple[float, int]:
-        """How well a pose of a link suits before the robot is followed."""
+        """Score of a link's pose before the robot is followed."""
         share = round(self._known.share(X_WL.apply(self._samples[seed])), 6)
         return share, self._axes_on(self._described.poses(X_WL @ self._at_zero[seed].inverse(), {}))
 
     def _by_boxes(self) -> Iterator[tuple[str, Pose, str]]:
-        """The boxes around robot and assembly on each other, in 24 orientations."""
+        """Poses that align the bounding boxes of robot and assembly, in 24 orientations."""
         points = [self._at_zero[name].apply(sample) for name, sample in self._clouds.items() if len(sample)]
         if not points or not len(self._vertices):
             return
@@ -140,7 +140,7 @@ class _Placing:
                 yield self._described.root, Pose.of(R, shift), "the boxes around both are one"
 
     def _by_axes(self) -> Iterator[tuple[str, Pose, str]]:
-        """Two joint axes that are neither parallel nor far apart in the tree on two likely axes."""
+        """Poses that align two joint axes, neither parallel nor far apart in the tree, with two likely axes."""
         lines = {child: self._axis(joint, self._at_zero) for child, joint in self._turning.items()}
         pairs = [(a, b) for a, b in combinations(lines, 2) if not are_parallel(lines[a].d, lines[b].d)]
         for a, b in sorted(pairs, key=lambda pair: not self._common(*pair))[:_PAIRS]:
@@ -149,12 +149,12 @@ class _Placing:
                 yield link, X_WR @ self._at_zero[link], "joint axes lie on axes of the STEP"
 
     def _common(self, a: str, b: str) -> str:
-        """The link that carries the axes of two joints whatever their positions are; empty where there is none."""
+        """The link with the axes of two joints for any positions; empty if there is none."""
         one, two = ({j.parent, j.child} for j in (self._turning[a], self._turning[b]))
         return min(one & two, default="")
 
     def _by_vertices(self) -> Iterator[tuple[str, Pose, str]]:
-        """The largest links by their vertices, in 24 orientations."""
+        """Poses of the links with the most vertices, in 24 orientations."""
         vertices = spread(self._vertices, _VERTICES)
         largest = sorted(self._clouds, key=lambda name: (-len(self._clouds[name]), name))[:2]
         for name in largest:
@@ -168,7 +168,7 @@ class _Placing:
         return {name: link.points for name, link in self._described.links.items()}
 
     def _grown(self, seed: str, X_WL: Pose, how: str) -> Placement:
-        """All links from one, each joint where links and axes beyond it agree with the assembly."""
+        """All links from one, with each joint at the position at which links and axes beyond it match the assembly."""
         poses, q = {seed: X_WL}, dict[str, float]()
         waiting = [seed]
         for at in waiting:
@@ -187,7 +187,7 @@ class _Placing:
         return Placement(poses, q, shares, self._axes_on(poses), how)
 
     def _around(self, link: str) -> list[tuple[str, Joint, str]]:
-        """Joints at a link, by child, with the link beyond."""
+        """Joints at a link, by child, with the link on the other side."""
         return [
             (child, joint, joint.child if link == joint.parent else joint.parent)
             for child, joint in self._described.joints.items()
@@ -195,13 +195,13 @@ class _Placing:
         ]
 
     def _position(self, joint: Joint, X: Pose, near: str, ahead: int) -> tuple[float, float]:
-        """How well the best position of a joint suits, from 0 to 1, and that position [rad] or [m].
+        """Score of the best position of a joint, from 0 to 1, and that position [rad] or [m].
 
         Args:
             joint: The joint.
             X: Pose of the near link in the assembly.
             near: That link.
-            ahead: How many joints further on may decide between positions that suit as well.
+            ahead: Number of further joints that may decide between equal positions.
         """
         body = self._body(joint, near)
         ranked = sorted(
@@ -224,7 +224,7 @@ class _Placing:
         return min(further, key=lambda one: (-round(one[0], 1), abs(one[1])))
 
     def _body(self, joint: Joint, near: str) -> list[tuple[str, Pose]]:
-        """The link beyond a joint and all that fixed joints hold on it, with their poses in it."""
+        """The link beyond a joint and all links fixed to it, with their poses in it."""
         far = joint.child if near == joint.parent else joint.parent
         found = {far: Pose()}
         waiting = [far]
@@ -236,7 +236,7 @@ class _Placing:
         return list(found.items())
 
     def _offered(self, joint: Joint, X: Pose, near: str, body: Sequence[tuple[str, Pose]]) -> list[float]:
-        """Positions of a joint that are worth a look: 0, what vertices agree on, and what axes beyond it do."""
+        """Candidate positions of a joint: 0, those that match vertices, and those that match axes beyond it."""
         X_WJ = X if near != joint.parent else X @ joint.X_PC
         line, sign = Axis(X_WJ.p, X_WJ.turn(joint.axis)), 1.0 if near == joint.parent else -1.0
         still = _beyond(joint, X, near, 0.0)
@@ -252,7 +252,7 @@ class _Placing:
         return list(dict.fromkeys(_within(joint, sign * q) for q in found))
 
     def _axes_of(self, joint: Joint, X: Pose, body: Sequence[tuple[str, Pose]]) -> list[Axis]:
-        """Axes of turning joints on a body but one, where the body is at a pose."""
+        """Axes of all but one rotating joints on a body at a pose."""
         found = []
         for name, X_FO in body:
             for _, other, _ in self._around(name):
@@ -285,7 +285,7 @@ def _beyond(joint: Joint, X: Pose, near: str, q: float) -> Pose:
 
 
 def _within(joint: Joint, q: float) -> float:
-    """The same position within the limits, where there is one; 0 and the limits themselves within the tolerance."""
+    """The equivalent position within the limits, if there is one; within the tolerance, 0 and the limits themselves."""
     if abs(q) < _AT_LIMIT:
         return 0.0
     lower, upper = joint.limit.lower, joint.limit.upper
@@ -306,7 +306,7 @@ def _vertices(assembly: Assembly) -> Array:
 
 
 def _orientations() -> list[Array]:
-    """The 24 rotations that turn axes into axes, the identity first."""
+    """The 24 rotations that map axes to axes, the identity first."""
     found = []
     for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
         R = np.zeros((3, 3))
@@ -317,7 +317,7 @@ def _orientations() -> list[Array]:
 
 
 def _extremes(points: Array, most: int) -> Array:
-    """Points (n, 3) that lie farthest out in directions all around, each once: corners, wherever they are meshed."""
+    """Extreme points (n, 3) in directions all around, without duplicates: corners are independent of the meshing."""
     if not len(points):
         return points
     k = np.arange(4 * most) + 0.5

@@ -1,7 +1,7 @@
 """The tree of an existing description: links with their masses and points, joints with their frames at q = 0.
 
 The frame of each link is that of the joint above it. Links without mass and shape at the end of a fixed joint become
-named frames; a ``world`` above the first link with mass goes.
+named frames; a ``world`` above the first link with mass is removed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ class SkeletonLink:
     name: str
     inertial: MassProperties
     points: Array
-    """Vertices (n, 3) [m] of its shapes, in its frame; none where there are no shapes, or their files are missing."""
+    """Vertices (n, 3) [m] of its shapes, in its frame; empty without shapes, or if their files are missing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,22 +54,22 @@ class Skeleton:
     closures: tuple[SkeletonClosure, ...]
     base: Base
     notes: tuple[str, ...]
-    """What was not taken over."""
+    """Elements that were not used."""
 
     @property
     def root(self) -> str:
-        """The link that no joint moves."""
+        """The root link."""
         return next(iter(self.links))
 
     def poses(self, X_WR: Pose, q: Mapping[str, float]) -> dict[str, Pose]:
-        """X_WL of all links, by the pose of the root and the positions of joints by child; others are at 0."""
+        """X_WL of all links, from the pose of the root and joint positions by child; missing positions are 0."""
         poses = {self.root: X_WR}
         for child, joint in self.joints.items():
             poses[child] = poses[joint.parent] @ joint.X_PC @ displacement(joint, q.get(child, 0.0))
         return poses
 
     def rigid_groups(self) -> dict[str, str]:
-        """For each link the first of those that fixed joints make one body of."""
+        """For each link the first of those that are fixed together."""
         first = {self.root: self.root}
         for child, joint in self.joints.items():
             first[child] = first[joint.parent] if joint.kind is JointKind.FIXED else child
@@ -77,7 +77,7 @@ class Skeleton:
 
 
 def skeleton(description: Description) -> Skeleton | None:
-    """The tree of a description; None where it has no link."""
+    """The tree of a description; None without links."""
     seen = description.observation
     above: dict[str, ObservedJoint] = {}
     notes: list[str] = []
@@ -167,7 +167,7 @@ def _is_empty(link: SkeletonLink) -> bool:
 def _frames(
     links: Mapping[str, SkeletonLink], joints: Mapping[str, Joint]
 ) -> tuple[list[Frame], dict[str, SkeletonLink], set[str]]:
-    """Empty links at the end of fixed joints as frames, the links that remain, and the names of the others."""
+    """Empty links at the end of fixed joints as frames, the remaining links, and the names of the others."""
     root = next(iter(links))
     gone: dict[str, Frame] = {}
     for name in reversed(list(links)):
@@ -193,20 +193,20 @@ def _closures(
         kind = JointKind(seen.kind) if seen.kind in set(JointKind) else _CLOSING.get(seen.kind, JointKind.BALL)
         axis = None if seen.axes is None else np.array(seen.axes[0])
         if axis is not None and kind is JointKind.BALL and float(np.linalg.norm(axis)) > _ONE_AXIS:
-            kind = JointKind.REVOLUTE  # two points on one line are held
+            kind = JointKind.REVOLUTE  # two points on one line are constrained
         point = shift[seen.link_a].inverse().apply(seen.points[0])
         found.append(SkeletonClosure(seen.name, kind, seen.link_a, seen.link_b, point, axis))
     return tuple(found)
 
 
 def _is_of_closure(frame: str, description: Description) -> bool:
-    """Whether a frame is a site that a closure is made of."""
+    """Whether a frame is a site of a closure."""
     names = [closure.name for closure in description.observation.closures or () if closure.name]
     return any(frame.startswith(f"{name}/") for name in names)
 
 
 def _left_out(description: Description) -> list[str]:
-    """What of a description has no place in a draft."""
+    """Elements of a description that a draft does not support."""
     seen = description.observation
     notes = []
     for noun, count in (("actuator", len(seen.actuators or ())), ("sensor", len(seen.sensors or ()))):

@@ -1,4 +1,4 @@
-"""Which points lie on faces of an assembly: meshes of one shape share its surfaces, however finely they were made."""
+"""Points on faces of an assembly: meshes of one shape share its surfaces, however fine they are."""
 
 from collections import defaultdict
 from dataclasses import dataclass
@@ -12,15 +12,15 @@ from stepbot.step.faces import FaceKind
 from ..scene import PlacedFace, Scene
 
 ON_FACE = 5e-5
-"""Distance [m] within which a vertex is on a face: meshes are written in single precision."""
+"""Distance [m] up to which a vertex is on a face: meshes are in single precision."""
 _KNOWN = (FaceKind.PLANE, FaceKind.CYLINDER, FaceKind.SPHERE)
-"""Surfaces that a face says all of; of the others it has the box alone."""
+"""Surfaces that are fully described by a face; for others only the bounding box is known."""
 _CHUNK = 64
 
 
 @dataclass(frozen=True, eq=False)
 class _Faces:
-    """Faces in rows."""
+    """Faces as rows of arrays."""
 
     planes: NDArray[np.bool_]
     cylinders: NDArray[np.bool_]
@@ -46,7 +46,7 @@ class _Faces:
         )
 
     def pairs(self, points: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
-        """All pairs of a point and a face whose box it is in, and whether it is on a face that is known."""
+        """All pairs of a point and a face whose bounding box contains it, and whether it is on that face, if known."""
         rows, faces = [], []
         for start in range(0, len(points), _CHUNK):
             some = points[start : start + _CHUNK, None]
@@ -75,7 +75,7 @@ class Surfaces:
         self._of = {part: _Faces.of(placed) for part, placed in by_part.items()}
 
     def share(self, points: Array) -> float:
-        """Share of points (n, 3) that lie on a face; those in the box of a spline or cone alone do not count."""
+        """Share of points (n, 3) on faces, except those only in the bounding box of a spline or cone."""
         row, face, on = self._all.pairs(points)
         found, unknown = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
         found[row[on]] = True
@@ -84,7 +84,7 @@ class Surfaces:
         return float(found[told].mean()) if told.any() else 0.0
 
     def covered(self, part: int, points: Array) -> float:
-        """Share of the faces of a component that points (n, 3) lie on, of those that are known; 0 where none is."""
+        """Share of the known faces of a component with points (n, 3) on them; 0 if none is known."""
         faces = self._of.get(part)
         if faces is None or not faces.known.any() or not len(points):
             return 0.0

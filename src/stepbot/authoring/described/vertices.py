@@ -1,15 +1,15 @@
-"""Points by place: which of them are one, and a part of many."""
+"""Points by position: finding duplicates, and taking a sample of many."""
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array
 
 TOLERANCE = 5e-5
-"""Distance [m] within which vertices are one: meshes are written in single precision, and at other tolerances."""
+"""Distance [m] up to which vertices are equal: meshes are in single precision, and of other tolerances."""
 
 
 def spread(points: Array, most: int) -> Array:
-    """At most ``most`` of points (n, 3), evenly from their order, each place once."""
+    """At most ``most`` of points (n, 3), evenly sampled, without duplicates."""
     unique = points[np.sort(np.unique(np.rint(points / TOLERANCE), axis=0, return_index=True)[1])]
     if len(unique) <= most:
         return unique

@@ -1,4 +1,4 @@
-"""By how much a body is turned about a line, or moved along it: what most pairs of equal vertices agree on."""
+"""Rotation of a body about a line, or translation along it, that most pairs of equal vertices agree on."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,16 +9,16 @@ from ..axis import Axis
 from .vertices import TOLERANCE
 
 _LEAST_RADIUS = 2e-3
-"""Distance [m] from the line from which a vertex tells an angle."""
+"""Distance [m] from the line above which a vertex gives an angle."""
 _ANGLE, _SLIDE = 2e-3, 1e-4
-"""Widths [rad] and [m] of the bins that pairs are counted in."""
+"""Widths [rad] and [m] of the bins of the vote."""
 _OFFERED = 4
 _BITS = 21
 _MOST_PAIRS = 2_000_000
 
 
 def turns(points: Array, vertices: Array, axis: Axis) -> list[float]:
-    """Angles [rad] about a line that bring points (n, 3) onto vertices (m, 3), what most agree on first."""
+    """Angles [rad] about a line that map points (n, 3) to vertices (m, 3), the most frequent first."""
     r, phi, z = _cylindrical(points, axis)
     far = r > _LEAST_RADIUS
     radius, angle, height = _cylindrical(vertices, axis)
@@ -37,7 +37,7 @@ def slides(points: Array, vertices: Array, axis: Axis) -> list[float]:
 
 
 def translations(points: Array, vertices: Array) -> list[Array]:
-    """Translations (3,) [m] that bring a few points (n, 3) onto vertices (m, 3), what most agree on first."""
+    """Translations (3,) [m] that map a few points (n, 3) to vertices (m, 3), the most frequent first."""
     deltas = (vertices[None] - points[:, None]).reshape(-1, 3)
     cells = np.rint(deltas / _SLIDE).astype(np.int64)
     _, first, counts = np.unique(_keys(cells), return_index=True, return_counts=True)

@@ -1,6 +1,6 @@
-"""An existing robot description as data: what it says of links and joints, and the points of their shapes.
+"""An existing robot description as data: its links, joints, and the points of its shapes.
 
-Unlike an engine it needs no mesh: a shape whose file is missing, or of a kind that is not read, is listed and left out.
+Unlike an engine it needs no meshes: a shape whose file is missing, or of an unsupported type, is listed and left out.
 """
 
 from .description import DescribedShape, Description

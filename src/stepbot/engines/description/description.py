@@ -1,4 +1,4 @@
-"""What is read of a description."""
+"""The content of a description."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from ..observation import Observation
 
 @dataclass(frozen=True, eq=False)
 class DescribedShape:
-    """One thing that is seen of a link; of a link that shows nothing, one that is touched."""
+    """A visual of a link, or a collision of a link without visuals."""
 
     link: str
     name: str
-    """That of the shape, else of its mesh file; empty where there is neither."""
+    """Name of the shape, else of its mesh file; may be empty."""
     points: Array
-    """Vertices (n, 3) [m] in the frame of the link; of a primitive the corners of the box around it."""
+    """Vertices (n, 3) [m] in the frame of the link; for a primitive the corners of its bounding box."""
 
 
 @dataclass(frozen=True, eq=False)
 class Description:
-    """A description without its engine."""
+    """A description, independent of the engine that read it."""
 
     observation: Observation
     X_PC: Mapping[str, Pose]
-    """For each link with a joint above it its pose in its parent where all joints are at 0."""
+    """For each child link its pose in its parent with all joints at 0."""
     shapes: tuple[DescribedShape, ...]
     unread: tuple[str, ...] = ()
-    """Mesh files, as the description names them, that are missing or of a kind that is not read."""
+    """Mesh files that are missing or of an unsupported type, as named in the description."""

@@ -1,4 +1,4 @@
-"""Vertices of mesh files: STL, OBJ and PLY, without their materials and without any file that they name."""
+"""Vertices of mesh files: STL, OBJ and PLY, without materials and without opening referenced files."""
 
 from pathlib import Path
 
@@ -18,14 +18,14 @@ class MeshFiles:
         self._vertices: dict[str, Array | None] = {}
 
     def vertices(self, uri: str) -> Array | None:
-        """Vertices (n, 3) as the file has them; None where there is no such file, or it cannot be read."""
+        """Vertices (n, 3) in the file; None if it is missing or unreadable."""
         if uri not in self._vertices:
             self._vertices[uri] = self._read(uri)
         return self._vertices[uri]
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """The files that could not be read, as the description names them, sorted."""
+        """The unreadable files, as named in the description, sorted."""
         return tuple(sorted(uri for uri, vertices in self._vertices.items() if vertices is None))
 
     def _read(self, uri: str) -> Array | None:
@@ -36,6 +36,6 @@ class MeshFiles:
 
 
 def corners(half: Vector3, X_LG: Pose) -> Array:
-    """The corners (8, 3) of a box, given by its half edge lengths, in the link's frame."""
+    """The corners (8, 3) of a box, from its half edge lengths, in the link's frame."""
     signs = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
     return X_LG.apply(signs * np.array(half))

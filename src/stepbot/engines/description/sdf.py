@@ -27,8 +27,8 @@ def describe_sdf(file: str) -> Description:
     """Read an SDFormat file.
 
     Raises:
-        EngineRefused: It contradicts its format.
-        EngineCannotRead: It uses what the reader does not know.
+        EngineRefused: It violates its format.
+        EngineCannotRead: It uses unsupported features.
     """
     observation = engine_of("reader").observer.observe(Request(file, "sdf", configurations=({},), simulate=0.0))
     files = MeshFiles(Path(file))
@@ -37,7 +37,7 @@ def describe_sdf(file: str) -> Description:
 
 
 def _at_zero(observation: Observation) -> dict[str, Pose]:
-    """Poses in the parents at q = 0; the reader has joints that mimic others where these put them."""
+    """Poses in the parents at q = 0; mimicking joints are at the positions given by their leaders."""
     if not observation.poses:
         raise EngineCannotRead("the poses of its links are not known")
     poses, joints = observation.poses[0], {joint.name: joint for joint in observation.joints}
@@ -53,7 +53,7 @@ def _at_zero(observation: Observation) -> dict[str, Pose]:
 
 
 def _followed(joint: ObservedJoint, joints: Mapping[str, ObservedJoint]) -> float:
-    """Where a joint is when all that mimic none are at 0."""
+    """Position of a joint with all independent joints at 0."""
     q, factor, seen = 0.0, 1.0, {joint.name}
     while joint.mimic is not None:
         q, factor = q + factor * joint.mimic.offset, factor * joint.mimic.multiplier

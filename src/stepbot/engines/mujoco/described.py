@@ -46,7 +46,7 @@ def describe_mjcf(file: str) -> Description:
 
 
 def _drop_missing(spec: Any, folder: Path) -> tuple[str, ...]:
-    """Take out what refers to a missing mesh, height field or texture; the files, as the description names them."""
+    """Remove references to missing meshes, height fields and textures; returns the files as in the description."""
     missing = set()
     for mesh in list(spec.meshes):
         if mesh.file and not _is_there(folder, spec.meshdir, mesh.file):
@@ -71,7 +71,7 @@ def _is_there(folder: Path, below: str, name: str) -> bool:
 
 
 def _shapes(compiled: Compiled, body: int) -> list[DescribedShape]:
-    """What is seen of a body and not touched; all of it where there is no such thing."""
+    """Geoms of a body that are visual only; all geoms if there are none."""
     model = compiled.model
     geoms = list(range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body]))
     seen = [g for g in geoms if not (model.geom_contype[g] or model.geom_conaffinity[g])]

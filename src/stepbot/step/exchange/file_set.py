@@ -17,10 +17,10 @@ from .part21 import Part21, check_step, opened
 from .references import DOCUMENT_FILE, ExternalReference, external_references
 
 NONE = -1
-"""Index of no file."""
+"""Index that means no file."""
 _ONE_FILE = "or export the assembly as one STEP file, with external references switched off"
 _ABSOLUTE = re.compile(r"[A-Za-z]:|[/\\]|[A-Za-z][A-Za-z0-9+.-]+:")
-"""How a name begins that is a drive, an absolute or UNC path, or a URL."""
+"""Prefix of a name that is a drive, an absolute or UNC path, or a URL."""
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,14 @@ class Link:
     """A product whose shape is in another file."""
 
     definition: int
-    """Entity number of the product definition; 0 where the file does not say which one it is."""
+    """Entity number of the product definition; 0 if the file does not state it."""
     product: str
     name: str
-    """The other file, as the reference names it."""
+    """The name of the other file in the reference."""
     line: int
     """Line of the reference."""
     file: int = NONE
-    """Index of the other file; -1 where it cannot be read."""
+    """Index of the other file; -1 if it cannot be read."""
     fault: str = ""
     """Why it cannot be read."""
     help: tuple[str, ...] = ()
@@ -46,9 +46,9 @@ class StepFile:
     """One of the files of an assembly."""
 
     path: Path
-    """What to open."""
+    """The path to open."""
     place: str
-    """What diagnostics call it."""
+    """Name of the file in diagnostics."""
     name: str
     """Path relative to the folder of the assembly, with slashes."""
     part21: Part21
@@ -65,15 +65,15 @@ class _Member:
 
 
 def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") -> tuple[StepFile, ...] | None:
-    """Look at an assembly's files, the first one first; None, with errors in ``found``, where one is no STEP file.
+    """Check an assembly's files, the main one first; None, with errors in ``found``, if one is not a STEP file.
 
-    A reference that leads nowhere is a link without a file: whether its product needs that file is known later.
+    A reference that cannot be followed is a link without a file: whether its product needs that file is decided later.
 
     Args:
         step: The file of the assembly.
-        place: What diagnostics call it; the other files by their place beside it.
-        found: Receives what is wrong with the files.
-        encoding: Code page that names are declared to be in; empty for none.
+        place: Its name in diagnostics; the other files are named relative to it.
+        found: Receives faults of the files.
+        encoding: Declared code page of names; empty for none.
     """
     checked: dict[Path, Part21 | None] = {}
 
@@ -92,18 +92,18 @@ def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") 
 
 
 def input_files(step: Path) -> dict[str, Path]:
-    """The files of an assembly by their names relative to its folder, the first one first; nothing is reported."""
+    """The files of an assembly by their names relative to its folder, the main one first; reports nothing."""
     return {str(member.name): member.path for member in _walk(step, _references)}
 
 
 def input_digest(step: Path) -> str | None:
-    """Hash of all files of an assembly; None where the first one cannot be read."""
+    """Hash of all files of an assembly; None if the main one cannot be read."""
     digests = {name: file_digest(path) for name, path in input_files(step).items()}
     return combined_digest(digests)
 
 
 def combined_digest(digests: Mapping[str, str | None]) -> str | None:
-    """Hash of all files of an assembly from the hash of each, the first one first; None where that has none."""
+    """Hash of all files of an assembly from the hash of each, the main one first; None if that has none."""
     (_, root), *others = digests.items()
     if root is None or not others:
         return root
@@ -114,7 +114,7 @@ def combined_digest(digests: Mapping[str, str | None]) -> str | None:
 
 
 def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]:
-    """The references of a file that nobody has checked; none where it cannot be read."""
+    """The references of an unchecked file; empty if it is unreadable."""
     try:
         with opened(path) as data:
             if data.find(DOCUMENT_FILE) < 0:
@@ -175,7 +175,8 @@ def _resolve(reference: ExternalReference, beside: PurePosixPath, root: Path, fo
             real = path.resolve(strict=True)
             if not real.is_file():
                 continue
-        except (OSError, RuntimeError, ValueError):  # missing, no access, a circle of links, no name of a file
+        # missing, no access, a cycle of symbolic links, an invalid file name
+        except (OSError, RuntimeError, ValueError):
             missing = missing or path
             continue
         if not real.is_relative_to(folder):

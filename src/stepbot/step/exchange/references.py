@@ -40,11 +40,11 @@ class ExternalReference:
     """A product definition whose shape is in another file."""
 
     definition: int
-    """Entity number of the product definition; 0 where the file does not say which one it is."""
+    """Entity number of the product definition; 0 if the file does not state it."""
     product: str
     """Name of its product; may be empty."""
     raw: bytes
-    """Name of the other file, as it stands between its quotes."""
+    """Name of the other file, raw text between the quotes."""
     name: str
     """The same, decoded."""
     line: int
@@ -62,7 +62,7 @@ class ExternalReference:
 
     @property
     def readings(self) -> tuple[str, ...]:
-        """The name in each encoding that it may be in, the likeliest first."""
+        """The name in each possible encoding, the likeliest first."""
         found: dict[str, None] = {}
         for encoding in _LIKELY:
             try:
@@ -73,11 +73,11 @@ class ExternalReference:
 
 
 def external_references(data: Text, encoding: str) -> tuple[ExternalReference, ...]:
-    """The references of a file, in file order; each product definition and file once.
+    """The references of a file, in file order, without duplicates.
 
     Args:
         data: The file.
-        encoding: What its bytes above 127 mean; empty where that is unknown.
+        encoding: Encoding of bytes above 127; empty if unknown.
     """
     if data.find(DOCUMENT_FILE) < 0:
         return ()
@@ -126,7 +126,7 @@ def _product_definitions(entities: Entities) -> dict[int, None]:
 
 
 def _file_names(entities: Entities) -> dict[int, bytes]:
-    """For each document folder and name of its file, as they stand in the text; empty where there is no name."""
+    """For each document its folder and file name, raw; empty without a name."""
     found: dict[int, bytes] = {}
     for number in entities.of("APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT"):
         referred = entities.references(number)

@@ -1,4 +1,4 @@
-"""The axis that is up in an assembly, as far as its shape tells: what it stands on.
+"""The vertical axis of an assembly, inferred from the flat face it stands on.
 
 A file does not say which way is up. Most robots stand on a flat face of their base. If there is none towards -z, but a
 large one towards another side, the CAD was probably drawn with another axis up.
@@ -45,7 +45,7 @@ class Standing:
 
 
 def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3]) -> Standing | None:
-    """The axis that is up, if that is probably not z; None if it may be z, or is unclear.
+    """The vertical axis, if it is probably not z; None if it may be z, or is unclear.
 
     Args:
         assembly: The assembly.
