@@ -1,4 +1,4 @@
-"""Builds the format-independent robot from an assembly and a sidecar. May be called by ``pipeline``.
+"""Builds the format-independent robot from an assembly and a sidecar. For ``authoring`` and above.
 
 material_assignment  density, colour and collision of each component
 claims               the link of each component

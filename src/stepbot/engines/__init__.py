@@ -1,8 +1,9 @@
-"""file -> Observation: one package per engine, each run in a process of its own; engines only observe, never judge.
+"""Loads files in engines and returns observations; for ``verification`` and above. One package per engine.
 
 A package in this one with a module ``observer`` is an engine. Its ``__init__`` has ``ENGINE``, the declaration
 (:class:`.engine.Engine`), and imports nothing slow. The observer has ``prepare``, the slow import, and ``observe``.
-Nothing else lists the engines.
+Nothing else lists the engines. Each engine runs in its own process, and only observes: the comparison is in
+``verification``.
 """
 
 from functools import cache

@@ -1,4 +1,4 @@
-"""Robot to files: one package per format, discovered in this folder.
+"""Writes a robot in each format; for ``verification`` and above. One package per format, discovered in this folder.
 
 A package in this one with a module ``writer`` is a format. Its ``__init__`` has ``FORMAT``, the declaration
 (:class:`.format.Format`), and imports nothing slow. The writer has ``EXPRESSES`` (how the format expresses each
