@@ -165,6 +165,14 @@ def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot
     assert stepbot("check", "--step", "--strict", "lever.robot.yaml").code == 1
 
 
+def test_changes_can_be_ignored_before_they_come(lever: Revision, stepbot: Stepbot) -> None:
+    """A sidecar that ignores moved parts is clean before and after one moves: the rule is not reported as unused."""
+    rewrite(**{"base: fixed": "base: fixed\nignore_findings: [SB318]"})
+    assert findings(stepbot) == []
+    lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
+    assert findings(stepbot) == []
+
+
 def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
     """`convert` compares with the lock too: a moved part is a warning, and with a renamed one nothing is written."""
     arguments = ("convert", "--no-verify", "--concise", str(Path("lever.robot.yaml").resolve()), "-o", "out")

@@ -206,6 +206,8 @@ def inspect(path: Path, options: Options) -> Inspection:
 _JUDGED_BY_TEXT = ("SB1",)
 _JUDGED_BY_BUILD = ("SB1", "SB2", "SB3", "SB4", "SB5", "SB6")
 """Codes checked when only the sidecar was read, and when the robot was built."""
+_OF_REVISIONS = ("SB31", "SB408", "SB517")
+"""Codes of CAD changes: they come with a change and go with the next lock file, so ignoring them is never unused."""
 
 
 def _judged_by_files(options: Options) -> tuple[str, ...]:
@@ -217,6 +219,6 @@ def _judged_by_files(options: Options) -> tuple[str, ...]:
 def _report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
     """Report ignore rules that match nothing (SB142), among the checked codes."""
     for rule in found.unused_ignores:
-        if rule.code.startswith(judged):
+        if rule.code.startswith(judged) and not rule.code.startswith(_OF_REVISIONS):
             about = f"{rule.subject}: " if rule.subject else ""
             found.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])
