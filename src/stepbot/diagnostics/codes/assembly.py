@@ -249,7 +249,7 @@ CODES = (
         "external file not needed",
         "The STEP file refers to another file for a part whose geometry it contains, or for which another file was "
         "read before. The other file was not read.",
-        "Both may differ where one of them is older.",
+        "The two may differ if one of them is older.",
         "No action is needed if `stepbot inspect` shows the part as it is in CAD.",
     ),
     Code(

@@ -212,8 +212,8 @@ CODES: tuple[Code, ...] = (
         "SB824",
         "error",
         "robot description does not fit the STEP",
-        "Neither the axes of its joints nor the vertices of its meshes were found in the assembly, in no orientation.",
-        "No sidecar is drafted, since its joints would be at places that mean nothing.",
+        "Neither the axes of its joints nor the vertices of its meshes were found in the assembly in any orientation.",
+        "No sidecar is drafted, since its joints would be at arbitrary places.",
         "The description may be of another robot or revision, scaled, or without its meshes. Put the meshes where the "
         "description names them. Without `--from`, `init` drafts from the STEP alone.",
     ),
