@@ -8,6 +8,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import Assembly, BodyKind, ReadOptions
+from stepbot.step.features.ground import standing
 from stepbot.step.reader import start_reading
 from tests import command_line
 
@@ -106,6 +107,14 @@ def test_against_the_kernel(koch: Path, whole: Assembly) -> None:
         other, place = min(theirs, key=lambda solid: float(np.linalg.norm(solid[1] - centre)))
         assert np.linalg.norm(place - centre) < 1e-4
         assert own == pytest.approx(other, rel=1e-4)
+
+
+def test_the_axis_that_is_up(whole: Assembly) -> None:
+    """The arm is drawn with y up: it stands on its base, whose motor turns about y."""
+    base = [c.index for c in whole.components if c.path.startswith("Follower_Base")]
+    found = standing(whole, base, [(0.0, 1.0, 0.0)])
+    assert found is not None
+    assert found.up == "y"
 
 
 @pytest.mark.long

@@ -62,7 +62,7 @@ def test_weak_evidence(tmp_path: Path) -> None:
     assert codes("y", tmp_path) != []
     assert codes("y", tmp_path, axis="x") == []
     assert codes("y", tmp_path, foot=32.0) == []
-    assert codes("y", tmp_path, foot=160.0, arm=20.0) == []
+    assert codes("y", tmp_path, foot=300.0, arm=20.0) == []
 
 
 def test_rotations() -> None:

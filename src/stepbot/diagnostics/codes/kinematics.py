@@ -159,7 +159,7 @@ CODES = (
         "warning",
         "assembly probably not z-up",
         "The base of the robot has a large flat face towards an axis other than z, on which a joint of the base is along "
-        "that axis. Nothing comparable is towards z, and the assembly is no taller along z.",
+        "that axis. Nothing comparable is towards z, and the assembly is at most half as long again along z.",
         "In robot files z is up. A robot drawn with y up, as many CAD programs do by default, would lie on its side.",
         "Name the axis that is up: `root: {up: y}`. If z is up, `root: {up: z}` says so.",
     ),

@@ -23,6 +23,8 @@ _OTHER = 0.25
 """Fraction of that face's size from which one above or below is a rival."""
 _OF_BASE = 0.9
 """Fraction of the ground's area that belongs to the base."""
+_TALL = 2.0 / 3.0
+"""Minimum height of the assembly as a fraction of its extent along z: what hangs on a wall is lower."""
 _PARALLEL = 1e-2
 """Maximum angle [rad] between a joint's axis and the vertical."""
 
@@ -39,9 +41,7 @@ class Standing:
         opposite = self.up.removeprefix("-") if self.up.startswith("-") else f"-{self.up}"
         size = f"{100 * self.share:.0f} % of the footprint"
         axis = self.up.removeprefix("-")
-        return (
-            f"its base has a flat face of {size} towards {opposite}, a joint on it is along {axis}, and z is no taller"
-        )
+        return f"its base has a flat face of {size} towards {opposite}, and a joint on it is along {axis}"
 
 
 def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3]) -> Standing | None:
@@ -64,7 +64,7 @@ def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3])
     rivals = [other for other in DIRECTIONS if other != up and shares[other][0] >= _OTHER * share]
     is_along = any(abs(float(vector(up) @ np.array(axis))) > np.cos(_PARALLEL) for axis in axes)
     height, across = sides.size["xyz".index(up[-1])], sides.size[2]
-    return None if rivals or height < across or not is_along else Standing(up, share)
+    return None if rivals or height < _TALL * across or not is_along else Standing(up, share)
 
 
 class _Sides:
