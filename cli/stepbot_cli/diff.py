@@ -64,7 +64,7 @@ def command(options: "Options", old: Path, new: Path, as_json: bool, display: Di
 
 
 def _kind(old: Path, new: Path) -> str:
-    """What both are: ``step``, ``sidecar`` or ``robot``."""
+    """The type of both: ``step``, ``sidecar`` or ``robot``."""
     kinds = []
     for path in (old, new):
         suffix = path.suffix.lower()
@@ -87,7 +87,7 @@ def _compared(kind: str, old: Path, new: Path, options: "Options", found: Diagno
 
 
 def _record(row: dict[str, Any]) -> dict[str, Any]:
-    """A difference without what it does not have."""
+    """A difference without empty fields."""
     return {key: value for key, value in row.items() if value not in (None, "")}
 
 

@@ -1,4 +1,4 @@
-"""Locks of sidecars: made of an assembly, and compared with it after a change of the CAD."""
+"""Locks of sidecars: created from an assembly, and compared with it after a change of the CAD."""
 
 import shlex
 from collections.abc import Callable, Mapping, Sequence
@@ -70,7 +70,7 @@ class Locked:
 
 
 def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | None:
-    """The lock of a sidecar and its STEP; None where the robot has errors, all of which are in ``found``."""
+    """The lock of a sidecar and its STEP; None if the robot has errors, all of which are in ``found``."""
     try:
         loaded = load(sidecar, options, found)
         step = options.step or named_step(loaded, found)
@@ -78,7 +78,7 @@ def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | N
             assembly, measures = loading.assembly(found), partial(loading.measures, found)
             built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker)
             found.raise_if_errors()
-            assert built is not None  # no robot without an error
+            assert built is not None  # a missing robot always has an error
             taken = snapshot(assembly, loading.content, measures())
     except StepbotError as error:
         found.extend(error.diagnostics)
@@ -105,12 +105,12 @@ class Mended:
 
 
 def mend(sidecar: Path, options: Options, found: Diagnostics) -> Mended | None:
-    """The sidecar with certain renamings made; None where there are none.
+    """The sidecar with certain renamings applied; None if there are none.
 
     Args:
-        sidecar: The sidecar. Its errors, and those of its STEP, are for a check to report.
+        sidecar: The sidecar. Its errors, and those of its STEP, are left to `check`.
         options: Limits and cache.
-        found: Receives SB017 where there is no lock, and SB018 where the text cannot be rewritten.
+        found: Receives SB017 if there is no lock, and SB018 if the text cannot be rewritten.
     """
     elsewhere = Diagnostics()
     path = lock_path(sidecar)

@@ -1,4 +1,4 @@
-"""Whether a lock is as old as its sidecar."""
+"""Checks whether a lock is older than its sidecar."""
 
 import shlex
 
@@ -12,7 +12,7 @@ from .snapshot import Snapshot
 
 
 def report_age(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report what the sidecar names and the lock has not, because it was made before the sidecar was edited: SB016."""
+    """Report joints and paths of the sidecar that the lock lacks, because the sidecar was edited later: SB016."""
     document = sidecar.document
     locked = {joint.name for joint in lock.joints}
     joints = [f"joint '{name}'" for name in document.joints if name not in locked]

@@ -1,4 +1,4 @@
-"""How the axis of a joint has moved between two revisions."""
+"""Motion of a joint's axis between two revisions."""
 
 import numpy as np
 
@@ -10,12 +10,12 @@ from .wording import angle, length
 
 
 def axis_words(old: Joint, new: Joint, common: Pose) -> str:
-    """How a joint has moved, for people; empty where it has not.
+    """How a joint has moved, for messages; empty if it has not.
 
     Args:
-        old: The joint as it was.
-        new: The joint as it is.
-        common: The motion of the whole assembly, which does not count.
+        old: The joint in the old revision.
+        new: The joint in the new revision.
+        common: The motion of the whole assembly, which is subtracted.
     """
     start, end = common.apply(old.origin), np.array(new.origin)
     shift = end - start

@@ -1,4 +1,4 @@
-"""Paths of a sidecar that no longer name what they named when the lock was made, and what names it now."""
+"""Paths of a sidecar that no longer match the components of the lock, and their current matches."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from .snapshot import Snapshot, part_components
 
 
 class Fate(StrEnum):
-    """What became of the components that a path named."""
+    """The change of the components that a path matched."""
 
     RENAMED = "renamed"
     PROBABLY_RENAMED = "probably renamed"
@@ -23,7 +23,7 @@ class Fate(StrEnum):
 
 
 def renamed_node(old: str, new: str) -> tuple[str, str]:
-    """The component whose renaming explains that of one below it: both paths without the segments that they share."""
+    """The renamed component that explains the renaming of one below it: both paths without their common segments."""
     ours, theirs = segments_of(old), segments_of(new)
     while len(ours) > 1 and len(theirs) > 1 and ours[-1] == theirs[-1]:
         ours, theirs = ours[:-1], theirs[:-1]
@@ -32,34 +32,34 @@ def renamed_node(old: str, new: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class BrokenPath:
-    """A path that no longer names what it named."""
+    """A path that no longer matches the same components."""
 
     pattern: str
     places: tuple[PathPlace, ...]
     fate: Fate
     old: tuple[str, ...]
-    """Canonical paths of what it named; of components below each other the topmost."""
+    """Canonical paths of the old matches; of nested components the topmost."""
     new: tuple[str, ...] = ()
     """Canonical paths of the same components now."""
     replacement: str = ""
-    """A path that names just these; empty where no single one does, and for a glob that matched several."""
+    """A path that matches exactly these; empty if there is none, and for a glob that matched several."""
     pairs: tuple[Pair, ...] = ()
     """The parts below them."""
     candidates: tuple[str, ...] = ()
-    """Of removed components, parts that each could be one of them."""
+    """For removed components, candidate parts."""
     names_others: bool = False
-    """Whether the path now names other components."""
+    """Whether the path now matches other components."""
 
     @property
     def node(self) -> tuple[str, str] | None:
-        """Former and present path of the one component whose renaming broke the path; None where there is no one."""
+        """Old and new path of the single renamed component that broke the path; None if there is no single one."""
         nodes = {renamed_node(old, new) for old, new in zip(self.old, self.new, strict=False)}
         return nodes.pop() if len(self.old) == len(self.new) and len(nodes) == 1 else None
 
 
 @dataclass(frozen=True)
 class Rebinding:
-    """All broken paths of a sidecar, and what they should bind to."""
+    """All broken paths of a sidecar, and their replacements."""
 
     broken: tuple[BrokenPath, ...]
     revised: Revised
@@ -71,8 +71,8 @@ def rebind(old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, doc
     Args:
         old: The lock.
         new: The parts of the assembly.
-        matched: Which part is which.
-        assembly: What the STEP holds now.
+        matched: Corresponding parts.
+        assembly: The current content of the STEP.
         document: The sidecar.
     """
     binding = _Binding(old, new, matched, assembly)
@@ -96,7 +96,7 @@ def rebind(old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, doc
 
 
 class _Binding:
-    """Looks up in a revised assembly what paths named before."""
+    """Looks up old matches of paths in a revised assembly."""
 
     def __init__(self, old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly) -> None:
         self._old, self._new, self._match, self._assembly = old, new, matched, assembly
@@ -110,16 +110,16 @@ class _Binding:
         return tuple(self._index[path] for path in paths)
 
     def broken(self, pattern: str, places: tuple[PathPlace, ...], components: tuple[str, ...]) -> BrokenPath | None:
-        """What became of a path that named some components; None where it still names them."""
+        """The change of a path that matched some components; None if it still matches them."""
         parts = [index for index, part in enumerate(self._old.parts) if is_below(part.path, components)]
         pairs = tuple(self._pair_of[index] for index in parts if index in self._pair_of)
         is_one = any(place.is_one for place in places)
         now = self._paths.find_one(pattern) if is_one else self._paths.find(pattern)
         if not parts:
-            return None  # it named components without a body: nothing tells them apart but their names
+            return None  # it matched components without a body, which are only distinguished by name
         if not now.problem:
             if is_glob(pattern) or not all(path in self._old_parts for path in components):
-                return None  # what it names beside them, or no longer, is reported by link
+                return None  # additional and missing matches are reported by link
             below = {self._assembly.components[index].path for index in self._paths.below(now.topmost)}
             if pairs and all(self._new.parts[pair.new].path in below for pair in pairs):
                 return None
@@ -135,7 +135,7 @@ class _Binding:
         return BrokenPath(pattern, places, fate, components, nodes, replacement, pairs, names_others=not now.problem)
 
     def _now(self, path: str) -> tuple[str, ...]:
-        """Canonical paths, topmost, of what one component is now."""
+        """Canonical paths, topmost, of one old component now."""
         pairs = [
             self._pair_of[i]
             for i, part in enumerate(self._old.parts)
@@ -148,7 +148,7 @@ class _Binding:
         return tuple(new for _, new in names)
 
     def _replacement(self, pattern: str, old: Sequence[str], new: Sequence[str], *, is_one: bool) -> str:
-        """A path that names just the components at ``new``, as like ``pattern`` as can be."""
+        """A path that matches exactly the components at ``new``, as similar to ``pattern`` as possible."""
         if is_glob(pattern) and (len(old) != 1 or len(new) != 1):
             return ""
         wanted = set(self.indices(new))
@@ -160,12 +160,12 @@ class _Binding:
 
 
 def is_below(path: str, above: Sequence[str]) -> bool:
-    """Whether a canonical path is one of some others, or below one of them."""
+    """Whether a canonical path is one of several others, or below one of them."""
     return any(path == one or one == ROOT_PATH or path.startswith(f"{one}/") for one in above)
 
 
 def _spellings(pattern: str, old: Sequence[str], new: Sequence[str]) -> Iterable[str]:
-    """Paths that may name the components at ``new``, those nearest to ``pattern`` first."""
+    """Candidate paths of the components at ``new``, those most similar to ``pattern`` first."""
     written = segments_of(pattern)
     for path in new:
         segments = segments_of(path)

@@ -19,9 +19,9 @@ Group = Sequence[BrokenPath]
 
 
 def report_broken(compared: Comparison, found: Diagnostics) -> None:
-    """Report each path that no longer names what it named, at the first of its places: SB310 to SB312.
+    """Report each path that no longer matches the same components, at its first place: SB310 to SB312.
 
-    Paths that a subassembly's new name has broken are one diagnostic.
+    Paths broken by the renaming of a subassembly are one diagnostic.
     """
     for group in _grouped(compared.rebinding.broken):
         broken = group[0]
@@ -40,7 +40,7 @@ def report_broken(compared: Comparison, found: Diagnostics) -> None:
 
 
 def _grouped(broken: Iterable[BrokenPath]) -> list[list[BrokenPath]]:
-    """Broken paths by the component whose new name has broken them."""
+    """Broken paths by the renamed component that broke them."""
     groups: dict[Hashable, list[BrokenPath]] = {}
     for one in broken:
         groups.setdefault((one.fate, one.node or one.pattern), []).append(one)
@@ -105,7 +105,7 @@ def _spelled(group: Group) -> list[str]:
 
 
 def _evidence(compared: Comparison, group: Group) -> str:
-    """What speaks for it that two names mean the same."""
+    """Evidence that two names belong to the same component."""
     pairs = list({pair.old: pair for one in group for pair in one.pairs}.values())
     if all(pair.certainty is not Certainty.PROBABLE for pair in pairs):
         return (
@@ -116,7 +116,7 @@ def _evidence(compared: Comparison, group: Group) -> str:
 
 
 def pair_words(compared: Comparison, pair: Pair) -> str:
-    """How like each other two parts are: ``same shape, moved by 3 mm``."""
+    """Similarity of two parts: ``same shape, moved by 3 mm``."""
     shape = "same shape"
     if not pair.is_same_shape:
         shape = shape_words(compared.old.shape_of(pair.old), compared.new.shape_of(pair.new))

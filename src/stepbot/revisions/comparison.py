@@ -1,4 +1,4 @@
-"""A lock against the assembly as it is now, and what the sidecar makes of it."""
+"""Compares a lock with the current assembly, under one sidecar."""
 
 import shlex
 from collections.abc import Sequence
@@ -24,22 +24,22 @@ class Comparison:
     old: Snapshot
     """The lock."""
     new: Snapshot
-    """The assembly as it is now, bound as if broken paths were mended."""
+    """The current assembly, bound as if broken paths were fixed."""
     match: Match
     rebinding: Rebinding
     bound: Bound
     components: tuple[Component, ...]
     """The component of each part of ``new``."""
     step: str = ""
-    """Name of the STEP file that was given in place of the one that the sidecar names; empty for that one."""
+    """Name of the STEP file given instead of the sidecar's; empty otherwise."""
 
     def command(self, *words: str) -> str:
-        """A command about this sidecar and STEP, by their names: reports have no folders of one machine in them."""
+        """A command for this sidecar and STEP, by file name: reports contain no local folders."""
         step = ("--step", self.step) if self.step else ()
         return shlex.join(["stepbot", *words, *step, self.sidecar.path.name])
 
     def place_of(self, part: int) -> Keys:
-        """Where the sidecar binds a part of ``new``: the path, `rest`, or the links where nothing does."""
+        """How the sidecar binds a part of ``new``: the path, `rest`, or the links if it is unbound."""
         claims, at = self.bound.claims, self.components[part].index
         while at >= 0:
             if at in claims.claimed:
@@ -57,9 +57,9 @@ def revised(
 
     Args:
         sidecar: The sidecar, without errors of its own.
-        assembly: What the STEP holds now.
-        lock: What it held.
-        measures: For each of ``assembly.bodies`` what trimesh measures on its mesh.
+        assembly: The current content of the STEP.
+        lock: The locked content.
+        measures: trimesh's mass properties of each of ``assembly.bodies``.
         digest: Hash of the STEP's bytes.
     """
     taken = snapshot(assembly, digest, measures)

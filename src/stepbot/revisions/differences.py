@@ -17,9 +17,9 @@ from .wording import common_words, moved_words, shape_words, stuff_words
 
 _EXPECTED = re.compile(r", (\S.*) expected$")
 _FOLLOWING = frozenset({Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS})
-"""Quantities that differ because others do."""
+"""Quantities that differ as a consequence of others."""
 _NO_DIFFERENCE = frozenset({Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS, Quantity.SELF_COLLISION})
-"""Quantities of one file or robot alone."""
+"""Quantities of a single file or robot."""
 
 
 @dataclass(frozen=True)
@@ -30,16 +30,16 @@ class Difference:
     """``added``, ``removed``, ``renamed``, ``probably renamed``, ``moved``, ``reshaped``, ``material``; of robots the
     quantity."""
     name: str
-    """What differs."""
+    """The element that differs."""
     detail: str = ""
-    """How."""
+    """The difference."""
     new_name: str = ""
-    """What it is called now; empty where that is the same."""
+    """Its current name; empty if unchanged."""
     amount: float | None = None
-    """Distance [m] of what moved, or deviation of a quantity in ``unit``; None where there is no number."""
+    """Distance [m] of a motion, or deviation of a quantity in ``unit``; None without a number."""
     unit: str = ""
     angle: float | None = None
-    """[rad] by which it is turned; None where it is not, or unknown."""
+    """Rotation [rad]; None if there is none, or unknown."""
 
 
 def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:
@@ -55,7 +55,7 @@ def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:
 
 
 def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
-    """Differences of two robots, quantity by quantity; what only follows from others is left out beside them."""
+    """Differences of two robots, quantity by quantity; consequences of other differences are left out."""
     compared = [one for one in results if not one.not_run and one.quantity not in _NO_DIFFERENCE]
     failed = [one for one in compared if one.deviations.failures]
     direct = [one for one in failed if one.quantity not in _FOLLOWING]
@@ -83,7 +83,7 @@ def _common(matched: Match) -> Iterator[Difference]:
 
 
 def _names(old: Snapshot, new: Snapshot, matched: Match) -> Iterator[Difference]:
-    """Components under other names; a subassembly with another name is one of them."""
+    """Renamed components; a renamed subassembly is one of them."""
     groups: dict[tuple[str, str], list[Pair]] = {}
     for pair in matched.pairs:
         before, after = old.parts[pair.old].path, new.parts[pair.new].path
@@ -103,7 +103,7 @@ def _likeness(old: Snapshot, new: Snapshot, pairs: Iterable[Pair]) -> str:
 
 
 def _changes(old: Snapshot, new: Snapshot, pair: Pair) -> Iterator[Difference]:
-    """How a component that is in both has changed."""
+    """The change of a component that is in both."""
     before, after = old.parts[pair.old], new.parts[pair.new]
     if pair.certainty is Certainty.PATH:
         if not pair.motion.is_none:

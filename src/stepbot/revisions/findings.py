@@ -1,6 +1,6 @@
-"""Differences between a lock and the assembly as diagnostics, each at the line of the sidecar that it is about.
+"""Reports differences between a lock and the assembly, each at the related line of the sidecar.
 
-Parts that a path binds alike and that changed alike are one diagnostic.
+Parts bound by one path with the same change are one diagnostic.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -30,7 +30,7 @@ def report_changes(compared: Comparison, found: Diagnostics) -> None:
 
 
 class _Reporter:
-    """Reports changes beside those of broken paths."""
+    """Reports changes other than broken paths."""
 
     def __init__(self, compared: Comparison, found: Diagnostics) -> None:
         self._c, self._found = compared, found
@@ -47,7 +47,7 @@ class _Reporter:
             for pair in compared.match.pairs
             if pair.certainty is Certainty.PROBABLE and pair.old not in self._told
         }
-        """Old parts that may be a new one, where nothing in the sidecar depends on it."""
+        """Old parts that may correspond to a new one, if nothing in the sidecar depends on it."""
 
     def report(self) -> None:
         """Report it."""
@@ -63,7 +63,7 @@ class _Reporter:
         self._report_joints()
 
     def _report_renamed(self) -> None:
-        """Components that certainly have another name, and that the sidecar still binds."""
+        """Components that were certainly renamed, and that the sidecar still binds."""
         kept: dict[str, list[str]] = {}
         for pair in self._c.match.pairs:
             old, new = self._c.old.parts[pair.old], self._c.new.parts[pair.new]
@@ -87,13 +87,13 @@ class _Reporter:
             self._add("SB314", ("links", link), message, [self._accept], notes)
 
     def _is_still_named(self, pair: Pair) -> bool:
-        """Whether the former path still names it: a sibling of the same name, or `#n`, gave it another one."""
+        """Whether the old path still matches it, and the new name is only due to a sibling or `#n`."""
         old, new = self._c.old.parts[pair.old].path, self._c.new.parts[pair.new].path
         found = self._paths.find(old)
         return _is_renumbered(old, new) or self._c.components[pair.new].index in found.indices
 
     def _report_removed(self) -> None:
-        """Components that are gone and that no path named alone."""
+        """Removed components that no path matched alone."""
         by_link: dict[str, list[int]] = {}
         for index in (*self._c.match.removed, *self._replaced):
             part = self._c.old.parts[index]
@@ -107,7 +107,7 @@ class _Reporter:
             self._add("SB316", ("links", link), message, [self._accept], notes)
 
     def _successors(self, indices: Sequence[int]) -> Iterator[str]:
-        """New components that removed ones may be."""
+        """New components that may replace removed ones."""
         for index in indices:
             name = quoted(self._c.old.parts[index].path)
             if index in self._replaced:
@@ -166,7 +166,7 @@ class _Reporter:
         self._report_alike("SB319", words)
 
     def _report_masses(self) -> None:
-        """Masses that the STEP's density or material changed; those of a changed shape are told with it."""
+        """Masses changed by the STEP's density or material; those of a changed shape are reported with the shape."""
         words = []
         for pair in self._c.match.pairs:
             old, new = self._c.old.parts[pair.old], self._c.new.parts[pair.new]
@@ -178,7 +178,7 @@ class _Reporter:
         self._report_alike("SB517", words)
 
     def _report_alike(self, code: str, changed: Iterable[tuple[Pair, str]]) -> None:
-        """One diagnostic for all parts that one path binds and that changed alike."""
+        """One diagnostic for all parts bound by one path with the same change."""
         groups: dict[tuple[Keys, str], list[str]] = {}
         for pair, words in changed:
             part = self._c.new.parts[pair.new]
@@ -209,7 +209,7 @@ class _Reporter:
 
 
 def _named(paths: Sequence[str]) -> tuple[str, ...]:
-    """Paths for the notes of a message that only counts them."""
+    """Paths for the notes of a message that only has their number."""
     return listed(tuple(map(quoted, paths))) if len(paths) > 1 else ()
 
 

@@ -1,7 +1,7 @@
-"""``<robot>.lock.json``: the snapshot that a sidecar was last found right with.
+"""``<robot>.lock.json``: the snapshot with which a sidecar was last confirmed.
 
-One line for each record, so that a version control system shows what changed; the same input gives the same bytes. Its
-schema is ``schemas/lock-1.schema.json``.
+One line per record, for readable differences in version control; the same input gives the same bytes. Its schema is
+``schemas/lock-1.schema.json``.
 """
 
 import json
@@ -17,7 +17,7 @@ from .snapshot import Joint, Part, Reference, Shape, Snapshot
 VERSION = 1
 """Version of the schema."""
 LARGEST_FILE = 1 << 26
-"""Bytes of the largest file that is read."""
+"""Maximum size [bytes] of a file."""
 _DIGEST = re.compile("[0-9a-f]{40}")
 
 Json = dict[str, Any]
@@ -44,11 +44,11 @@ def lock_bytes(snapshot: Snapshot) -> bytes:
 
 
 def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
-    """The lock at a path; None where there is none, or it cannot be used, which is reported (SB013 to SB015).
+    """The lock at a path; None if it is missing or unusable, which is reported (SB013 to SB015).
 
     Args:
         path: The file.
-        robot: Name of the robot whose lock it should be.
+        robot: Name of the expected robot.
         found: Receives the diagnostics.
     """
     span = Span(path.as_posix())

@@ -1,4 +1,4 @@
-"""Where the lock of a sidecar is; imports nothing, so that a cached result is found quickly."""
+"""Path of a sidecar's lock; imports nothing, so that a cached result is found quickly."""
 
 from pathlib import Path
 

@@ -23,19 +23,19 @@ from .shapes import ANGLE, PLACE, Motion, at_same_place, centroid, motion, same_
 from .snapshot import Part, Shape, Snapshot
 
 _NEAR_MEASURE = 0.02
-"""Relative difference of volumes beyond which no shapes are compared."""
+"""Relative difference of volumes above which shapes are not compared."""
 _NEAR = 0.1
-"""Share of its diagonal by which a part of another shape may be elsewhere and still probably be the same part."""
+"""Distance, as a share of its diagonal, up to which a part of another shape is probably the same part."""
 _LIKE = 0.7
 """Ratio of the smaller to the larger volume of such parts."""
 
 
 class Certainty(StrEnum):
-    """What makes two parts one."""
+    """Evidence that two parts correspond."""
 
     PATH = "path"
     CERTAIN = "certain"
-    """Shape and place are the same, and no other part comes into question."""
+    """Shape and place are the same, and there is no other candidate."""
     PROBABLE = "probable"
 
 
@@ -57,13 +57,13 @@ class Match:
     pairs: tuple[Pair, ...]
     """By the index of the old part."""
     removed: tuple[int, ...]
-    """Old parts that are no new one."""
+    """Old parts without a new one."""
     added: tuple[int, ...]
-    """New parts that were no old one."""
+    """New parts without an old one."""
     candidates: dict[int, tuple[int, ...]] = field(default_factory=dict)
-    """For removed parts the added ones of the same shape, where several come into question."""
+    """For removed parts the added ones of the same shape, if there are several candidates."""
     common: Pose = IDENTITY
-    """The motion that all parts have in common; that of each pair is in addition to it."""
+    """The common motion of all parts; the motion of each pair is relative to it."""
 
     @property
     def is_moved(self) -> bool:
@@ -72,7 +72,7 @@ class Match:
 
 
 def match(old: Snapshot, new: Snapshot) -> Match:
-    """Find out which part is which."""
+    """Match the parts of two snapshots."""
     common = _common_motion(old, new)
     if not _is_identity(common):
         old = replace(old, parts=tuple(_moved(part, common) for part in old.parts))
@@ -82,7 +82,7 @@ def match(old: Snapshot, new: Snapshot) -> Match:
 
 
 class _Matching:
-    """Two snapshots, and what has been paired so far."""
+    """Two snapshots, and the pairs found so far."""
 
     def __init__(self, old: Snapshot, new: Snapshot) -> None:
         self._old, self._new = old, new
@@ -119,7 +119,7 @@ class _Matching:
     def _pair(self, i: int, j: int, certainty: Certainty) -> None:
         found = self._motion(i, j)
         is_same = self._old_class[i] == self._new_class[j]
-        if found.is_none:  # of two mirror images at one place the boxes differ
+        if found.is_none:  # the boxes of two mirror images at one place differ
             is_same = is_same and same_box(self._old.parts[i], self._new.parts[j])
         self._pairs[i] = Pair(i, j, certainty, found, is_same)
         self._taken.add(j)
@@ -137,7 +137,7 @@ class _Matching:
                 self._pair(i, j, Certainty.PATH)
 
     def _pair_same_place(self) -> None:
-        """Pair equal shapes at one place, where neither has a name that the other snapshot gives to another part."""
+        """Pair equal shapes at one place, if neither has a name that the other snapshot gives to another part."""
         old_left = [i for i in self._left_old() if self._may_be_renamed(self._old.parts[i], self._new_paths)]
         new_left = [j for j in self._left_new() if self._may_be_renamed(self._new.parts[j], self._old_paths)]
         for ours, theirs in self._by_class(old_left, new_left):
@@ -145,7 +145,7 @@ class _Matching:
             self._pair_only_ones(fits, Certainty.CERTAIN)
 
     def _pair_only_ones(self, fits: dict[int, list[int]], certainty: Certainty) -> None:
-        """Pair parts of which each is the only one that comes into question for the other."""
+        """Pair parts that are each other's only candidate."""
         claims = Counter(j for several in fits.values() for j in several)
         for i, several in fits.items():
             if len(several) == 1 and claims[several[0]] == 1:
@@ -175,7 +175,7 @@ class _Matching:
                 self._pair(several[0], others[0], Certainty.PROBABLE)
 
     def _pair_near(self) -> None:
-        """Pair parts of nearly the same size at nearly the same place, where no other comes into question."""
+        """Pair parts of nearly the same size and place without other candidates."""
         ours, theirs = self._left_old(), self._left_new()
         widest = max((self._new.parts[j].diagonal for j in theirs), default=0.0)
         fits = {}
@@ -202,7 +202,7 @@ class _Matching:
         return [(several, new[key]) for key, several in old.items() if key in new]
 
     def _within(self, i: int, theirs: list[int], reach: float) -> list[int]:
-        """Those of some new parts whose centroids are within a distance [m] of an old part's."""
+        """New parts whose centroids are within a distance [m] of an old part's."""
         if not theirs:
             return []
         distances = np.linalg.norm(self._new_centroids[theirs] - self._old_centroids[i], axis=1)
@@ -227,7 +227,7 @@ def _last(path: str) -> str:
 
 
 def _shape_classes(shapes: tuple[Shape, ...]) -> list[int]:
-    """For each shape the number of the first one that is the same."""
+    """For each shape the number of the first equal one."""
     classes = list(range(len(shapes)))
     order = sorted(range(len(shapes)), key=lambda index: (shapes[index].measure, index))
     for place, index in enumerate(order):
@@ -241,7 +241,7 @@ def _shape_classes(shapes: tuple[Shape, ...]) -> list[int]:
 
 
 def _common_motion(old: Snapshot, new: Snapshot) -> Pose:
-    """The motion of all parts that have the same path and shape; none where one has not moved, or another way."""
+    """The motion of all parts with the same path and shape; none if one has not moved, or differently."""
     new_paths, common = new.index_of, None
     for i, part in enumerate(old.parts):
         j = new_paths.get(part.path)

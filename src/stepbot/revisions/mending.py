@@ -1,4 +1,4 @@
-"""Certain renamings: the paths to write in the sidecar, and the lock under the new names."""
+"""Applies certain renamings: new paths for the sidecar, and the lock under the new names."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from .snapshot import Reference, Snapshot
 
 
 def certain_renamings(compared: Comparison) -> dict[str, str]:
-    """The path to write for each path of the sidecar whose component was certainly renamed."""
+    """The new path for each path of the sidecar whose component was certainly renamed."""
     return {
         one.pattern: one.replacement
         for one in compared.rebinding.broken
@@ -18,7 +18,7 @@ def certain_renamings(compared: Comparison) -> dict[str, str]:
 
 
 def renamed_lock(compared: Comparison) -> Snapshot:
-    """The lock with the names of today wherever these are certain; shapes, poses, masses and axes stay as they were."""
+    """The lock with certain new names; shapes, poses, masses and axes are unchanged."""
     lock, new = compared.old, compared.new
     parts = list(lock.parts)
     names = dict[str, str]()

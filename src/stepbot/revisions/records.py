@@ -1,4 +1,4 @@
-"""Values of a JSON document, each checked for its type when it is taken."""
+"""Values of a JSON document, type-checked on access."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ _T = TypeVar("_T")
 
 @dataclass
 class Invalid(Exception):
-    """The content is not what is expected."""
+    """The content has the wrong type or structure."""
 
     what: str
     line: int = 0
@@ -23,7 +23,7 @@ class Invalid(Exception):
 
 
 class Record:
-    """A JSON object that knows its place; values of another type than asked for are errors."""
+    """A JSON object with its position; values of a wrong type are errors."""
 
     def __init__(self, value: object, where: str) -> None:
         if not isinstance(value, dict):
@@ -37,7 +37,7 @@ class Record:
         return list(self._value)
 
     def place(self, key: str) -> str:
-        """The way from the root to the value at a key."""
+        """The path from the root to the value at a key."""
         return f"{self._where}.{key}" if self._where else key
 
     def record(self, key: str) -> "Record":
@@ -45,7 +45,7 @@ class Record:
         return Record(self._get(key), self.place(key))
 
     def records(self, key: str, made: "Callable[[Record], _T]") -> tuple[_T, ...]:
-        """The list of objects at a key, each made into something."""
+        """The list of objects at a key, each converted."""
         return tuple(made(Record(one, f"{self.place(key)}[{i}]")) for i, one in enumerate(self._listed(key)))
 
     def text(self, key: str) -> str:
@@ -72,7 +72,7 @@ class Record:
         return self._number(key, self._get(key))
 
     def numbers(self, key: str, count: int) -> list[float]:
-        """The list of so many numbers at a key."""
+        """The list of a given number of numbers at a key."""
         return [self._number(key, one) for one in self._listed(key, count)]
 
     def vector(self, key: str) -> Vector3:
@@ -80,7 +80,7 @@ class Record:
         return self._vector(key, self._get(key))
 
     def vectors(self, key: str, count: int) -> list[Vector3]:
-        """The list of so many vectors at a key."""
+        """The list of a given number of vectors at a key."""
         return [self._vector(key, one) for one in self._listed(key, count)]
 
     def is_null(self, key: str) -> bool:

@@ -1,7 +1,7 @@
-"""Whether two shapes are the same, wherever they are, and how a component with one has moved.
+"""Compares two shapes independent of their poses, and computes the motion of a component.
 
-Volume and second moments tell solids apart by a millionth; where an integral is known less well, by its error. They do
-not tell a part from its mirror image: the box around it does, once both are at one place.
+Volume and second moments distinguish solids to a millionth, or to the error of the integrals. They do not distinguish a
+part from its mirror image: their bounding boxes do, once both are at one place.
 """
 
 from dataclasses import dataclass
@@ -27,17 +27,17 @@ ANGLE = radians(1e-4)
 """Angle [rad] up to which directions are equal: STEP files may give them with seven digits."""
 _COARSE = 5e-3
 _OF_MOMENTS = 5.0
-"""How much less well second moments are known than volumes: they grow with the fifth power of a length."""
+"""Factor between the errors of second moments and of volumes: moments grow with the fifth power of a length."""
 _BOX = 5e-3
-"""Share of its diagonal by which a box may differ: it is that of a mesh."""
+"""Tolerance of a bounding box, as a share of its diagonal: it is that of a mesh."""
 
 
 def same_shape(a: Shape, b: Shape) -> bool:
-    """Whether two fingerprints are those of one shape, up to a mirror image."""
+    """Whether two fingerprints are of one shape, or of mirror images."""
     if NOTHING in (a.basis, b.basis) or (a.basis == AREA) != (b.basis == AREA):
         return False
     exact = a.basis == b.basis == EXACT
-    if not exact and a.faces != b.faces:  # numbers say more, where they are exact: programs split faces differently
+    if not exact and a.faces != b.faces:  # exact numbers are stronger evidence: programs split faces differently
         return False
     tolerance = max(_tolerance(a, b) if exact else _COARSE, a.error + b.error)
     if abs(a.measure - b.measure) > tolerance * max(a.measure, b.measure):
@@ -47,7 +47,7 @@ def same_shape(a: Shape, b: Shape) -> bool:
 
 
 def same_frame(a: Shape, b: Shape) -> bool:
-    """Whether a shape lies in its definition's frame as the other does, so that the poses of both compare."""
+    """Whether two shapes have the same pose in their definitions, so that the component poses can be compared."""
     tolerance = max(_tolerance(a, b), a.error + b.error) * _OF_MOMENTS
     size = max(_gyration(a), _gyration(b))
     if float(np.linalg.norm(np.subtract(a.com, b.com))) > max(PLACE, tolerance * size):
@@ -64,14 +64,14 @@ def _principal_moments(shape: Shape) -> Array:
 
 @dataclass(frozen=True)
 class Motion:
-    """How a component has moved."""
+    """The motion of a component."""
 
     distance: float
-    """Of its centroid [m]; of a shape that changed, of its frame."""
+    """Of its centroid [m]; for a changed shape, of its frame."""
     angle: float | None
-    """[rad]; None where the frames of both do not compare, and the shape lies another way round."""
+    """[rad]; None if the frames cannot be compared, and the shape has another orientation."""
     X_WW: Pose | None = None
-    """The motion in the assembly's frame; None where the frames of both do not compare."""
+    """The motion in the assembly's frame; None if the frames cannot be compared."""
 
     @property
     def is_none(self) -> bool:
@@ -80,7 +80,7 @@ class Motion:
 
 
 def motion(old: Part, old_shape: Shape, new: Part, new_shape: Shape) -> Motion:
-    """How a component has moved between two revisions."""
+    """The motion of a component between two revisions."""
     is_same = same_shape(old_shape, new_shape)
     if not is_same or same_frame(old_shape, new_shape):
         X_WW = new.X_WC @ old.X_WC.inverse()
@@ -105,7 +105,7 @@ def centroid(part: Part, shape: Shape) -> Array:
 
 
 def same_box(a: Part, b: Part) -> bool:
-    """Whether the boxes around two parts are equal, as far as their meshes tell."""
+    """Whether the bounding boxes of two parts are equal, within the accuracy of their meshes."""
     allowed = max(PLACE, _BOX * max(a.diagonal, b.diagonal))
     return bool(np.abs(np.subtract(a.box, b.box)).max() <= allowed)
 

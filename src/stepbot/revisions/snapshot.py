@@ -1,7 +1,7 @@
-"""An assembly by its fingerprints: what is left of it when names, order and entity numbers change.
+"""An assembly as fingerprints, independent of names, order and entity numbers.
 
 Numbers are rounded to a nanometre, a nanoradian or nine digits: well below every tolerance of a comparison, well above
-the last bits that differ between machines.
+differences between machines.
 """
 
 from collections.abc import Iterable, Sequence
@@ -24,24 +24,24 @@ EXACT, MESH, AREA, NOTHING = "exact", "mesh", "area", "none"
 """What the integrals of a shape are taken over: the exact solid, its mesh, the triangles of a surface; or there are
 none."""
 FREE_FORM = "other"
-"""The kind of surface that splines are, in :attr:`Shape.faces`."""
+"""The surface type of splines in :attr:`Shape.faces`."""
 _DECIMALS = 9
 _DIGITS = 9
 _AREA_ERROR = 1e-2
-"""Relative error of integrals over the triangles of a surface, whose number depends on the mesh."""
+"""Relative error of integrals over the triangles of a surface, which depend on the mesh."""
 _LEAST_ERROR = 1e-9
 
 
 @dataclass(frozen=True)
 class Shape:
-    """The fingerprint of a body: nothing in it depends on names, or on the order of faces."""
+    """The fingerprint of a body, independent of names and of the order of faces."""
 
     kind: str
     """A :class:`.BodyKind` value."""
     faces: tuple[tuple[str, int], ...]
-    """How many faces lie on each kind of surface."""
+    """Number of faces of each surface type."""
     basis: str
-    """What the integrals are taken over."""
+    """Domain of the integrals."""
     measure: float = 0.0
     """Volume [m^3], or area [m^2] of a surface."""
     com: Vector3 = ZERO3
@@ -73,15 +73,15 @@ class Part:
     box: tuple[Vector3, Vector3] = (ZERO3, ZERO3)
     """Lowest and highest corner [m] in the assembly's frame."""
     density: float = 0.0
-    """[kg/m^3] as the STEP gives it; 0 for none."""
+    """[kg/m^3] in the STEP; 0 for none."""
     material: str = ""
     """Name of the material in the STEP; empty for none."""
     by_ordinal: bool = False
-    """Whether a segment of the path holds by ``#n`` alone."""
+    """Whether a segment of the path depends on ``#n``."""
     link: str = ""
-    """Link that has it; empty for none."""
+    """Its link; empty for none."""
     mass: float | None = None
-    """[kg] in the robot; None where it is not known."""
+    """[kg] in the robot; None if unknown."""
 
     @cached_property
     def X_WC(self) -> Pose:
@@ -110,16 +110,16 @@ class Joint:
 
 @dataclass(frozen=True)
 class Reference:
-    """A component path of the sidecar, and what it names."""
+    """A component path of the sidecar, and its matches."""
 
     path: str
     components: tuple[str, ...]
-    """Canonical paths; of components below each other the topmost."""
+    """Canonical paths; of nested components the topmost."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """An assembly, and what a sidecar binds of it; without a sidecar, the parts alone."""
+    """An assembly, and its bindings by a sidecar; without a sidecar, only the parts."""
 
     source: str
     """File name of the STEP."""
@@ -145,9 +145,9 @@ def snapshot(assembly: Assembly, digest: str, measures: Sequence[VolumePropertie
     """The fingerprints of an assembly.
 
     Args:
-        assembly: What the STEP holds.
+        assembly: The content of the STEP.
         digest: Hash of the bytes of the file.
-        measures: For each of ``assembly.bodies`` what trimesh measures on its mesh.
+        measures: trimesh's mass properties of each of ``assembly.bodies``.
     """
     shown = part_components(assembly)
     bodies = sorted({component.body for component in shown})
@@ -162,7 +162,7 @@ def snapshot(assembly: Assembly, digest: str, measures: Sequence[VolumePropertie
 
 
 def with_sidecar(taken: Snapshot, assembly: Assembly, document: Document, bound: Bound) -> Snapshot:
-    """A snapshot with what a sidecar binds: links, masses, joints and paths."""
+    """A snapshot with the sidecar's bindings: links, masses, joints and paths."""
     parts = []
     for part, component in zip(taken.parts, part_components(assembly), strict=True):
         weighed = bound.masses.get(component.index)
@@ -181,7 +181,7 @@ def with_sidecar(taken: Snapshot, assembly: Assembly, document: Document, bound:
 
 
 def part_components(assembly: Assembly) -> list[Component]:
-    """The components with a body that can be seen, in file order: one for each part of a snapshot."""
+    """The components with a visible body, in file order: one for each part of a snapshot."""
     return [c for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind is not BodyKind.WIRE]
 
 

@@ -1,4 +1,4 @@
-"""Differences in words."""
+"""Descriptions of differences."""
 
 from math import degrees
 
@@ -21,12 +21,12 @@ def moved_words(found: Motion) -> str:
 
 
 def common_words(X_WW: Pose) -> str:
-    """How a whole assembly has moved."""
+    """The motion of a whole assembly."""
     return moved_words(Motion(X_WW.distance_to(Pose())[0], X_WW.distance_to(Pose())[1])) or "did not move"
 
 
 def shape_words(old: Shape, new: Shape) -> str:
-    """``volume 12.3 -> 12.9 cm^3 (+4.9 %)``; the number of faces where the size is the same."""
+    """``volume 12.3 -> 12.9 cm^3 (+4.9 %)``; the number of faces if the size is the same."""
     if old.basis != new.basis:
         return f"from {_kind_words(old)} to {_kind_words(new)}"
     noun, unit, scale = ("area", "cm^2", 1e4) if new.basis == AREA else ("volume", "cm^3", 1e6)
@@ -44,7 +44,7 @@ def mass_words(old: float, new: float) -> str:
 
 
 def stuff_words(old: Part, new: Part) -> str:
-    """``density 2700 -> 7850 kg/m^3 (+191 %)``, ``material 'steel' -> 'brass'``; empty where both are the same."""
+    """``density 2700 -> 7850 kg/m^3 (+191 %)``, ``material 'steel' -> 'brass'``; empty if both are the same."""
     words = []
     if old.material != new.material:
         words.append(f"material '{old.material}' -> '{new.material}'")
@@ -54,7 +54,7 @@ def stuff_words(old: Part, new: Part) -> str:
 
 
 def change(old: float, new: float, unit: str) -> str:
-    """Two numbers that differ, with as many digits as that takes, and by how much."""
+    """Two different numbers, with as many digits as needed, and their difference."""
     digits = next((n for n in range(4, 12) if f"{old:.{n}g}" != f"{new:.{n}g}"), 12)
     share = f" ({100.0 * (new - old) / old:+.3g} %)" if old else ""
     return f"{old:.{digits}g} -> {new:.{digits}g} {unit}{share}"

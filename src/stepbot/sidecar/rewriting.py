@@ -1,7 +1,7 @@
-"""Component paths of a sidecar written anew in its text; every other byte stays as it is.
+"""Replaces component paths in the text of a sidecar; every other byte is unchanged.
 
-The text is spliced at the places of the values, because a YAML writer would lay it out anew. What comes out is read
-again, and has to be the same sidecar but for these paths.
+The text is spliced at the positions of the values, because a YAML writer would change the layout. The result is parsed
+again, and must be the same sidecar except for these paths.
 """
 
 import re
@@ -20,21 +20,21 @@ _ANCHOR = re.compile(r"&\S+ +")
 _PLAIN = re.compile(r"[^\W\d][\w/.-]*( [\w/.-]+)*")
 """Paths that need no quotes anywhere."""
 _NO_TEXT = frozenset({"true", "false", "null"})
-"""Words that are no text without quotes."""
+"""Words that are not strings without quotes."""
 _BYTE_ORDER_MARK = "\ufeff"
 
 
 def rewritten(sidecar: Sidecar, content: bytes, paths: Mapping[str, str]) -> bytes | None:
-    """Write paths anew.
+    """Replace paths.
 
     Args:
-        sidecar: The sidecar as it was read.
+        sidecar: The sidecar as read.
         content: The bytes that it was read from.
-        paths: The new path for each path that is to change.
+        paths: The new path for each path to replace.
 
     Returns:
-        The new file; None where the result would not be the same sidecar with these paths, so that nobody may write it:
-        a path spread over several lines, or one that names what another rule names.
+        The new file; None if the result would be a different sidecar and must not be written: for a path across several
+            lines, or one that another rule already has.
     """
     text = content.decode("utf-8")
     mark = _BYTE_ORDER_MARK if text.startswith(_BYTE_ORDER_MARK) else ""
@@ -57,7 +57,7 @@ def _span(sidecar: Sidecar, place: PathPlace) -> Span:
 
 
 def _written(lines: list[str], span: Span) -> str | None:
-    """The text at a place; None for an alias, whose anchor is written anew, and for text of several lines."""
+    """The text at a place; None for an alias, whose anchor is replaced instead, and for text of several lines."""
     if not span.end_column:
         return None
     text = lines[2 * (span.line - 1)][span.column - 1 : span.end_column - 1]
@@ -76,7 +76,7 @@ def _splice(lines: list[str], span: Span, old: str, new: str) -> None:
 
 
 def _quoted_as(written: str, old: str, new: str) -> str:
-    """A path in the quotes of another; in quotes, too, where it needs them."""
+    """A path in the quotes of another, or with quotes if it needs them."""
     if written == old and _PLAIN.fullmatch(new) and new.lower() not in _NO_TEXT:
         return new
     if written.startswith("'"):
@@ -99,7 +99,7 @@ def _expected(data: Any, places: Iterable[PathPlace], paths: Mapping[str, str]) 
 
 
 def _copied(data: Any) -> Any:
-    """A copy in which nothing is shared: aliases stand for one object."""
+    """A copy without shared objects, which aliases create."""
     if isinstance(data, dict):
         return {key: _copied(value) for key, value in data.items()}
     return [_copied(value) for value in data] if isinstance(data, list) else data
