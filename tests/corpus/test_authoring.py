@@ -28,14 +28,28 @@ def blocks(kind: str, page: str) -> list[str]:
     return re.findall(rf"^```{kind}\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
 
 
+def edited(text: str, lines: str) -> str:
+    """A text with the lines of a diff: after the line before them that has a blank in front, at the end without one."""
+    rows, at = text.splitlines(), len(text.splitlines())
+    for line in lines.splitlines():
+        if line.startswith("+"):
+            rows.insert(at, line[1:])
+            at += 1
+        elif line.startswith(" "):
+            at = rows.index(line[1:]) + 1
+        else:
+            at = len(rows)
+    return "\n".join([*rows, ""])
+
+
 def session(page: str, corpus: Path, folder: Path) -> Iterator[str]:
     """Type the page's commands in a folder, with its edit behind the first; yields what each prints."""
     shutil.copy(corpus / STEP, folder)
     for number, (command, _) in enumerate(CONSOLE.findall(page)):
         if number == 1:
-            edit = blocks("yaml", page)[1]
+            (edit,) = blocks("diff", page)
             text = (folder / SIDECAR).read_text(encoding="utf-8")
-            (folder / SIDECAR).write_text(f"{text}\n{edit}", encoding="utf-8")
+            (folder / SIDECAR).write_text(edited(text, edit), encoding="utf-8")
         yield printed(command.split()[1:], folder)
 
 

@@ -49,6 +49,8 @@ def decide(survey: Survey, structure: Structure, motors: Sequence[Motor], eviden
     _homeless_motors(made, motors)
     for i in sorted(survey.small):
         made.clusters.add(i)
+    surfaces = _join_surfaces(made)
+    for i in sorted(survey.small - surfaces):
         host = _tightest_host(survey, i)
         if host is not None:
             made.clusters.join(host, i)
@@ -92,6 +94,18 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
                 best = rank if best is None else min(best, rank)
         if best is not None and clusters.join(case, best[-1]):
             made.guess(motor.parts, "unsupported motor: assigned to the nearest part")
+
+
+def _join_surfaces(made: Decision) -> set[int]:
+    """Join surface bodies that nothing holds to the solid of the part that they belong to; returns them."""
+    clusters, parts, joined = made.clusters, made.survey.parts, set()
+    for i, part in parts.items():
+        if part.volume or len(clusters.members(i)) > 1:
+            continue
+        solids = [k for k in made.survey.bodies_of_same_part(i) if parts[k].volume]
+        if solids and len({clusters.find(k) for k in solids}) == 1 and clusters.join(solids[0], i):
+            joined.add(i)
+    return joined
 
 
 def _tightest_host(survey: Survey, small: int) -> int | None:

@@ -83,6 +83,14 @@ class Survey:
             return set()
         return {role for name in spoken_names(self.assembly.components[component]) for role in roles(name)}
 
+    def bodies_of_same_part(self, part: int) -> list[int]:
+        """The bodies of the product that a body belongs to, itself included; none where the tree does not count."""
+        above = self.assembly.components[part].parent
+        if not self.sources.tree or above <= 0:
+            return []
+        siblings = [i for i in self.assembly.children[above] if i in self.parts]
+        return [i for i in siblings if not self.assembly.components[i].product]
+
     def has_screw_at(self, axis: Axis) -> bool:
         """Whether a screw is on a line, near the given position."""
         return any(
