@@ -12,7 +12,7 @@ from lxml import etree
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import Quantity
 from stepbot.formats.rendering import render
-from stepbot.robot.dynamics import mass_matrix
+from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointDynamics
 from stepbot.runtime.worker import RemoteError, WorkerDied, call_isolated
@@ -92,7 +92,8 @@ def test_pybullet_shakes_where_damping_is_too_much(share: float, grows: bool, tm
     skip_without("pybullet")
     robot = ROBOTS["two_link_arm"]()
     names = [joint.name for joint in moving_joints(robot)]
-    mobility = np.linalg.inv(mass_matrix(robot, {"elbow": 0.5}))[names.index("elbow"), names.index("elbow")]
+    M = equations_of_motion(robot, {"elbow": 0.5}).mass_matrix
+    mobility = np.linalg.inv(M)[names.index("elbow"), names.index("elbow")]
     damping = share * 2 / (1e-3 * mobility)
     joints = tuple(
         replace(joint, dynamics=JointDynamics(damping=damping if joint.name == "elbow" else 0.0))
