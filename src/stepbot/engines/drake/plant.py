@@ -89,12 +89,12 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
     else:
         plant = builder.AddSystem(MultibodyPlant(STEP))
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)  # required by ball constraints
-    plant.mutable_gravity_field().set_gravity_vector(list(gravity))
     try:
         parser = Parser(plant)
         for name, folder in _packages(path).items():
             parser.package_map().Add(name, folder)
         models = parser.AddModels(path)
+        plant.mutable_gravity_field().set_gravity_vector(list(gravity))  # the parser takes that of the file
         if len(models) != 1:
             raise EngineRefused(f"{len(models)} models in the file, one expected")
         root, name = _root(plant, models[0]), plant.GetModelInstanceName(models[0])
