@@ -194,7 +194,7 @@ def empty_data(path: Path, good: bytes) -> None:
     ("make", "code", "says"),
     [
         pytest.param(lambda path, good: path.write_text("buy milk\n"), "SB201", "ISO-10303-21", id="text"),
-        pytest.param(lambda path, good: path.write_bytes(b"PK\x03\x04" + bytes(300)), "SB201", "unpack", id="zip"),
+        pytest.param(lambda path, good: path.write_bytes(b"PK\x03\x04" + bytes(300)), "SB232", "damaged", id="zip"),
         pytest.param(lambda path, good: path.write_text("solid x\nendsolid x\n"), "SB201", "mesh", id="mesh"),
         pytest.param(lambda path, good: path.write_bytes(b""), "SB202", "empty", id="empty"),
         pytest.param(lambda path, good: path.write_bytes(b"\n \n"), "SB202", "", id="blank"),

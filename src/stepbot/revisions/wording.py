@@ -30,7 +30,7 @@ def shape_words(old: Shape, new: Shape) -> str:
     if old.basis != new.basis:
         return f"from {_kind_words(old)} to {_kind_words(new)}"
     noun, unit, scale = ("area", "cm^2", 1e4) if new.basis == AREA else ("volume", "cm^3", 1e6)
-    before, after = sum(n for _, n in old.faces), sum(n for _, n in new.faces)
+    before, after = (sum(count for _, count in shape.faces) for shape in (old, new))
     faces = f", {before} -> {after} faces" if before != after else ""
     if f"{old.measure:.6g}" == f"{new.measure:.6g}":
         return f"{noun} {new.measure * scale:.6g} {unit} as before, but other moments{faces}"

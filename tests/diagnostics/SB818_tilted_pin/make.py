@@ -4,13 +4,13 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.verification import Provers, verify
+from tests.robots import crooked_four_bar
 from tests.simulators.conftest import write
-from tests.simulators.test_loops_that_jam import _crooked
 
 
 def find(found: Diagnostics) -> None:
     """Ask the library."""
-    folder = write(_crooked(5e-5), Path())
+    folder = write(crooked_four_bar(5e-5), Path())
     written = {"mjcf": folder.written["mjcf"]}
     with Provers(written) as provers:
         verify(folder.robot, written, provers, found)

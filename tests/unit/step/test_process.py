@@ -158,7 +158,8 @@ def test_bugs_stay_bugs(found: ReadDiagnostics) -> None:
 @pytest.mark.skipif(sys.platform == "darwin", reason="bodies are not made in processes of their own")
 def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """One body's crash is an error that names its component; the other bodies are there."""
-    from stepbot.step import parallel, worker
+    from stepbot.runtime import parallel
+    from stepbot.step import worker
     from stepbot.step.shapes.bodies import BodyRequest, ReadBody, read_body
     from stepbot.step.structure.source import BodySource
 
@@ -183,7 +184,7 @@ def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, mo
 SCRIPT = """
 import hashlib, sys
 from pathlib import Path
-from stepbot.step import parallel
+from stepbot.runtime import parallel
 from tests.unit.step.here import read_quietly
 from tests.unit.step.test_process import content
 parallel.core_count = lambda: int(sys.argv[2])

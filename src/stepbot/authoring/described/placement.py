@@ -14,6 +14,7 @@ from math import pi
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.kinematics import displacement
 from stepbot.robot.model import Joint, JointKind
 from stepbot.step.assembly import Assembly
@@ -67,7 +68,7 @@ class Placement:
     @property
     def rank(self) -> tuple[int, int, float]:
         """Sort key; greater is better."""
-        return sum(map(self.has, self.shares)), self.axes, round(sum(self.shares.values()), 6)
+        return sum(map(self.has, self.shares)), self.axes, round(exact_sum(self.shares.values()), 6)
 
 
 def find_placement(
@@ -220,7 +221,7 @@ class _Placing:
                 for _, following, far in self._around(other)
                 if following is not joint and following.kind in _FOLLOWED and far not in dict(body)
             ]
-            further.append((0.5 * (score + sum(beyond) / len(beyond)) if beyond else score, q))
+            further.append((0.5 * (score + exact_sum(beyond) / len(beyond)) if beyond else score, q))
         return min(further, key=lambda one: (-round(one[0], 1), abs(one[1])))
 
     def _body(self, joint: Joint, near: str) -> list[tuple[str, Pose]]:
