@@ -107,11 +107,12 @@ def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, 
     assert_same_bytes(first.folder, tmp_path / "out")
 
 
+@pytest.mark.parametrize("times", [2, pytest.param(6, marks=pytest.mark.long)])
 @pytest.mark.parametrize("robot", ["stepbot_diff_drive", "stepbot_upper_body"])
-def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str) -> None:
-    """Four processes, without a cache: the same bytes, those of large hulls too."""
+def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, times: int) -> None:
+    """Several processes, without a cache: the same bytes, those of large hulls too."""
     (sidecar,) = (robot_library / robot).glob("*.robot.yaml")
-    runs = [convert(sidecar, tmp_path / str(i), "--no-verify") for i in range(4)]
+    runs = [convert(sidecar, tmp_path / str(i), "--no-verify") for i in range(times)]
     assert any(name.endswith("_hull.obj") for name in snapshot(runs[0].folder))
     for run in runs[1:]:
         assert_same_bytes(runs[0].folder, run.folder)

@@ -74,6 +74,6 @@ EXPERIMENT = Experiment(
     "`convert` with the disk full of the output, the cache or temporary files: a file system of a random size",
     "SB004 with the reason, the old files, and nothing left over; where the cache is full, SB006 and the new files",
     run,
-    short=3,
+    short=2,
     long=150,
 )
