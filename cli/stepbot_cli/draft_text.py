@@ -45,6 +45,7 @@ def draft_document(draft: "Draft") -> dict[str, Any]:
             "child": names.links[joint.child],
             **_geometry(joint),
             "stops": [{"position": stop.position, "parts": list(stop.parts)} for stop in joint.stops],
+            "stops_skipped": joint.stops_skipped,
         }
         for joint, name in zip(draft.joints, names.joints, strict=True)
     ]

@@ -57,6 +57,23 @@ def documents(data: bytes) -> None:
     external_references(data, "ascii")
 
 
+def names(data: bytes) -> None:
+    """Files that an unchecked STEP file refers to, one for each entity, on a line of its own."""
+    rows = (b"#%d=DOCUMENT_FILE('a%d.step','',$,$,'',$);" % (i, i) for i in range(1, len(data) // 40))
+    assert external_references(b"\n".join(rows), "", with_products=False)
+
+
+def products(data: bytes) -> None:
+    """Documents of a formation of many product definitions, which are as many references as their product."""
+    count = len(data) // 160
+    rows = [b"#1=PRODUCT_DEFINITION_FORMATION('','',$);"]
+    for i in range(2, 3 * count, 3):
+        rows.append(b"#%d=PRODUCT_DEFINITION('','',#1,$);" % i)
+        rows.append(b"#%d=DOCUMENT_FILE('a%d.step','',$,$,'',$);" % (i + 1, i))
+        rows.append(b"#%d=APPLIED_DOCUMENT_REFERENCE(#%d,'',(#1));" % (i + 2, i + 1))
+    assert external_references(b"\n".join(rows), "", with_products=False)
+
+
 def statements(data: bytes) -> None:
     """Statements of the text."""
     list(find_statements(data))
@@ -110,6 +127,8 @@ def spelling(data: bytes) -> None:
         (documents, b"DOCUMENT_FILE(''"),
         (documents, b"DOCUMENT_FILE('a',"),
         (documents, b"DOCUMENT_FILE( '''' , '''"),
+        (names, b"x"),
+        (products, b"x"),
         (statements, b"#1=/*a*/"),
         (statements, b"#1=/* "),
         (statements, b"#1="),

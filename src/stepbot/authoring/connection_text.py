@@ -119,6 +119,8 @@ def _evidence(one: DraftConnection) -> list[str]:
         lines += comment(f"limits: {one.limits.why}", 2)
     if isinstance(one, DraftJoint):
         lines += [line for stop in one.stops for line in comment(_stop_text(one, stop), 2)]
+    if isinstance(one, DraftJoint) and one.stops_skipped:
+        lines += comment(f"stops: pairs of parts not compared, because of their many faces: {one.stops_skipped}", 2)
     reasons = [one.review] if one.review else []
     if isinstance(one, DraftJoint) and one.type is JointKind.SCREW and one.pitch is None:
         reasons.append("unknown pitch: cylindrical until replaced by `type: screw` with a `pitch`")

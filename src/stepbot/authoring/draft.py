@@ -168,6 +168,8 @@ class DraftJoint(DraftConnection):
     dynamics: JointDynamics | None = None
     stops: tuple[FoundStop, ...] = ()
     """Found by collision, at most one in either direction."""
+    stops_skipped: int = 0
+    """Pairs of parts that were not compared for stops."""
     mimic: Mimic | None = None
     """By the leading joint's name in the draft."""
 

@@ -19,8 +19,11 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     members = {link.name: link.components for link in draft.links}
     asked = [joint for joint in draft.joints if _is_open(joint)]
     found = find_stops([_question(joint, members[joint.parent], members[joint.child], assembly) for joint in asked])
-    stops = {joint.name: _named(those, joint, assembly) for joint, those in zip(asked, found, strict=True)}
-    return replace(draft, joints=tuple(replace(joint, stops=stops.get(joint.name, ())) for joint in draft.joints))
+    stopped = {
+        joint.name: replace(joint, stops=_named(stops.found, joint, assembly), stops_skipped=stops.skipped)
+        for joint, stops in zip(asked, found, strict=True)
+    }
+    return replace(draft, joints=tuple(stopped.get(joint.name, joint) for joint in draft.joints))
 
 
 def _is_open(joint: DraftJoint) -> bool:

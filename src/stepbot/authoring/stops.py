@@ -69,13 +69,23 @@ class Stop:
     moving: int
 
 
-def find_stops(questions: Sequence[Question]) -> tuple[tuple[Stop, ...], ...]:
+@dataclass(frozen=True)
+class Stops:
+    """What was found of a joint."""
+
+    found: tuple[Stop, ...]
+    """The first stop in either direction, where there is one."""
+    skipped: int = 0
+    """Pairs of parts that were not compared, because the work is bounded; one of them may stop the joint earlier."""
+
+
+def find_stops(questions: Sequence[Question]) -> tuple[Stops, ...]:
     """For each joint the first stop in either direction, where one is found.
 
     The work is bounded: each joint has its share of a fixed number of pairs of points and triangles.
     """
     share = _MOST // max(1, 2 * len(questions))
-    return tuple(tuple(_stops(question, share)) for question in questions)
+    return tuple(_stops(question, share) for question in questions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,35 +101,38 @@ class _Side:
     """Shape (n, 2), likewise."""
 
 
-def _stops(question: Question, share: int) -> Iterator[Stop]:
+def _stops(question: Question, share: int) -> Stops:
     touching, least = (_TOUCHING, _SLACK) if question.slides else (_TOUCHING_ANGLE, 2.0 * _SLACK_ANGLE)
-    both = {}
+    both, skipped = {}, set[tuple[int, int]]()
     for sign in (-1.0, 1.0):
         still = [side for shape in question.still if (side := _facing(question, shape, -sign)) is not None]
         moving = [side for shape in question.moving if (side := _facing(question, shape, sign)) is not None]
-        both[sign] = _ways(still, moving, sign, share, slides=question.slides)
+        both[sign], left = _ways(still, moving, sign, share, slides=question.slides)
+        skipped |= left
     # A pair that leaves the joint no motion at all is a fit with play, and no stop.
     fits = {pair for pair, way in both[1.0].items() if way + both[-1.0].get(pair, np.inf) < least}
+    found = []
     for sign, ways in both.items():
         free = [(way, *pair) for pair, way in ways.items() if touching < way < np.inf and pair not in fits]
         if free:
             way, a, b = min(free)
-            yield Stop(sign * way, a, b)
+            found.append(Stop(sign * way, a, b))
+    return Stops(tuple(found), len(skipped))
 
 
 def _ways(
     still: Sequence[_Side], moving: Sequence[_Side], sign: float, share: int, *, slides: bool
-) -> dict[tuple[int, int], float]:
-    """For pairs of parts how far the moving one goes until they meet; cheap pairs first, as the share allows."""
+) -> tuple[dict[tuple[int, int], float], set[tuple[int, int]]]:
+    """For pairs of parts how far the moving one goes until they meet, cheap pairs first; and pairs beyond the share."""
     pairs = [(*_near(a, b), a.part, b.part) for b in moving for a in still if _can_meet(a, b)]
-    ways = {}
+    ways, skipped = {}, set()
     for ours, theirs, a, b in sorted(pairs, key=lambda pair: len(pair[0]) * len(pair[1])):
         share -= 2 * _PER_TRIANGLE * len(ours) * len(theirs)
         if share < 0:
-            break
-        if len(ours) and len(theirs):
+            skipped.add((a, b))
+        elif len(ours) and len(theirs):
             ways[a, b] = _way(ours, theirs, sign, slides=slides)
-    return ways
+    return ways, skipped
 
 
 def _way(still: Array, moving: Array, sign: float, *, slides: bool) -> float:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from stepbot.authoring.stops import Question, Shape, find_stops
+from stepbot.authoring import stops
+from stepbot.authoring.stops import Question, Shape, Stops, find_stops
 
 WIDTH, RADIUS = 0.004, 0.03
 
@@ -33,7 +34,8 @@ def test_lugs_stop_a_turn_where_they_meet() -> None:
     lug = (0.02, WIDTH, 0.01)
     moving = box(1, (RADIUS, 0.0, 0.0), lug)
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
-    ((lower, upper),) = find_stops((turning((still,), (moving,)),))
+    (answer,) = find_stops((turning((still,), (moving,)),))
+    lower, upper = answer.found
     # Sides at half a width from the radial line meet where both are at the inner radius, 20 mm.
     half = asin(0.5 * WIDTH / np.hypot(0.02, 0.5 * WIDTH))
     assert upper.position == pytest.approx(0.5 * pi - 2.0 * half, abs=1e-3)
@@ -43,7 +45,7 @@ def test_lugs_stop_a_turn_where_they_meet() -> None:
 
 def test_shaft_in_its_bore_stops_nothing() -> None:
     """Round faces about the axis pass along themselves, however coarse their meshes are, and flush ends too."""
-    assert find_stops((turning((tube(0, 0.01, 0.02),), (tube(1, 0.005, 0.01),)),)) == ((),)
+    assert find_stops((turning((tube(0, 0.01, 0.02),), (tube(1, 0.005, 0.01),)),)) == (Stops(()),)
 
 
 def test_slide_stops_at_both_ends() -> None:
@@ -52,7 +54,8 @@ def test_slide_stops_at_both_ends() -> None:
     block = box(2, (0.0, 0.0, 0.0), (0.01, 0.01, 0.01))
     floor = box(3, (0.0, 0.0, -0.01), (0.2, 0.02, 0.01))
     question = Question(True, np.zeros(3), np.array([1.0, 0.0, 0.0]), (*cheeks, floor), (block,))
-    ((lower, upper),) = find_stops((question,))
+    (answer,) = find_stops((question,))
+    lower, upper = answer.found
     assert (lower.position, lower.still) == (pytest.approx(-0.01, abs=1e-4), 0)
     assert (upper.position, upper.still) == (pytest.approx(0.03, abs=1e-4), 1)
 
@@ -60,7 +63,7 @@ def test_slide_stops_at_both_ends() -> None:
 def test_parts_that_meet_as_drawn_are_no_stop() -> None:
     """Lugs that overlap in the drawing tell nothing of where they stop."""
     still, moving = box(0, (RADIUS, 0.0, 0.0), (0.02, 0.01, 0.01)), box(1, (RADIUS, 0.002, 0.001), (0.02, 0.01, 0.01))
-    assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0])
+    assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0].found)
 
 
 def test_same_stops_every_time() -> None:
@@ -69,3 +72,11 @@ def test_same_stops_every_time() -> None:
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
     question = turning((still,), (moving,))
     assert find_stops((question,)) == find_stops((question,))
+
+
+def test_pairs_beyond_the_bound_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair of parts that was not compared is no pair without a stop."""
+    monkeypatch.setattr(stops, "_MOST", 100)
+    moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+    assert find_stops((turning((still,), (moving,)),)) == (Stops((), skipped=1),)

@@ -9,7 +9,7 @@ import codecs
 import mmap
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -136,9 +136,16 @@ def encoding_fact(encoding: str) -> str:
 
 def line_of(data: Text, offset: int) -> int:
     """Line, from 1, of a byte of the file."""
-    lines = 1
-    for start in range(0, offset, _CHUNK):
-        lines += bytes(data[start : min(start + _CHUNK, offset)]).count(b"\n")
+    return lines_of(data, (offset,))[offset]
+
+
+def lines_of(data: Text, offsets: Iterable[int]) -> dict[int, int]:
+    """Line, from 1, of each of several bytes of the file, which is read once."""
+    lines, line, start = {}, 1, 0
+    for offset in sorted(set(offsets)):
+        for at in range(start, offset, _CHUNK):
+            line += bytes(data[at : min(at + _CHUNK, offset)]).count(b"\n")
+        lines[offset], start = line, offset
     return lines
 
 

@@ -119,7 +119,8 @@ def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]
         with opened(path) as data:
             if data.find(DOCUMENT_FILE) < 0:
                 return ()
-            return [reference for reference in external_references(data, "") if reference.is_step]
+            references = external_references(data, "", with_products=False)
+            return [reference for reference in references if reference.is_step]
     except OSError:
         return ()
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from stepbot.robot.step_names import is_step_name
 
-from .encodings import FALLBACK, Text, line_of
+from .encodings import FALLBACK, Text, lines_of
 from .entities import Entities
 from .part21_values import Record, Value
 from .statements import find_statements
@@ -72,12 +72,14 @@ class ExternalReference:
         return tuple(found)
 
 
-def external_references(data: Text, encoding: str) -> tuple[ExternalReference, ...]:
+def external_references(data: Text, encoding: str, *, with_products: bool = True) -> tuple[ExternalReference, ...]:
     """The references of a file, in file order, without duplicates.
 
     Args:
         data: The file.
         encoding: Encoding of bytes above 127; empty if unknown.
+        with_products: Whether each product has a reference of its own; else each document has one, without a product,
+            which takes time in proportion to the file, whatever it says.
     """
     if data.find(DOCUMENT_FILE) < 0:
         return ()
@@ -87,14 +89,16 @@ def external_references(data: Text, encoding: str) -> tuple[ExternalReference, .
         if _WANTED.search(statement.body) and statement.number not in bodies:
             bodies[statement.number], starts[statement.number] = statement.body, statement.start
     entities = Entities(bodies, encoding)
-    definitions, names = _definitions(entities), _file_names(entities)
+    definitions, names = _definitions(entities) if with_products else {}, _file_names(entities)
+    documents = entities.of(DOCUMENT_FILE.decode())
+    lines = lines_of(data, [starts[document] for document in documents])
     found: dict[tuple[int, bytes], ExternalReference] = {}
-    for document in entities.of(DOCUMENT_FILE.decode()):
+    for document in documents:
         raw = names[document]
         name = decode_string(raw, encoding or FALLBACK, "replace").strip()
         for definition in definitions.get(document, (0,)) if name else ():
             product = entities.product_name(definition) if definition else ""
-            reference = ExternalReference(definition, product, raw, name, line_of(data, starts[document]))
+            reference = ExternalReference(definition, product, raw, name, lines[starts[document]])
             found.setdefault((definition, raw), reference)
     return tuple(found.values())
 
