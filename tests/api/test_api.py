@@ -24,6 +24,9 @@ PRINTED = {
 }
 
 
+pytestmark = pytest.mark.xdist_group("api")
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the robots that the examples use."""

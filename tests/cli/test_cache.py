@@ -17,6 +17,7 @@ from .conftest import Stepbot
 
 FAST = ("-f", "urdf", "--no-verify")
 ENGINES = "stepbot.engines."
+pytestmark = pytest.mark.xdist_group("cache")
 READ = ["stepbot.step.worker:read", "stepbot.geometry.mesh_worker:compute"]
 """The request to read a STEP."""
 

@@ -24,6 +24,9 @@ links:
 """
 
 
+pytestmark = pytest.mark.xdist_group("koch")
+
+
 @pytest.fixture(scope="module")
 def koch(corpus: Path) -> Path:
     """The folder; skipped where it is not there."""

@@ -105,7 +105,10 @@ def _lacks(name: str) -> set[str]:
     return lacks
 
 
-@pytest.fixture(scope="module", params=ROBOTS)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=pytest.mark.xdist_group(f"every_robot_{name}")) for name in ROBOTS],
+)
 def proof(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Report, list[str]]:
     """Name of a robot, its report, and its diagnostics."""
     name: str = request.param
