@@ -1,7 +1,11 @@
-"""Hashes of inputs, by which outdated results are detected without drawing or converting."""
+"""Hashes of inputs: outdated results are found without drawing or converting.
 
+Scripts count by their code: a changed comment, docstring or line break leaves the hash as it is.
+"""
+
+import ast
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 _HERE = Path(__file__).parent
@@ -40,8 +44,41 @@ def picture(folder: Path) -> str:
 def _hash(paths: Iterable[Path]) -> str:
     digest = hashlib.sha256()
     for path in paths:
-        # A checkout may have other line ends.
-        content = path.read_bytes().replace(b"\r\n", b"\n") if path.is_file() else b""
+        content = _content(path) if path.is_file() else b""
         digest.update(f"{path.name} {len(content)}\n".encode())
         digest.update(content)
     return digest.hexdigest()[:_DIGITS]
+
+
+def _content(path: Path) -> bytes:
+    """What counts of a file: the code of a script; all of another file, with line feeds for line ends."""
+    content = path.read_bytes().replace(b"\r\n", b"\n")
+    return " ".join(_code(ast.parse(content))).encode() if path.suffix == ".py" else content
+
+
+def _code(value: object) -> Iterator[str]:
+    """The syntax tree without docstrings and other statements that are a string.
+
+    Fields that are empty are left out: a later Python adds fields (``type_params`` in 3.12), and ``ast.dump`` prints
+    empty ones only in some versions (before 3.13).
+    """
+    if isinstance(value, ast.AST):
+        yield f"({type(value).__name__}"
+        for name, field in ast.iter_fields(value):
+            if field is not None and field != []:
+                yield name
+                yield from _code(field)
+        yield ")"
+    elif isinstance(value, list):
+        yield "["
+        for item in value:
+            if not _is_string(item):
+                yield from _code(item)
+        yield "]"
+    else:
+        yield repr(value)
+
+
+def _is_string(node: object) -> bool:
+    """Whether a node is a statement that is only a string: a docstring, of a module, function, class or attribute."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)

@@ -81,12 +81,57 @@ def test_a_change_of_any_source_is_noticed(name: str, tmp_path: Path) -> None:
     )
 
 
-def test_ends_of_lines_are_no_change(tmp_path: Path) -> None:
-    """A checkout with other ends of lines is not stale."""
+def test_line_ends_do_not_change_the_hash(tmp_path: Path) -> None:
+    """A checkout with other line ends is up to date."""
     (tmp_path / "build.py").write_bytes(b"a\nb\n")
-    before = fingerprints.drawing(tmp_path)
+    (tmp_path / "robot.step").write_bytes(b"a\nb\n")
+    before = fingerprints.drawing(tmp_path), fingerprints.robot(tmp_path)
     (tmp_path / "build.py").write_bytes(b"a\r\nb\r\n")
+    (tmp_path / "robot.step").write_bytes(b"a\r\nb\r\n")
+    assert (fingerprints.drawing(tmp_path), fingerprints.robot(tmp_path)) == before
+
+
+SCRIPT = '''"""A docstring."""
+
+WIDTH = 3.0
+"""Of the plate [mm]."""
+
+
+def plate(depth=2.0):
+    """A plate."""
+    return f"{WIDTH:g} x {depth!r}"  # a comment
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("A docstring.", "Another docstring."),
+        ('"""Of the plate [mm]."""\n', ""),
+        ('    """A plate."""\n', ""),
+        ("  # a comment", ""),
+        ('return f"{WIDTH:g} x {depth!r}"', 'return (\n        f"{WIDTH:g} x {depth!r}"\n    )'),
+    ],
+)
+def test_text_and_layout_of_a_script_do_not_change_the_hash(old: str, new: str, tmp_path: Path) -> None:
+    """A script with other comments, docstrings or line breaks draws the same robot."""
+    assert old in SCRIPT
+    (tmp_path / "build.py").write_text(SCRIPT, encoding="utf-8")
+    before = fingerprints.drawing(tmp_path)
+    (tmp_path / "build.py").write_text(SCRIPT.replace(old, new), encoding="utf-8")
     assert fingerprints.drawing(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("3.0", "3.5"), ("depth=2.0", "depth=-2.0"), ("plate(", "slab("), (":g", ":e"), ("!r", "!s")]
+)
+def test_code_of_a_script_changes_the_hash(old: str, new: str, tmp_path: Path) -> None:
+    """A script with another number, default, name or format specification may draw another robot."""
+    assert old in SCRIPT
+    (tmp_path / "build.py").write_text(SCRIPT, encoding="utf-8")
+    before = fingerprints.drawing(tmp_path)
+    (tmp_path / "build.py").write_text(SCRIPT.replace(old, new), encoding="utf-8")
+    assert fingerprints.drawing(tmp_path) != before
 
 
 def test_a_page_keeps_what_is_written_by_hand() -> None:
