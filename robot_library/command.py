@@ -1,4 +1,4 @@
-"""What the build.py of every robot does: draw, hold the drawing against closed forms, write STEP and expected.json."""
+"""Command line of every robot's build.py: draw, compare with closed forms, write STEP and expected.json."""
 
 import argparse
 from collections.abc import Callable, Mapping
@@ -20,17 +20,17 @@ def run(
     closed_forms: Mapping[str, Moments] | None,
     expected: Callable[[], dict[str, Any]],
 ) -> None:
-    """Draw a robot as the command line says.
+    """Draw a robot with the options of the command line.
 
     Args:
-        step: STEP file to write by default; expected.json lies beside it.
+        step: STEP file to write by default; expected.json is written beside it.
         draw: Draws the robot.
-        closed_forms: For each part by name its integrals at density 1 [mm], in the part's frame; None for a robot
-            whose parts are more than boxes and cylinders.
+        closed_forms: For each part name the integrals at density 1 [mm], in the part's frame; None for a robot without
+            closed forms.
         expected: Computes the content of expected.json.
 
     Raises:
-        SystemExit: The drawing does not have the mass properties that the closed forms say.
+        SystemExit: The mass properties of the drawing differ from the closed forms.
     """
     parser = argparse.ArgumentParser(description=f"Draw {step.name}, and compute its expected.json.")
     parser.add_argument("--unit", choices=UNITS, default="mm", help="length unit of the STEP file (default: mm)")
@@ -48,7 +48,11 @@ def run(
 
 
 def _compare(root: Assembly, closed_forms: Mapping[str, Moments]) -> None:
-    """End the program where the drawing and the closed forms are not the same thing."""
+    """Compare volume, com and inertia of each part, relative to its size.
+
+    Raises:
+        SystemExit: Parts or mass properties differ.
+    """
     parts = _parts(root)
     if parts.keys() != closed_forms.keys():
         raise SystemExit(f"drawn: {sorted(parts)}; known in closed form: {sorted(closed_forms)}")
@@ -71,7 +75,7 @@ def _parts(product: Assembly | Part) -> dict[str, Part]:
 
 
 def kernel_properties(shape: Any) -> tuple[float, Array, Array]:
-    """Volume, com (3,) and inertia (3, 3) about the com, as the kernel integrates a shape at density 1 [mm]."""
+    """Volume, com (3,) and inertia (3, 3) about the com of a shape, integrated by the kernel at density 1 [mm]."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 

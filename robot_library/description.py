@@ -1,7 +1,7 @@
-"""What the maker of a robot says of it, as its expected.json holds it: joints, limits, masses, and where links lie.
+"""A maker's description of a robot in expected.json: joints, limits, masses, and poses of links.
 
-Such an expected.json has a ``source`` beside ``links`` and ``joints``: the published description, with its commit, that
-the numbers were taken from. ``drawn`` gives the joint positions in which the STEP is drawn, 0 where it gives none.
+Such an expected.json has a ``source`` beside ``links`` and ``joints``: the published description and its commit.
+``drawn`` has the joint positions of the drawing, 0 by default.
 
 Everything is in SI. A joint's ``xyz`` and ``rpy`` place its child in its parent at q = 0, rpy about the fixed axes x,
 y, z as in URDF; a link's ``inertia`` is about its centre of mass, along its own axes.
@@ -30,7 +30,7 @@ class DescribedMimic:
 
 @dataclass(frozen=True)
 class DescribedJoint:
-    """A joint as its maker describes it."""
+    """A joint of the maker's description."""
 
     name: str
     kind: str
@@ -52,7 +52,7 @@ class DescribedJoint:
         return pose(self.xyz, turn("z", yaw) @ turn("y", pitch) @ turn("x", roll))
 
     def motion(self, q: float) -> Array:
-        """How the child moves in its own axes, shape (4, 4) [m], at a position [rad] or [m]."""
+        """The child's motion in its own axes, shape (4, 4) [m], at a position [rad] or [m]."""
         axis = np.array(self.axis)
         if self.kind == "prismatic":
             return pose(q * axis)
@@ -61,15 +61,15 @@ class DescribedJoint:
 
 @dataclass(frozen=True)
 class Description:
-    """A robot as its maker describes it: a tree of links and joints."""
+    """The maker's description: a tree of links and joints."""
 
     root: str
     joints: Mapping[str, DescribedJoint]
-    """By name, each after the joint that carries its parent."""
+    """By name, each after the joint of its parent."""
     drawn: Mapping[str, float]
 
     def positions(self, given: Mapping[str, float]) -> dict[str, float]:
-        """The position of every joint that moves [rad] or [m]: 0 where none is given, mimics after their leaders."""
+        """The position of every movable joint [rad] or [m]: 0 by default; mimics follow their leaders."""
         q = {name: given.get(name, 0.0) for name, joint in self.joints.items() if joint.kind != "fixed"}
         for name, joint in self.joints.items():
             if joint.mimic is not None:
@@ -85,7 +85,7 @@ class Description:
         return found
 
     def random_positions(self, count: int, seed: int) -> Iterator[dict[str, float]]:
-        """Positions within the limits [rad] or [m], the same for the same seed; a turn to both sides where none are."""
+        """Random positions [rad] or [m] within the limits and within +-pi; the same for the same seed."""
         generator = np.random.default_rng(seed)
         for _ in range(count):
             at = {
@@ -97,11 +97,11 @@ class Description:
 
 
 def load_description(expected: Path) -> Description:
-    """Read an expected.json that says where it was taken from.
+    """Read an expected.json with a source.
 
     Raises:
-        KeyError: It holds no joints.
-        ValueError: Its joints are no tree, or not in the order of the tree.
+        KeyError: It has no joints.
+        ValueError: Its joints are not a tree, or not in the order of the tree.
     """
     content = json.loads(expected.read_text(encoding="utf-8"))
     joints = {name: _joint(name, said) for name, said in content["joints"].items()}

@@ -1,7 +1,7 @@
-"""Draw a robot from its links: what the build.py of a robot with a maker's description does.
+"""Draw a robot from its links, for the build.py of a robot with a maker's description.
 
-Each link is drawn in its own frame [mm], as a list of bodies. The STEP holds one product per link, named after it, at
-the place where the link lies in the drawn pose, so that the sidecar takes links by name.
+Each link is drawn in its own frame [mm], as a list of bodies. The STEP has one product per link, named after it and
+placed at the link's drawn pose, so that the sidecar finds links by name.
 """
 
 import argparse
@@ -34,10 +34,10 @@ def draw_described(folder: Path, links: Mapping[str, Sequence[Body]]) -> None:
 
     Args:
         folder: The robot's folder.
-        links: What each link that has a shape is made of.
+        links: The bodies of each link that has a shape.
 
     Raises:
-        SystemExit: A link is not known to the description, or a shape is not a valid solid.
+        SystemExit: The description has no such link, or a shape is not a valid solid.
     """
     description = load_description(folder / "expected.json")
     poses = description.poses(description.drawn)
@@ -48,11 +48,11 @@ def draw_described(folder: Path, links: Mapping[str, Sequence[Body]]) -> None:
 
 
 def draw_at(folder: Path, links: Mapping[str, Sequence[Body]], places: Mapping[str, Array]) -> None:
-    """Write ``<robot>.step`` with each link at its place.
+    """Write ``<robot>.step`` with each link at its pose.
 
     Args:
-        folder: The robot's folder, which has the sidecar that the robot is named after.
-        links: What each link is made of.
+        folder: The robot's folder; its sidecar names the robot.
+        links: The bodies of each link.
         places: X_WL of each link, shape (4, 4) [mm].
 
     Raises:
@@ -67,7 +67,7 @@ def draw_at(folder: Path, links: Mapping[str, Sequence[Body]], places: Mapping[s
 
 
 def assembly_of(link: str, bodies: Iterable[Body]) -> Assembly:
-    """One product of several bodies; equal names get a number."""
+    """One product of several bodies; duplicate names are numbered."""
     children = []
     seen: dict[str, int] = {}
     for body in bodies:
@@ -78,10 +78,10 @@ def assembly_of(link: str, bodies: Iterable[Body]) -> Assembly:
 
 
 def robot_name(folder: Path) -> str:
-    """The name of the robot in a folder ``<maker>_<robot>``: what its one sidecar is called.
+    """The name of the robot in a folder ``<maker>_<robot>``: the name of its only sidecar.
 
     Raises:
-        SystemExit: There is no sidecar, or there are several.
+        SystemExit: The folder has no sidecar, several, or another name.
     """
     names = [path.name.removesuffix(".robot.yaml") for path in folder.glob("*.robot.yaml")]
     if len(names) != 1 or not re.fullmatch(rf"[a-z0-9_]+_{re.escape(names[0])}", folder.name):
@@ -93,7 +93,7 @@ def _one_solid(body: Body, link: str) -> Any:
     """The kernel's shape of a body.
 
     Raises:
-        SystemExit: It is not one solid, or the kernel finds it invalid.
+        SystemExit: The shape is not one solid, is invalid, or is inside out.
     """
     solids = body.shape.solids()
     if len(solids) != 1:

@@ -1,4 +1,4 @@
-"""The expected.json of a robot: values that any program should read from its STEP, with deterministic bytes."""
+"""The expected.json of a robot: the values that a program should read from its STEP; the bytes are deterministic."""
 
 import json
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from .moments import Array, Moments, inverse
 
 _DIGITS = 12
-"""Significant digits: nearly as many as the STEP has, and few enough to be the same on every platform."""
+"""Significant digits: one fewer than in the STEP, and equal on every platform."""
 
 
 def mass_properties(body: Moments) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 _HERE = Path(__file__).parent
 _DRAWING = ("drawing.py", "description.py", "moments.py", "shapes.py", "step_file.py", "step_text.py")
 _OF_MACHINES = ("legs", "limb_parts", "machine", "machine_parts")
-"""Modules that only some robots are drawn with."""
+"""Modules that only some robots use."""
 _PICTURE = ("preview.py", "raytrace.py")
 _DIGITS = 16
 

@@ -1,7 +1,7 @@
-"""Legs of three joints, of dogs and of insects: where their links lie, and which positions bring the foot to a place.
+"""Forward and inverse kinematics of legs with three joints, of quadrupeds and hexapods.
 
-The first joint turns the leg about an axis of the body, x for a dog's leg and z for an insect's; hip and knee turn
-about y of what the first one carries. At q = 0 the leg is straight, along the unit vector ``straight``. ::
+The first joint turns the leg about an axis of the body, x for a quadruped and z for a hexapod; hip and knee turn
+about y of the first joint's child. At q = 0 the leg is straight, along the unit vector ``straight``. ::
 
     body --first--> hip link --hip, about y--> upper link --knee, about y--> lower link --> foot
 
@@ -29,16 +29,16 @@ class Leg:
     first: str
     """``x`` or ``z``: the axis of the first joint."""
     hip: tuple[float, float, float]
-    """The hip in the frame that the first joint turns."""
+    """The hip in the frame of the first joint's child."""
     upper: float
     lower: float
     straight: tuple[float, float, float]
-    """Direction of the straight leg: -z for a dog, x for an insect."""
+    """Direction of the straight leg: -z for a quadruped, x for a hexapod."""
     knee: int
-    """Sign of the knee's position: which way it bends."""
+    """Sign of the knee's position."""
 
     def places(self, q: Sequence[float]) -> tuple[Array, Array, Array, Array]:
-        """Frames in the body of what the three joints move, and of the foot, axes as those of the lower link."""
+        """Frames in the body of the children of the three joints, and of the foot, axes as the lower link's."""
         along = np.array(self.straight)
         X_B1 = self.X_BF @ pose(rotation=turn(self.first, q[0]))
         X_B2 = X_B1 @ pose(self.hip, turn("y", q[1]))
@@ -46,10 +46,10 @@ class Leg:
         return X_B1, X_B2, X_B3, X_B3 @ pose(self.lower * along)
 
     def reaching(self, foot: Array) -> tuple[float, float, float]:
-        """Inverse kinematics: joint positions [rad] that bring the foot to a place in the body, shape (3,).
+        """Inverse kinematics: joint positions [rad] for a foot position in the body, shape (3,).
 
         Raises:
-            ValueError: The place is out of reach.
+            ValueError: The position is out of reach.
         """
         p = self.X_BF[:3, :3].T @ (foot - self.X_BF[:3, 3])
         first = self._first(p)
@@ -62,7 +62,7 @@ class Leg:
         return first, _near(atan2(x, z) - atan2(float(bent[0]), float(bent[2]))), knee
 
     def _first(self, p: Array) -> float:
-        """The position of the first joint that puts the plane of hip and knee through a place."""
+        """The position of the first joint at which a point is in the plane of hip and knee."""
         x, y, z = (float(value) for value in p)
         if self.first == "z":
             return atan2(y, x)
@@ -82,14 +82,14 @@ def known_feet(
     limits: tuple[Sequence[float], Sequence[float]],
     seed: int,
 ) -> dict[str, Any]:
-    """What expected.json holds of legs beyond links and joints: the feet at 21 positions of the joints, as drawn first.
+    """The part of expected.json for legs: the poses of the feet at 21 joint positions, the drawn ones first.
 
     Args:
-        foot: Gives X_BF [m] of the leg of a name at positions [rad] of its joints.
-        joints: What the joints of a leg are called, after the leg's name.
-        drawn: Positions [rad] of each leg's joints in the drawing.
+        foot: Computes X_BF [m] of a leg, by name, at positions [rad] of its joints.
+        joints: Suffixes of the joint names, after the leg's name.
+        drawn: Joint positions [rad] of each leg in the drawing.
         limits: Lowest and highest positions [rad] of a leg's joints.
-        seed: Of the random positions.
+        seed: Seed of the random positions.
     """
     rng = np.random.default_rng(seed)
     low, high = map(np.array, limits)

@@ -1,8 +1,8 @@
-"""A robot as its script draws it: links, each an assembly of parts in its own frame, and the frames of its joints.
+"""A robot drawn by a script: links, each an assembly of parts in its own frame, and the frames of its joints.
 
-The link's assembly is its frame: a sidecar that says ``origin: {component: forearm}`` finds the joint exactly where the
-script has put it. Masses come from the densities that the parts carry into the STEP, and are integrated here by the
-kernel over the drawn surfaces, not over meshes.
+The placement of a link's assembly is the link's frame: ``origin: {component: forearm}`` in the sidecar is exactly the
+joint frame of the script. Masses follow from the densities that the parts have in the STEP; the kernel integrates them
+over the exact surfaces, not over meshes.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from .step_file import Assembly, Occurrence, Part
 
 @dataclass(frozen=True)
 class Material:
-    """What parts are made of."""
+    """The material of a part."""
 
     name: str
     density: float
@@ -43,7 +43,7 @@ DRIVE = Material("drive, as weighed", 1750.0, shapes.BLACK)
 
 
 def part(name: str, shape: Any, material: Material, color: str = "") -> Part:
-    """A part of one piece, of a material, in a colour of its own or that of the material.
+    """A part with one solid, a material, and a colour, by default that of the material.
 
     Raises:
         ValueError: The shape is not one solid.
@@ -55,10 +55,10 @@ def part(name: str, shape: Any, material: Material, color: str = "") -> Part:
 
 
 def placed(product: Part | Assembly, *places: Array, name: str = "") -> list[Occurrence]:
-    """A product at each of these places in what holds it; at its origin where none is given.
+    """Occurrences of a product at these poses; without a pose, one at the identity.
 
     Raises:
-        ValueError: A place is no rotation and shift: the kernel would bend it into one, unasked.
+        ValueError: A pose is not a rigid transform; the kernel would orthogonalize it without a warning.
     """
     for X in places:
         if float(np.max(np.abs(X[:3, :3].T @ X[:3, :3] - np.eye(3)))) > 1e-12:
@@ -73,7 +73,7 @@ def placed(product: Part | Assembly, *places: Array, name: str = "") -> list[Occ
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A rigid body: its parts, placed in its frame L, and where L lies in the drawing W."""
+    """A rigid body: its parts, placed in its frame L, and the pose of L in the drawing W."""
 
     name: str
     X_WL: Array
@@ -88,7 +88,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class JointFrame:
-    """Where a joint or a closure lies in the drawing, and its axis there."""
+    """Frame and axis of a joint or a closure in the drawing."""
 
     X_WJ: Array
     """Shape (4, 4) [mm]."""
@@ -98,13 +98,13 @@ class JointFrame:
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A robot: its links, the frames of its joints, and what else is known of it."""
+    """A robot: its links, the frames of its joints, and more content of expected.json."""
 
     name: str
     links: Sequence[Link]
     joints: Mapping[str, JointFrame]
     known: Mapping[str, Any] = field(default_factory=dict)
-    """More for expected.json: motions in closed form."""
+    """More content of expected.json, such as motions in closed form."""
 
     def assembly(self) -> Assembly:
         """One subassembly for each link."""
@@ -130,10 +130,10 @@ class Machine:
 
 
 def draw(script: str, build: Callable[[], Machine]) -> None:
-    """What the build.py of a machine does: write its STEP and its expected.json.
+    """Write the STEP and the expected.json of a machine.
 
     Args:
-        script: The ``__file__`` of the build.py; the STEP beside it is named after its folder.
+        script: The ``__file__`` of the build.py; the STEP is written beside it, named after the folder.
         build: Draws the machine.
     """
     folder = Path(script).parent
@@ -142,12 +142,12 @@ def draw(script: str, build: Callable[[], Machine]) -> None:
 
 
 def in_metres(X_AB: Array) -> Array:
-    """A pose in millimetres, in metres."""
+    """A pose given in millimetres, converted to metres."""
     return pose(X_AB[:3, 3] / 1000, X_AB[:3, :3])
 
 
 def kernel_moments(shape: Any) -> Moments:
-    """The integrals of 1, x and x x^T over a shape as the kernel knows it, density 1 [mm]."""
+    """The integrals of 1, x and x x^T over a shape, by the kernel, at density 1 [mm]."""
     volume, com, inertia = kernel_properties(shape)
     central = np.trace(inertia) / 2 * np.eye(3) - inertia
     return Moments(volume, volume * com, central + volume * np.outer(com, com))

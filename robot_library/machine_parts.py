@@ -1,6 +1,6 @@
-"""What machines are built of beside plain shapes: plates, pins, slabs. Lengths are in millimetres.
+"""Plates, pins and slabs. Lengths are in millimetres.
 
-All stand on the plane z = 0 and go up, as in :mod:`.shapes`.
+The lower face of each is on the plane z = 0, as in :mod:`.shapes`.
 """
 
 from collections.abc import Iterable
@@ -28,15 +28,15 @@ def slab(points: Iterable[tuple[float, float]], height: float, edge: float = 0.0
 
 
 def chamfered_top(body: bd.Part, size: float) -> bd.Part:
-    """The body with the edges of its highest face chamfered."""
+    """The body with chamfered edges of its highest face."""
     return bd.chamfer(body.faces().sort_by(bd.Axis.Z)[-1].edges(), size) if size else body
 
 
 def corners(x: float, y: float) -> list[tuple[float, float]]:
-    """Four places (+-x/2, +-y/2)."""
+    """The four points (+-x/2, +-y/2)."""
     return [(sx * x / 2, sy * y / 2) for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
 
 
 def drilled(body: bd.Part, radius: float, depth: float, places: Iterable[tuple[float, float]]) -> bd.Part:
-    """The body with holes along z, from the floor up to ``depth``, at places (x, y)."""
+    """The body with holes along z, from z = 0 up to ``depth``, at positions (x, y)."""
     return body - [bd.Pos(x, y, 0) * cylinder(radius, depth) for x, y in places]

@@ -36,14 +36,14 @@ def folders(names: Iterable[str] = ()) -> list[Path]:
 
 
 def stale(folder: Path) -> list[str]:
-    """The outdated parts of a robot."""
+    """The outdated results of a robot."""
     from .preview import stale as picture_is_stale
 
-    told = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
+    recorded = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
     found = []
-    if told is None or told[0] != fingerprints.drawing(folder):
+    if recorded is None or recorded[0] != fingerprints.drawing(folder):
         found.append("the STEP, or its expected.json and scripts")
-    if told is None or told[1] != fingerprints.robot(folder):
+    if recorded is None or recorded[1] != fingerprints.robot(folder):
         found.append("the tables of README.md")
     if picture_is_stale(folder):
         found.append("preview.png")
@@ -55,21 +55,21 @@ def make(folder: Path, force: bool = False) -> str:
 
     Args:
         folder: The robot's folder.
-        force: Whether to draw what is up to date, too.
+        force: Whether to draw and render also what is up to date.
     """
-    told = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
-    if force or told is None or told[0] != fingerprints.drawing(folder):
+    recorded = pages.made_from((folder / _PAGE).read_text(encoding="utf-8"))
+    if force or recorded is None or recorded[0] != fingerprints.drawing(folder):
         run = _python("-m", f"robot_library.{folder.name}.build")
         if run.returncode:
-            return f"{folder.name}: drawing it failed\n{run.stderr}"
+            return f"{folder.name}: drawing failed\n{run.stderr}"
     conversion = _converted(folder)
     if conversion.diagnostics.has_errors:
-        return f"{folder.name}: converting it failed\n" + "\n".join(map(str, conversion.diagnostics))
+        return f"{folder.name}: conversion failed\n" + "\n".join(map(str, conversion.diagnostics))
     page = folder / _PAGE
     part = pages.robot_part(folder, conversion, _own_mass(folder))
     page.write_text(pages.with_part(page.read_text(encoding="utf-8"), part), encoding="utf-8", newline="\n")
     run = _python("-m", "robot_library.preview", str(folder), *(["--force"] if force else []))
-    return f"{folder.name}: its picture failed\n{run.stderr}" if run.returncode else ""
+    return f"{folder.name}: rendering failed\n{run.stderr}" if run.returncode else ""
 
 
 def _python(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -103,7 +103,7 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
     options = Options(OUTPUT / f"{folder.name}.shapes", ("mjcf",), step=folder / content["step"], verify=False)
     conversion = convert(plain, options)
     if conversion.robot is None:
-        raise ValueError(f"{folder.name}: its shapes weigh nothing\n" + "\n".join(map(str, conversion.diagnostics)))
+        raise ValueError(f"{folder.name}: the shapes have no mass\n" + "\n".join(map(str, conversion.diagnostics)))
     return {name: conversion.robot.link_by_name[name].mass_properties for name in given}
 
 
@@ -122,17 +122,17 @@ def gallery_is_stale() -> bool:
 
 def main() -> int:
     """Run the command line; returns the exit code."""
-    parser = argparse.ArgumentParser(description="Make the library of robots anew.")
+    parser = argparse.ArgumentParser(description="Draw, convert, verify and render the robots of the library.")
     parser.add_argument("names", nargs="*", metavar="FOLDER", help="only these robots")
-    parser.add_argument("--check", action="store_true", help="only say what is stale")
-    parser.add_argument("--stale", action="store_true", help="make only what is stale")
-    parser.add_argument("--force", action="store_true", help="draw what is not stale, too")
-    parser.add_argument("--jobs", type=int, default=None, help="robots at once (default: one per core)")
+    parser.add_argument("--check", action="store_true", help="list outdated results and exit")
+    parser.add_argument("--stale", action="store_true", help="update only outdated robots")
+    parser.add_argument("--force", action="store_true", help="draw and render also what is up to date")
+    parser.add_argument("--jobs", type=int, default=None, help="robots in parallel (default: one per core)")
     options = parser.parse_args()
     wanted = folders(options.names)
     if options.check:
-        found = [f"{folder.name}: {what} is stale" for folder in wanted for what in stale(folder)]
-        found += ["README.md: the gallery is stale"] if gallery_is_stale() else []
+        found = [f"{folder.name}: outdated: {what}" for folder in wanted for what in stale(folder)]
+        found += ["README.md: outdated: the gallery"] if gallery_is_stale() else []
         print("\n".join([*found, *(["run `make library`"] if found else [])]), end="\n" if found else "")
         return 1 if found else 0
 

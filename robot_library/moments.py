@@ -1,11 +1,11 @@
 """Mass, centre of mass and inertia of bodies made of primitives, in closed form.
 
 The robots of this folder and the drawn test parts are sums and differences of the bodies below, so their mass
-properties are known without a geometry kernel. A body is kept as its integrals of 1, x and x x^T, which simply add:
-drawing a hole is a subtraction, and no parallel-axis term is written anywhere.
+properties are known without a geometry kernel. A body is stored as its integrals of 1, x and x x^T, which add up: a
+hole is a subtraction, and no parallel-axis term is needed.
 
-Lengths are in any one unit u; with density 1 a mass is a volume [u^3]. :meth:`Moments.in_metres` turns millimetres
-into SI. Poses X_AB are homogeneous arrays of shape (4, 4): coordinates in B to coordinates in A.
+Lengths are in any one unit u; with density 1 a mass is a volume [u^3]. :meth:`Moments.in_metres` converts millimetres
+to SI. Poses X_AB are homogeneous arrays of shape (4, 4): coordinates in B to coordinates in A.
 """
 
 from dataclasses import dataclass
@@ -83,7 +83,7 @@ class Moments:
         return Moments(self.mass + other.mass, self.first + other.first, self.second + other.second)
 
     def __sub__(self, other: "Moments") -> "Moments":
-        """What is left when ``other``, which lies inside, is cut away."""
+        """The body without ``other``, which must be inside it."""
         return Moments(self.mass - other.mass, self.first - other.first, self.second - other.second)
 
     def weighing(self, factor: float) -> "Moments":
@@ -91,7 +91,7 @@ class Moments:
         return Moments(factor * self.mass, factor * self.first, factor * self.second)
 
     def moved(self, X_AB: Array) -> "Moments":
-        """This body, given in B, expressed in A; a reflection is welcome."""
+        """This body, given in B, expressed in A; X_AB may be a reflection."""
         R, p = X_AB[:3, :3], X_AB[:3, 3]
         turned = R @ self.first
         cross = np.outer(turned, p)
@@ -108,7 +108,7 @@ class Moments:
 
 
 NOTHING = Moments(0.0, np.zeros(3), np.zeros((3, 3)))
-"""A body that is not there: the start of a sum."""
+"""The empty body: the start of a sum."""
 
 
 def total(*bodies: Moments) -> Moments:

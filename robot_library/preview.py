@@ -1,8 +1,8 @@
-"""The picture of a robot, preview.png: ``python -m robot_library.preview FOLDER ...``; what is not stale stays.
+"""Render the outdated pictures of robots, preview.png: ``python -m robot_library.preview FOLDER ...``.
 
-The robot is converted with finer meshes, placed as drawn, and rendered by :mod:`robot_library.raytrace`, all robots in
-the same light. The picture carries the hash of what it was made from in a text chunk, by which it is known to be stale.
-Where it is taken from is in the robot's view.py, if it has one: ``VIEW = View(azimuth=..., elevation=...)``.
+The robot is converted with finer meshes, posed as drawn, and rendered by :mod:`robot_library.raytrace`, all robots in
+the same light. A text chunk of the picture has the hash of its inputs, by which outdated pictures are found. A robot's
+view.py, if there is one, has the direction: ``VIEW = View(azimuth=..., elevation=...)``.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from .raytrace import Array, Camera, Scene, linear, render
 
 WIDTH, HEIGHT, SAMPLES = 800, 600, 4
 TANGENT = 0.16
-"""Of half the angle that a picture is high: a long lens, as in catalogues."""
+"""Tangent of half the vertical field of view: a long lens, as in catalogues."""
 _CHUNK = "made-from"
 _PNG = b"\x89PNG\r\n\x1a\n"
 _MESH = "mesh: {tolerance: 0.05 %, angle: 5 deg}"
@@ -27,20 +27,20 @@ _MESH = "mesh: {tolerance: 0.05 %, angle: 5 deg}"
 
 @dataclass(frozen=True)
 class View:
-    """Where a picture is taken from."""
+    """The camera's direction, and the framing."""
 
     azimuth: float = 35.0
-    """Degrees by which the camera stands to the left (from above: clockwise) of the robot's front, which is +x."""
+    """Degrees from the robot's front, +x, to the camera, clockwise seen from above."""
     elevation: float = 20.0
     """Degrees above the horizon."""
     zoom: float = 1.0
-    """Above 1 the robot is larger."""
+    """Magnification of the robot."""
     floor: bool = True
-    """Whether it stands on its lowest point; a gripper floats."""
+    """Whether there is a floor at its lowest point."""
 
 
 def stale(folder: Path) -> bool:
-    """Whether the picture was made from other files than those in the folder, or is missing."""
+    """Whether the picture is missing, or its inputs have changed."""
     picture = folder / "preview.png"
     return not picture.is_file() or png_texts(picture).get(_CHUNK) != fingerprints.picture(folder)
 
@@ -49,7 +49,7 @@ def png_texts(path: Path) -> dict[str, str]:
     """The text chunks of a PNG file (RFC 2083, 4.2.3), by keyword.
 
     Raises:
-        ValueError: It is no PNG file.
+        ValueError: The file is not a PNG file.
     """
     content = path.read_bytes()
     if not content.startswith(_PNG):
@@ -78,7 +78,7 @@ def draw_preview(folder: Path) -> None:
 
 
 def load_view(folder: Path) -> View:
-    """The robot's own view, or the usual one."""
+    """The robot's own view, or the default."""
     path = folder / "view.py"
     if not path.is_file():
         return View()
@@ -92,7 +92,7 @@ def load_view(folder: Path) -> View:
 
 
 def camera_of(scene: Scene, view: View) -> Camera:
-    """A camera that has all of the scene in the picture, with a margin."""
+    """A camera that sees the whole scene, with a margin."""
     azimuth, elevation = np.radians(view.azimuth), np.radians(view.elevation)
     toward = np.array((np.cos(azimuth) * np.cos(elevation), -np.sin(azimuth) * np.cos(elevation), np.sin(elevation)))
     right = np.array((np.sin(azimuth), np.cos(azimuth), 0.0))
@@ -107,7 +107,7 @@ def camera_of(scene: Scene, view: View) -> Camera:
 
 
 def load_scene(folder: Path) -> Scene:
-    """The robot in its drawn pose: what is seen of all its links, in the world."""
+    """The visual geometry of the robot in its drawn pose, in the world frame."""
     import mujoco
 
     with TemporaryDirectory() as place:
@@ -137,7 +137,7 @@ def load_scene(folder: Path) -> Scene:
 
 
 def _converted(folder: Path, place: Path) -> Path:
-    """The robot as MJCF, with meshes that are finer than those of its sidecar."""
+    """The robot as MJCF, with finer meshes than its sidecar sets."""
     from stepbot.pipeline.stages import Options, convert
 
     (sidecar,) = folder.glob("*.robot.yaml")
@@ -153,7 +153,7 @@ def _converted(folder: Path, place: Path) -> Path:
 
 
 def main() -> None:
-    """Draw the pictures of the folders named on the command line."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description="Draw preview.png of robots.")
     parser.add_argument("folders", nargs="+", type=Path, help="folders of robots")
     parser.add_argument("--force", action="store_true", help="draw also what is not stale")

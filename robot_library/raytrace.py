@@ -1,7 +1,7 @@
-"""A picture of triangles by casting rays: soft shadows, light from the whole sky, a floor that fades into the paper.
+"""A ray tracer for triangles: soft shadows, light from the whole sky, a floor that fades into the background.
 
-No window and no graphics card: Embree finds what each ray meets, the rest is a few lines of optics. The same machine
-gives the same picture each time; others differ in noise, which is why nobody compares pixels.
+It needs no window and no graphics card: Embree intersects rays with triangles, shading is done here. The same machine
+renders the same picture each time; on others the noise differs, so no test compares pixels.
 """
 
 from collections.abc import Iterator
@@ -22,9 +22,9 @@ _SUN_SPREAD = 0.16
 _SUN_LIGHT, _SKY_LIGHT, _GROUND_LIGHT = 0.78, 0.62, 0.28
 _GLOSS, _GLOSS_POWER = 0.22, 48.0
 _NEAR = 2e-4
-"""How far from a surface a ray starts, as a share of the scene's size."""
+"""Distance of the start of a ray from its surface, relative to the size of the scene."""
 _ROWS = 24
-"""Rows of the picture that are worked on at once."""
+"""Rows of the picture that are rendered at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,18 +43,18 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """Where the picture is taken from."""
+    """A perspective camera, z up."""
 
     position: Array
     """[m]."""
     target: Array
     """[m]; in the middle of the picture."""
     tangent: float
-    """Tangent of half the angle that the picture is high."""
+    """Tangent of half the vertical field of view."""
 
 
 def render(scene: Scene, camera: Camera, width: int, height: int, samples: int) -> NDArray[np.uint8]:
-    """A picture, shape (height, width, 3), sRGB; ``samples`` squared rays for each pixel."""
+    """A picture, shape (height, width, 3), sRGB, with ``samples`` squared rays per pixel."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -71,7 +71,7 @@ def _bands(height: int) -> Iterator[tuple[int, int]]:
 
 
 class _Caster:
-    """Casts the rays of some rows and shades what they meet."""
+    """Casts the rays of some rows and shades their intersections."""
 
     def __init__(self, scene: Scene, embree: Any, camera: Camera) -> None:
         self._scene, self._embree, self._camera = scene, embree, camera
@@ -90,7 +90,7 @@ class _Caster:
     def rows(self, first: int, last: int, width: int, height: int, samples: int) -> Array:
         """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
         total = np.zeros((last - first, width, 3))
-        # Each pixel shifts the same well-spread points by an amount of its own (Cranley, Patterson 1976).
+        # Each pixel shifts the same low-discrepancy points by its own offset (Cranley, Patterson 1976).
         shifts = np.random.default_rng(first).random(((last - first) * width, 4))
         for number in range(samples**2):
             directions = self._directions(first, last, width, height, _spread(number, 2))
@@ -98,7 +98,7 @@ class _Caster:
         return total / samples**2
 
     def _directions(self, first: int, last: int, width: int, height: int, within: Array) -> Array:
-        """Directions through one place within each pixel, shape (pixels, 3)."""
+        """Directions through one point within each pixel, shape (pixels, 3)."""
         x = np.arange(width)[None, :] + within[0]
         y = np.arange(first, last)[:, None] + within[1]
         right, up, forward = self._axes
@@ -107,7 +107,7 @@ class _Caster:
         return _unit(forward + u[..., None] * right + v[..., None] * up).reshape(-1, 3)
 
     def _shade(self, directions: Array, random: Array) -> Array:
-        """Linear colours that rays from the camera bring back, shape (n, 3); ``random`` has four numbers for each."""
+        """Linear colours seen by rays from the camera, shape (n, 3); ``random`` has four numbers for each ray."""
         colors = np.broadcast_to(PAPER, directions.shape).copy()
         origins = np.broadcast_to(self._camera.position, directions.shape)
         met = self._cast(origins, directions)
@@ -136,7 +136,7 @@ class _Caster:
         return colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None]
 
     def _floor(self, directions: Array, random: Array) -> Array:
-        """The floor is paper; only where something keeps light from it does it grow darker."""
+        """Linear colours of the floor: the background's, darker in shadows."""
         eye = self._camera.position
         points = eye + directions * ((self._scene.floor - eye[2]) / directions[:, 2])[:, None]
         colors = np.broadcast_to(PAPER, directions.shape).copy()
@@ -154,14 +154,14 @@ class _Caster:
         return colors
 
     def _light(self, points: Array, normals: Array, random: Array) -> tuple[Array, Array]:
-        """A direction towards the key light for each point, and how much of the sky it sees."""
+        """A direction towards the key light for each point, and the visible share of the sky."""
         count = len(points)
         angle, radius = 2 * np.pi * random[:, 0], np.sqrt(random[:, 1])
         a, b = _beside(self._sun[None, :])
         spread = _SUN_SPREAD * radius
         toward = _unit(self._sun + (spread * np.cos(angle))[:, None] * a + (spread * np.sin(angle))[:, None] * b)
 
-        # One direction of a cosine lobe; what it meets is not the sky.
+        # One direction of a cosine lobe; a hit occludes the sky.
         angle, square = 2 * np.pi * random[:, 2], random[:, 3]
         a, b = _beside(normals)
         radius = np.sqrt(square)
@@ -173,7 +173,7 @@ class _Caster:
         return toward, np.where(normals[:, 2] > 0.999, free * _SKY_LIGHT, sky)
 
     def _free(self, points: Array, directions: Array, wanted: NDArray[np.bool_]) -> Array:
-        """1 where nothing is in the way, else 0; also 0 where it was not wanted."""
+        """1 for rays without a hit, else 0; also 0 for points that are not ``wanted``."""
         free = np.zeros(len(points))
         index = np.flatnonzero(wanted)
         if index.size:
@@ -181,14 +181,14 @@ class _Caster:
         return free
 
     def _cast(self, origins: Array, directions: Array) -> NDArray[np.int32]:
-        """The triangle that each ray meets first, -1 for none."""
+        """The first triangle that each ray hits, -1 for none."""
         met: NDArray[np.int32] = self._embree.run(
             np.ascontiguousarray(origins, dtype=np.float32), np.ascontiguousarray(directions, dtype=np.float32)
         )
         return met
 
     def _where(self, triangles: NDArray[np.int32], directions: Array) -> tuple[Array, Array]:
-        """Where rays from the camera meet their triangles, and the weights of the corners there (Moeller, Trumbore)."""
+        """Intersections of camera rays with their triangles, and barycentric weights there (Moeller, Trumbore)."""
         a, b = self._edges[0][triangles], self._edges[1][triangles]
         p = np.cross(directions, b)
         s = self._camera.position - self._first[triangles]
@@ -201,7 +201,7 @@ class _Caster:
 
 
 def corner_normals(scene: Scene, crease: float = 0.8) -> Array:
-    """A normal for each corner of each triangle, shape (m, 3, 3): smooth but at edges, where the cosine is lower."""
+    """A normal for each corner of each triangle, shape (m, 3, 3), averaged except at edges of a lower cosine."""
     from scipy.sparse import csr_matrix
 
     corners = scene.vertices[scene.triangles]
@@ -220,7 +220,7 @@ def corner_normals(scene: Scene, crease: float = 0.8) -> Array:
 
 
 def _spread(number: int, dimensions: int) -> Array:
-    """A point of the sequence R_d, evenly spread in the unit cube (Roberts 2018)."""
+    """A point of the low-discrepancy sequence R_d in the unit cube (Roberts 2018)."""
     phi = 2.0
     for _ in range(40):
         phi = (1.0 + phi) ** (1.0 / (dimensions + 1))
@@ -229,7 +229,7 @@ def _spread(number: int, dimensions: int) -> Array:
 
 
 def _beside(normals: Array) -> tuple[Array, Array]:
-    """Two unit vectors at right angles to each normal and to each other (Duff et al. 2017)."""
+    """Two unit vectors perpendicular to each normal and to each other (Duff et al. 2017)."""
     sign = np.where(normals[:, 2] >= 0.0, 1.0, -1.0)
     a = -1.0 / (sign + normals[:, 2])
     b = normals[:, 0] * normals[:, 1] * a
@@ -243,7 +243,7 @@ def _unit(vectors: Array) -> Array:
 
 
 def linear(srgb: Array) -> Array:
-    """Light from sRGB values between 0 and 1."""
+    """Linear light from sRGB values between 0 and 1."""
     light: Array = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     return light
 

@@ -1,7 +1,7 @@
-"""Shapes and colours that robots have in common: shells, tubes, flanges, bolts. Lengths are in millimetres.
+"""Shapes and colours used by several robots: shells, tubes, flanges, bolts. Lengths are in millimetres.
 
-Every shape is one solid. Unless it says otherwise it stands on the plane z = 0 and goes up; :func:`at` puts it
-elsewhere, :func:`between` from one point to another.
+Every shape is one solid. Unless stated otherwise its lower face is on the plane z = 0; :func:`at` moves it,
+:func:`between` places it between two points.
 """
 
 from collections.abc import Sequence
@@ -30,20 +30,20 @@ _ON_FLOOR = (bd.Align.CENTER, bd.Align.CENTER, bd.Align.MIN)
 
 
 def at(shape: bd.Shape, xyz: Point = (0, 0, 0), rpy: Point = (0, 0, 0)) -> bd.Shape:
-    """A shape moved to a point and turned about the fixed axes x, y, z [degrees], as in URDF."""
+    """A shape moved to a point and rotated about the fixed axes x, y, z [degrees], as in URDF."""
     roll, pitch, yaw = rpy
     turned = bd.Rot(0, 0, yaw) * bd.Rot(0, pitch, 0) * bd.Rot(roll, 0, 0)
     return bd.Pos(*xyz) * turned * shape
 
 
 def between(shape: bd.Shape, start: Point, end: Point) -> bd.Shape:
-    """A shape whose origin is put at ``start``, and its z axis towards ``end``."""
+    """A shape moved to ``start``, its z axis towards ``end``."""
     direction = bd.Vector(*end) - bd.Vector(*start)
     return bd.Plane(origin=tuple(start), z_dir=direction) * shape
 
 
 def length(start: Point, end: Point) -> float:
-    """The distance of two points."""
+    """The distance between two points."""
     return float((bd.Vector(*end) - bd.Vector(*start)).length)
 
 
@@ -68,7 +68,7 @@ def tube(outer: float, inner: float, height: float) -> bd.Part:
 
 
 def capsule(start: Point, end: Point, radius: float) -> bd.Shape:
-    """A bar with half balls at both ends, whose centres are the points."""
+    """A bar with hemispherical ends, whose centres are the points."""
     return between(turned(_capsule_outline(length(start, end), radius)), start, end)
 
 
@@ -85,7 +85,7 @@ def _capsule_outline(height: float, radius: float) -> bd.Wire:
 
 
 def housing(radius: float, height: float, edge: float, lower_edge: float | None = None) -> bd.Part:
-    """A joint's housing: a cylinder with its rims rounded by ``edge`` above and, where given, another one below."""
+    """A joint's housing: a cylinder with rounded rims, of radius ``edge``, or ``lower_edge`` at the lower one."""
     below = edge if lower_edge is None else lower_edge
     return turned(_rounded_rims(radius, height, below, edge))
 
@@ -106,12 +106,12 @@ def _rounded_rims(radius: float, height: float, below: float, above: float) -> b
 
 
 def turned(outline: bd.Wire) -> bd.Part:
-    """The solid that a closed outline in (radius, height) sweeps about the z axis."""
+    """The solid of revolution of a closed outline in (radius, height) about the z axis."""
     return bd.revolve(bd.Plane.XZ * bd.make_face(outline), bd.Axis.Z)
 
 
 def lathe(profile: Sequence[tuple[float, float]], smooth: bool = False) -> bd.Part:
-    """A turned part from points (radius, height), lowest first; a spline through them where ``smooth``."""
+    """A turned part from points (radius, height), lowest first; a spline through them if ``smooth``."""
     first, last = profile[0], profile[-1]
     side = bd.Spline(*profile).edges() if smooth else bd.Polyline(*profile).edges()
     edges = [bd.Line((0, first[1]), first).edge()] if first[0] else []
@@ -121,7 +121,7 @@ def lathe(profile: Sequence[tuple[float, float]], smooth: bool = False) -> bd.Pa
 
 
 def on_circle(count: int, diameter: float, start: float = 0.0) -> list[tuple[float, float]]:
-    """Places (x, y) spread evenly on a circle, from an angle [degrees] on."""
+    """Points (x, y) spaced evenly on a circle, from an angle [degrees] on."""
     angles = [start * pi / 180 + 2 * pi * i / count for i in range(count)]
     return [(diameter / 2 * cos(angle), diameter / 2 * sin(angle)) for angle in angles]
 
@@ -129,7 +129,7 @@ def on_circle(count: int, diameter: float, start: float = 0.0) -> list[tuple[flo
 def flange(
     radius: float, height: float, holes: Sequence[tuple[float, float]], hole_radius: float, bore: float = 0.0
 ) -> bd.Part:
-    """A round plate with holes through it at ``holes`` (x, y), and a bore of a radius in its middle."""
+    """A round plate with through holes at ``holes`` (x, y), and a central bore of radius ``bore``."""
     body = cylinder(radius, height)
     if bore:
         body -= cylinder(bore, height)
@@ -139,7 +139,7 @@ def flange(
 
 
 def screw(diameter: float, socket: bool = True) -> bd.Part:
-    """The head of a cap screw, ISO 4762: 1.5 diameters wide, one high, with its hexagon socket."""
+    """The head of a cap screw (ISO 4762): 1.5 diameters wide, one high, with a hexagon socket."""
     head = housing(0.75 * diameter, diameter, 0.12 * diameter, 0.0)
     if socket:
         key = bd.extrude(bd.RegularPolygon(0.43 * diameter, 6), 0.5 * diameter)
@@ -148,7 +148,7 @@ def screw(diameter: float, socket: bool = True) -> bd.Part:
 
 
 def block(x: float, y: float, z: float, edge: float = 0.0, *, only: str = "") -> bd.Part:
-    """A box around the z axis, standing on z = 0, with rounded edges: all, or those along one axis, ``only="z"``."""
+    """A box around the z axis, on z = 0, with rounded edges: all, or those along one axis, ``only="z"``."""
     body = bd.Box(x, y, z, align=_ON_FLOOR)
     if not edge:
         return body
@@ -176,7 +176,7 @@ def hull_plate(circles: Sequence[tuple[tuple[float, float], float]], height: flo
 
 
 def loft(*sections: bd.Sketch) -> bd.Part:
-    """A shell through closed sections, each put at its place with ``bd.Plane(...) * sketch``."""
+    """A solid through closed sections, each placed with ``bd.Plane(...) * sketch``."""
     return bd.loft(list(sections))
 
 

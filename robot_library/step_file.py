@@ -1,7 +1,7 @@
-"""Write an assembly as STEP: products, occurrences, names, colours, densities, unit of length; always the same bytes.
+"""Write an assembly as STEP, with deterministic bytes: products, occurrences, names, colours, densities, length unit.
 
-Shapes are drawn in millimetres. The file may say millimetres, centimetres, metres, inches or feet: the kernel scales
-the coordinates and declares the unit, so that every file holds the same thing. It writes 13 significant digits.
+Shapes are drawn in millimetres. The file may be in millimetres, centimetres, metres, inches or feet: the kernel scales
+the coordinates and declares the unit, so that the geometry is the same. It writes 13 significant digits.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,12 +19,12 @@ UNITS: tuple[LengthUnit, ...] = get_args(LengthUnit)
 
 _KERNEL_UNIT: dict[LengthUnit, str] = {"mm": "MM", "cm": "CM", "m": "M", "inch": "INCH", "foot": "FT"}
 _TIME_STAMP = "2000-01-01T00:00:00"
-"""The header wants a time; a real one would make every file another one."""
+"""The header requires a time; with the current one no two files would be equal."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A product with a shape. The same object placed twice is one product that occurs twice."""
+    """A product with a shape. An object placed twice is one product with two occurrences."""
 
     name: str
     shape: Any
@@ -40,7 +40,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """A product that is made of others."""
+    """A product that consists of others."""
 
     name: str
     children: Sequence["Occurrence"]
@@ -48,7 +48,7 @@ class Assembly:
 
 @dataclass(frozen=True, eq=False)
 class Occurrence:
-    """A product at its place in an assembly."""
+    """A product with its pose in an assembly."""
 
     product: Part | Assembly
     name: str = ""
@@ -64,12 +64,12 @@ def write_step(path: Path, *roots: Part | Assembly, unit: LengthUnit = "mm", nam
 
     Args:
         path: File to write.
-        roots: Usually one; several lie beside each other on the first level of the file.
-        unit: Length unit that the file declares and its coordinates are in.
-        name: Name of the file as its header gives it; that of ``path`` where it is left out.
+        roots: Usually one; several are siblings on the first level of the file.
+        unit: Length unit of the file and its coordinates.
+        name: File name in the header; by default that of ``path``.
 
     Raises:
-        ValueError: The kernel refuses a shape.
+        ValueError: The kernel rejects a shape.
         OSError: The file cannot be written.
     """
     document = _Document()
@@ -85,11 +85,11 @@ def write_document(path: Path, document: Any, unit: LengthUnit = "mm", name: str
     Args:
         path: File to write.
         document: A ``TDocStd_Document`` of products.
-        unit: Length unit that the file declares and its coordinates are in.
-        name: Name of the file as its header gives it; that of ``path`` where it is left out.
+        unit: Length unit of the file and its coordinates.
+        name: File name in the header; by default that of ``path``.
 
     Raises:
-        ValueError: The kernel refuses a shape.
+        ValueError: The kernel rejects a shape.
         OSError: The file cannot be written.
     """
     from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
@@ -113,7 +113,7 @@ def write_document(path: Path, document: Any, unit: LengthUnit = "mm", name: str
 
 
 def moved(shape: Any, X_AB: Array) -> Any:
-    """A copy of a shape, given in B, expressed in A [mm]; its geometry is rewritten, so a reflection is welcome too."""
+    """A copy of a shape, given in B, expressed in A [mm]. Its geometry is transformed, so X_AB may be a reflection."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 
     return BRepBuilderAPI_Transform(shape, _trsf(X_AB), True).Shape()
@@ -150,7 +150,7 @@ class _Document:
         return label
 
     def finish(self) -> None:
-        """Bring the shapes of the assemblies up to date with their children."""
+        """Update the shapes of the assemblies from their children."""
         self._shapes.UpdateAssemblies()
 
     def _add_part(self, part: Part) -> Any:
@@ -188,7 +188,7 @@ class _Document:
 
 
 def _without_location(shape: Any) -> Any:
-    """The shape with its location worked into its geometry: of a located one the kernel makes a nameless assembly."""
+    """The shape with its location applied to its geometry: the kernel writes a located shape as a nameless assembly."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.TopLoc import TopLoc_Location
 
@@ -214,10 +214,10 @@ def _trsf(X_AB: Array) -> Any:
 
 @contextmanager
 def _settings(unit: LengthUnit) -> Iterator[None]:
-    """The kernel keeps what it writes by in globals of the process: set them, and put them back.
+    """Set the kernel's options for writing, which are global in the process, and restore them.
 
-    Curves in the parameters of both faces of every edge would make a file of curved shells more than twice as large;
-    a reader that wants them computes them.
+    Parameter curves on both faces of every edge would more than double the size of a file with curved shells; readers
+    can compute them.
     """
     from OCP.Interface import Interface_Static
     from OCP.STEPCAFControl import STEPCAFControl_Controller
@@ -237,7 +237,7 @@ def _settings(unit: LengthUnit) -> Iterator[None]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep the kernel's progress messages off the standard output."""
+    """Suppress the kernel's progress messages on the standard output."""
     from OCP.Message import Message, Message_Gravity
 
     printers = list(Message.DefaultMessenger_s().Printers())
@@ -252,7 +252,7 @@ def _quiet() -> Iterator[None]:
 
 
 def _correct_density_units(model: Any) -> None:
-    """Give densities the unit g/cm^3: the kernel writes the right factors with the exponents of g^3 cm^2."""
+    """Correct the unit of densities to g/cm^3: the kernel writes the right factors with the exponents of g^3 cm^2."""
     from OCP.StepBasic import StepBasic_DerivedUnitElement, StepBasic_SiUnitAndMassUnit
 
     for entity in _entities(model):
@@ -265,7 +265,7 @@ def _entities(model: Any) -> list[Any]:
 
 
 def _fill_header(header: Any, name: str) -> None:
-    """Say what made the file, and nothing about where or when."""
+    """Name the program that wrote the file, without place or time."""
     from OCP.TCollection import TCollection_HAsciiString
 
     header.SetName(TCollection_HAsciiString(name))

@@ -1,7 +1,7 @@
-"""Bring the text of a STEP file into an order that does not depend on where the kernel's objects lie in memory.
+"""Sort the statements of a STEP file into an order that does not depend on memory addresses.
 
-The kernel numbers the geometry as it was drawn, but appends the colours of each product in the order of memory
-addresses, another one in each process. Here they follow in the order of the products, and every statement gets a line.
+The kernel numbers the geometry in the order of drawing, but appends the colours of each product in the order of memory
+addresses, which differs between processes. Here they follow in the order of the products, one statement per line.
 The format is ISO 10303-21, "clear text encoding of the exchange structure".
 """
 
@@ -13,10 +13,10 @@ _COLORS = b"MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
 
 
 def in_canonical_order(content: bytes) -> bytes:
-    """The same exchange structure with its colours in the order of the products that they belong to.
+    """The same exchange structure with its colours in the order of their products.
 
     Raises:
-        ValueError: Something other than colours follows the first of them.
+        ValueError: A statement after the first colour belongs to no colour.
     """
     start, end = content.index(b"DATA;"), content.rindex(b"ENDSEC;")
     bodies = {int(number): _one_line(body) for number, body in _STATEMENT.findall(content, start, end)}

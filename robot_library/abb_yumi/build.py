@@ -1,10 +1,10 @@
 """Draw the ABB YuMi IRB 14000 with its grippers: ``python -m robot_library.abb_yumi.build`` in the checkout's root.
 
-Writes yumi.step beside this file, always the same bytes. Each link is drawn in its own frame [mm]; both arms are made
-of the same seven shapes.
+Writes yumi.step beside this file; every run gives the same bytes. Each link is drawn in its own frame [mm]. Both arms
+use the same seven shapes.
 
 Distances between joints come from the joint table in expected.json, the footprint of 399 x 497 from ABB's data sheet.
-Radii, the torso's outline and the colours are drawn after photographs.
+Radii, the torso's outline and the colours are drawn from photographs.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ GREY = "#6d7074"
 """Of joints and of the torso's base."""
 ABB_RED = "#d8222a"
 GAP = 2.0
-"""Between what turns and what does not."""
+"""Clearance between turning and fixed shells."""
 
 TORSO = (
     (0.0, 399.0, 497.0, -30.0),
@@ -33,7 +33,7 @@ TORSO = (
     (490.0, 170.0, 230.0, -50.0),
     (535.0, 90.0, 130.0, -60.0),
 )
-"""Sections: height, depth, width, and how far in front of the origin their middle is."""
+"""Sections: height, depth, width, and distance of the centre in front of the origin."""
 SHOULDER, SHOULDER_DEPTH = 60.0, 120.0
 
 
@@ -168,7 +168,7 @@ def finger() -> list[Body]:
 
 
 def links() -> dict[str, list[Body]]:
-    """Every link that has a shape, in its own frame."""
+    """The bodies of every link that has a shape, in the link's frame."""
     found = {"yumi_body": torso()}
     for side in "rl":
         shapes = [part for roll, bend in zip(ROLLS, BENDS, strict=True) for part in ((roll, bend), (bend,))]

@@ -1,11 +1,11 @@
 """Draw the Franka Hand: ``python -m robot_library.franka_hand.build`` in the root of the checkout.
 
-Writes hand.step beside this file, always the same bytes. The joints' places come from expected.json; the dimensions
-below are of the shells around them. Sources, by the letters in brackets:
+Writes hand.step beside this file; every run gives the same bytes. Joint origins come from expected.json. The
+dimensions below are those of the shells around them; letters in brackets name their sources:
 
 [C] The collision boxes of the fingers in the maker's description, edge by edge.
 [F] Mounting flange to ISO 9409-1-50-4-M6: 63 mm across, four M6 on 50 mm.
-[T] Height of the fingers' rail and of the fingertips: 58.4 mm and 58.4 + 53.8 mm, from the joints' places and [C].
+[T] Height of the fingers' rail and of the fingertips: 58.4 mm and 58.4 + 53.8 mm, from the joint origins and [C].
 [E] Estimated from photographs, to about 2 mm; the width of 204 mm and the depth of 63 mm are the maker's.
 """
 
@@ -24,7 +24,7 @@ RAIL = 58.4
 
 
 def body() -> list[Body]:
-    """The housing: what is left where its outlines from the front, from the side and from above meet."""
+    """The housing: the intersection of its outlines from the front, from the side and from above."""
     shell = _front() & _side() & at(bd.extrude(bd.RectangleRounded(DEPTH, WIDTH, 26), TOP), (0, 0, 0))
     shell = bd.fillet(shell.edges().filter_by(lambda edge: edge.center().Z > 20 and edge.length > 60), 5)
     slot = at(block(SLOT + 3, 181, 20), (0, 0, RAIL - 1.2))
@@ -86,7 +86,7 @@ def finger() -> list[Body]:
 
 
 def _thick(profile: bd.Sketch, width: float) -> bd.Part:
-    """A profile in (y, z), as thick as ``width`` along x around 0."""
+    """A profile in (y, z), extruded along x by ``width``, symmetric about x = 0."""
     plane = bd.Plane(origin=(-width / 2, 0, 0), x_dir=(0, 1, 0), z_dir=(1, 0, 0))
     return bd.extrude(plane * profile, amount=width)
 

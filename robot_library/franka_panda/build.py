@@ -1,16 +1,16 @@
 """Draw the Panda: ``python -m robot_library.franka_panda.build`` in the root of the checkout.
 
-Writes panda.step beside this file, always the same bytes. The joints' places come from expected.json; the dimensions
-below are of the shells around them. Sources, by the letters in brackets:
+Writes panda.step beside this file; every run gives the same bytes. Joint origins come from expected.json. The
+dimensions below are those of the shells around them; letters in brackets name their sources:
 
-[C] The volumes for self-collision in the maker's description: capsules of 60 mm radius around the arm and, from one
-    side to the other 120 mm long, around shoulder and elbow; 50 mm around the wrist; 25 mm around the bow of the
-    forearm, whose axis lies 80 mm beside that of joint 5; 40 mm around joint 7.
+[C] The self-collision shapes in the maker's description: capsules of 60 mm radius around the arm and, 120 mm long
+    across it, around shoulder and elbow; 50 mm around the wrist; 25 mm around the bow of the forearm, whose axis is
+    80 mm beside that of joint 5; 40 mm around joint 7.
 [F] Tool flange ISO 9409-1-50-4-M6: 63 mm across, four M6 on 50 mm, 31.5 mm centring, a 6 mm pin.
 [E] Estimated from photographs, to about 4 mm.
 
-Shoulder and elbow are the same thing four times: half of a barrel across the arm, and a neck that leads from there to
-the next joint. :func:`knee` draws it.
+Shoulder and elbow consist of the same shape four times: half of a barrel across the arm, and a neck from there to the
+next joint. :func:`knee` draws it.
 """
 
 from pathlib import Path
@@ -27,7 +27,7 @@ SIDE = 118.0
 WRIST, HAND = 47.0, 42.0
 """Radii of the barrels of joints 6 and 7 [C]."""
 BOW = 80.0
-"""By which the forearm's bow lies beside the axis of joint 5 [C]."""
+"""Distance of the forearm's bow from the axis of joint 5 [C]."""
 ELBOW, REACH = 82.5, 88.0
 """Offsets of elbow and flange, as in expected.json."""
 GAP, SEAM = 0.75, 2.5
@@ -88,30 +88,30 @@ def base() -> list[Body]:
 
 
 def link_1() -> list[Body]:
-    """From the base to the shoulder: its half of the barrel points to -y, the neck to -z."""
+    """From the base to the shoulder: half a barrel towards -y, the neck towards -z."""
     seam = rod((0, 0, 141 - 333 + GAP), (0, 0, 141 - 333 + GAP + SEAM), ARM - 1.5)
     return [*_moved(knee(333 - 141 - GAP - SEAM), (0, 0, 0), (-90, 0, 180)), Body("seam", seam, BLACK)]
 
 
 def link_2() -> list[Body]:
-    """From the shoulder up to joint 3: its half of the barrel points to +z, the neck to -y."""
+    """From the shoulder up to joint 3: half a barrel towards +z, the neck towards -y."""
     seam = rod((0, -194 + GAP, 0), (0, -194 - GAP, 0), ARM - 1.5)
     return [*_moved(knee(194 - GAP), (0, 0, 0), (0, 0, 180)), Body("seam", seam, BLACK)]
 
 
 def link_3() -> list[Body]:
-    """From joint 3 to the elbow, whose axis lies in front: its half of the barrel points to +y, the neck to -z."""
+    """From joint 3 to the elbow, whose axis is in front: half a barrel towards +y, the neck towards -z."""
     return _moved(knee(122 - GAP, -ELBOW), (ELBOW, 0, 0), (-90, 0, 0))
 
 
 def link_4() -> list[Body]:
-    """From the elbow back to joint 5: its half of the barrel points to +z, the neck to +y."""
+    """From the elbow back to joint 5: half a barrel towards +z, the neck towards +y."""
     seam = rod((-ELBOW, 124 - GAP, 0), (-ELBOW, 124 + GAP, 0), ARM - 1.5)
     return [*knee(124 - GAP, -ELBOW), Body("seam", seam, BLACK)]
 
 
 def link_5() -> list[Body]:
-    """The forearm: from joint 5 down, in a bow beside the axis, to its side of joint 6."""
+    """The forearm: from joint 5 down, in a bow beside the axis, to joint 6."""
     top = rod((0, 0, -260 + GAP), (0, 0, -221.8), ARM)
     bow = bd.loft([_level(0, 0, -222, 2 * ARM, 2 * ARM, ARM - 0.1), _level(0, BOW - 18, -118, 78, 58, 26)])
     arm = bd.loft([_level(0, BOW - 18, -118.2, 78, 58, 26), _level(0, BOW + 2, -20, 88, 44, 20)])
@@ -125,7 +125,7 @@ def link_5() -> list[Body]:
 
 
 def link_6() -> list[Body]:
-    """Between the wrist's axes: the barrel of joint 6, and that of joint 7 in front of it, with the pilot's disc."""
+    """Between the wrist axes: the barrel of joint 6, that of joint 7 in front of it, the disc of the pilot."""
     barrel = at(housing(WRIST, 62 + 40 - SEAM - GAP, 8, 0), (0, 0, -62 + SEAM + GAP))
     arm = at(bd.Box(80, 78, 64), (46, 0, 4))
     arm = bd.fillet(arm.edges().filter_by(bd.Axis.X), 20)

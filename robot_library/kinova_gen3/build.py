@@ -1,10 +1,10 @@
 """Draw the Kinova Gen3 with 7 joints: ``python -m robot_library.kinova_gen3.build`` in the root of the checkout.
 
-Writes gen3.step beside this file, always the same bytes. Each link is drawn in its own frame [mm].
+Writes gen3.step beside this file; every run gives the same bytes. Each link is drawn in its own frame [mm].
 
-Radii and heights are those of the maker's meshes (kortex_description/arms/gen3/7dof/meshes in the repository that
-expected.json names), read off their vertices; distances between joints come from its joint table. The curves between
-them, the rear panel's outline and the colours are drawn after photographs.
+Radii and heights are measured at vertices of the maker's meshes (kortex_description/arms/gen3/7dof/meshes in the
+repository that expected.json names). Distances between joints come from its joint table. The curves between them, the
+outline of the rear panel and the colours are drawn from photographs.
 """
 
 from dataclasses import dataclass
@@ -21,33 +21,33 @@ SHELL = "#cdd0d3"
 
 @dataclass(frozen=True)
 class Actuator:
-    """A size of drive, and the shell around it."""
+    """A size of actuator, and the shell around it."""
 
     radius: float
     """Of the shell."""
     collar: float
     """Radius of the ring that turns in the gap between two shells."""
     rim: float
-    """From the joint's origin to the shell of the link that it carries."""
+    """From the joint's origin to the shell of the child link."""
     face: float
-    """From the middle of a shell to the flat face that the next link turns on."""
+    """From the centre of a shell to the flat face that carries the next link."""
     offset: float
-    """From the joint that bends a link to the plane of that link's middle."""
+    """From the bending joint of a link to the link's middle plane."""
 
 
 LARGE = Actuator(radius=46, collar=40, rim=16, face=13, offset=6.375)
 SMALL = Actuator(radius=35, collar=30.5, rim=14.425, face=14.25, offset=0.175)
 DEPTH = 1.09
-"""How far a drum reaches behind its tube's axis, in radii."""
+"""Reach of a drum behind the axis of its tube, in radii."""
 CLEAR = 1.0
-"""How far the outlines of a tube pass its outside where they do not cut it."""
+"""Distance of the outlines from the tube where they do not cut it."""
 GAP = 1.0
-"""Between what turns and what does not."""
+"""Clearance between turning and fixed shells."""
 
 BASE_HEIGHT = 156.43
 FOOT_HEIGHT = 38.8
 PANEL = (8.0, 62.0, FOOT_HEIGHT)
-"""The rear panel with its connectors: how far it sticks out, width, height."""
+"""The rear panel with its connectors: depth, width, height."""
 BOLTS = ((26.117, 32.251), (26.117, -32.251), (-14.872, 38.743), (-14.872, -38.743))
 BOLT_RADIUS, BOLT_DEPTH = 2.5, 16.8
 PINS = ((20.75, 35.94), (-20.75, -35.94))
@@ -65,12 +65,12 @@ TOOL_BOLTS, TOOL_BOLT_RADIUS, TOOL_RECESS = 50.0, 1.6, (19.0, 4.0)
 
 
 def bent_shell(joint: Actuator, length: float, end: Actuator | None = None) -> bd.Part:
-    """The shell of a link that a joint bends: a tube up the z axis, and at the origin a drum that faces +y.
+    """The shell of a link on a bending joint: a tube up the z axis, and at the origin a drum that faces +y.
 
     Args:
         joint: The drive at the origin, whose axis is y.
         length: From that axis to the end of the tube.
-        end: The drive at that end, where it is another one: the tube tapers to it.
+        end: The drive at that end, if it is another one: the tube tapers to it.
     """
     r, top = joint.radius, length
     tip = (end or joint).radius
@@ -103,7 +103,7 @@ def _side(joint: Actuator, tip: float, top: float) -> bd.Sketch:
 
 
 def ring(drive: Actuator, height: float) -> bd.Part:
-    """What is seen of a drive between two shells, standing on z = 0."""
+    """The visible ring of a drive between two shells, on z = 0."""
     return housing(drive.collar, height, 2.0, 0.0)
 
 
@@ -133,7 +133,7 @@ def base_link() -> list[Body]:
 
 
 def turning_link(drive: Actuator, reach: float, rim: float, bend: Actuator) -> list[Body]:
-    """A link that a joint turns about its own tube, down the z axis to a drum whose axis is y, facing +y.
+    """A link that turns about the axis of its tube: down the z axis to a drum about y that faces +y.
 
     Args:
         drive: The drive that turns it.
@@ -149,7 +149,7 @@ def turning_link(drive: Actuator, reach: float, rim: float, bend: Actuator) -> l
 
 
 def bending_link(bend: Actuator, reach: float, drive: Actuator) -> list[Body]:
-    """A link that a joint bends, about z, with its tube down the y axis to the next joint."""
+    """A link on a bending joint about z, its tube down the y axis to the next joint."""
     depth = bend.face + bend.offset
     shell = at(bent_shell(bend, reach - drive.rim, drive), (0, 0, -bend.offset), (90, 0, 0))
     below = at(ring(bend, depth - GAP), (0, 0, -GAP), (180, 0, 0))
@@ -158,7 +158,7 @@ def bending_link(bend: Actuator, reach: float, drive: Actuator) -> list[Body]:
 
 
 def bracelet_link() -> list[Body]:
-    """z towards the wrist: a last piece of shell, and the interface that tools are screwed to."""
+    """z towards the wrist: the last piece of shell, and the interface for tools."""
     upper = at(ring(SMALL, SMALL.rim - GAP), (0, 0, -GAP), (180, 0, 0))
     shell = at(cylinder(SMALL.radius, INTERFACE_START - SMALL.rim), (0, 0, -INTERFACE_START))
     interface = at(housing(INTERFACE_RADIUS, INTERFACE_END - INTERFACE_START, 2, 1), (0, 0, -INTERFACE_END))
@@ -178,7 +178,7 @@ def bracelet_link() -> list[Body]:
 
 
 def links() -> dict[str, list[Body]]:
-    """Every link, in its own frame."""
+    """The bodies of every link, in its own frame."""
     return {
         "base_link": base_link(),
         "shoulder_link": turning_link(LARGE, SHOULDER, LARGE.rim, LARGE),

@@ -1,12 +1,12 @@
 """Draw the KUKA youBot: ``python -m robot_library.kuka_youbot.build`` in the root of the checkout.
 
-Writes youbot.step beside this file, always the same bytes. Each link is drawn in its own frame [mm].
+Writes youbot.step beside this file; every run gives the same bytes. Each link is drawn in its own frame [mm].
 
 Wheel places, wheel radius and the distances between joints come from the joint table and the collision shapes in
-expected.json's source. The platform measures 580 x 380 x 140, as in KUKA's data sheet; on which side of its joint each
-link of the arm lies comes from where that description puts its meshes. The profile of the rollers follows from the
-wheel: every point of it touches the cylinder of the wheel's radius. Everything else, and the colours, are drawn after
-photographs.
+expected.json's source. The platform measures 580 x 380 x 140, as in KUKA's data sheet. The side of its joint on which
+each link of the arm is follows from the poses of the meshes in that description. The profile of the rollers follows
+from the wheel: every point of it touches the cylinder of the wheel's radius. Everything else, and the colours, are
+drawn from photographs.
 """
 
 from math import sqrt
@@ -34,7 +34,7 @@ from ..shapes import (
 )
 
 GAP = 1.0
-"""Between what moves and what does not."""
+"""Clearance between moving and fixed parts."""
 
 PLATFORM = (580.0, 380.0)
 FLOOR, CLEARANCE, TOP = -84.0, 20.0, 46.0
@@ -52,11 +52,11 @@ J1_X, J1_Z, TURN_Z = 24.0, 96.0, -26.0
 J2 = (33.0, 19.0)
 UPPER_ARM, FOREARM, WRIST = 155.0, 135.0, 130.0
 UPPER_SIDE, FORE_SIDE, WRIST_SIDE = (-54.0, -12.0), (8.0, 50.0), (-32.0, 6.0)
-"""Where the links lie across their joints: from and to, along y."""
+"""Extent of the links across their joints: from and to, along y."""
 BIG, MEDIUM, SMALL = 34.0, 30.0, 26.0
 """Radii of the drives."""
 HAND, FINGERS_Z = 40.0, 46.0
-"""How far behind the hand's frame it begins, and before it the fingers slide."""
+"""Start of the palm behind the hand's frame, and distance of the fingers in front of it."""
 PALM, RAIL, RING = (44.0, 96.0, 49.0), 10.0, 4.0
 FINGER = (14.0, 18.0, 66.0)
 
@@ -97,7 +97,7 @@ def base_link() -> list[Body]:
 
 
 def wheel(hand: int) -> list[Body]:
-    """A mecanum wheel about y: six rollers at 45 degrees; ``hand`` says to which side the upper ones lead."""
+    """A mecanum wheel about y: six rollers at 45 degrees; ``hand`` is the side to which the upper ones lead."""
     width = WHEEL_WIDTH - 2 * GAP
     hub = across(cylinder(HUB_RADIUS, width - 2 * DISC), width / 2 - DISC)
     bodies = [Body("hub", hub, ALUMINIUM)]
@@ -111,7 +111,7 @@ def wheel(hand: int) -> list[Body]:
 
 
 def roller() -> bd.Part:
-    """A barrel around z that, tilted by 45 degrees at its place, reaches to the wheel's radius along all its length."""
+    """A barrel around z that, tilted by 45 degrees, touches the wheel's radius along its whole length."""
     half = ROLLER_LENGTH / 2
     end = WHEEL_RADIUS - sqrt(ROLLER_PLACE**2 + half**2 / 2)
     outline = [
@@ -122,7 +122,7 @@ def roller() -> bd.Part:
 
 
 def plate_link() -> list[Body]:
-    """The plate on the rear that carries things; z up."""
+    """The load plate on the rear; z up."""
     x, y, z = PLATE
     plate = at(block(x, y, 4, 16, only="z"), (0, 0, z - 4))
     tray = at(block(x - 24, y - 24, 2, 10, only="z"), (0, 0, z - 2))
@@ -147,7 +147,7 @@ def arm_link_0() -> list[Body]:
 
 
 def arm_link_1() -> list[Body]:
-    """z up, the shoulder's axis y before and above the origin; its drive lies on the far side of the upper arm."""
+    """z up, the shoulder's axis y in front of and above the origin, its drive on the far side of the upper arm."""
     x, z = J2
     table = at(cylinder(52, 10), (0, 0, TURN_Z))
     near, far = UPPER_SIDE[1] + GAP, 48.0
@@ -170,12 +170,12 @@ def beam(length: float, side: tuple[float, float], first: float, last: float, ou
 
 
 def drive(radius: float, start: float, end: float, z: float) -> Body:
-    """What is seen of a drive about y between two links."""
+    """The visible part of a drive about y between two links."""
     return Body("drive", across(cylinder(radius, abs(end - start)), max(start, end), z=z), DARK)
 
 
 def arm_link_4() -> list[Body]:
-    """The wrist: bends about y at the origin, and ends where the hand turns about z."""
+    """The wrist: bends about y at the origin, and ends at the joint that turns the hand about z."""
     low, high = WRIST_SIDE
     end = WRIST - HAND - RING - GAP
     width = high - low
@@ -229,7 +229,7 @@ def laser() -> list[Body]:
 
 
 def links() -> dict[str, list[Body]]:
-    """Every link that has a shape, in its own frame."""
+    """The bodies of every link that has a shape, in the link's frame."""
     return {
         "base_link": base_link(),
         "wheel_link_fl": wheel(1),

@@ -1,11 +1,11 @@
 """Draw Sawyer on its pedestal: ``python -m robot_library.rethink_sawyer.build`` in the root of the checkout.
 
-Writes sawyer.step beside this file, always the same bytes. Each link is drawn in its own frame [mm].
+Writes sawyer.step beside this file; every run gives the same bytes. Each link is drawn in its own frame [mm].
 
 Distances between joints come from the joint table in expected.json. Radii of barrels and tubes, the controller's box,
 the footprint and the height of the pedestal are those of the collision shapes in the same description
-(sawyer_description/urdf); the head's width and height are those of its mesh, the display's those of its visual. Where
-barrels meet, the roundings, the bolts, the face and the colours are drawn after photographs.
+(sawyer_description/urdf). Width and height of the head are those of its mesh, those of the display those of its
+visual. Transitions between barrels, the roundings, the bolts, the face and the colours are drawn from photographs.
 """
 
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ RED = "#9c1c1f"
 GREY = "#55585d"
 """Of caps and cuffs."""
 GAP = 1.5
-"""Between what turns and what does not."""
+"""Clearance between turning and fixed shells."""
 
 TURRET, TURRET_START = 80.0, 80.0
 SHOULDER, SHOULDER_PLACE, NECK, HEAD = 70.0, (81.0, 50.0, 237.0), 42.0, 296.5
@@ -50,7 +50,7 @@ DISPLAY = (240.0, 140.0, 2.0)
 
 @dataclass(frozen=True)
 class Segment:
-    """A pair of links: one that bends about its barrel, and one that turns at the barrel's end about its own tube."""
+    """A pair of links: one bends about its barrel, the other turns at its end about its own tube."""
 
     barrel: float
     """Radius."""
@@ -59,7 +59,7 @@ class Segment:
     boss: float
     """Radius of the boss that carries the next joint."""
     height: float
-    """From the bending joint's origin along its axis to the axis of the turning joint; negative where it is behind."""
+    """From the bending joint's origin along its axis to the axis of the turning joint; negative behind the origin."""
     boss_end: float
     """From the bending joint's axis to the end of the boss."""
 
@@ -104,7 +104,7 @@ def pedestal() -> list[Body]:
 
 
 def right_arm_base_link() -> list[Body]:
-    """z up: the plate that is bolted to the pedestal, and the seat of the turret."""
+    """z up: the plate bolted to the pedestal, and the seat of the turret."""
     plate = flange(115, 16, on_circle(8, 200, 0), 4.5)
     seat = at(lathe([(100, 0), (92, 40), (84, TURRET_START - 16 - GAP)], smooth=False), (0, 0, 16))
     return [Body("plate", plate, BLACK), Body("seat", seat, DARK)]
@@ -125,7 +125,7 @@ def right_l0() -> list[Body]:
 
 
 def head() -> list[Body]:
-    """z up: a display that looks along x, the light on top, the camera above the display."""
+    """z up: a display that faces x, the light on top, the camera above the display."""
     stem = lathe([(NECK, 0), (NECK, 14), (34, 24), (34, 60)])
     back = at(block(52, 236, 168, 24, only="x"), (-8, 0, 26))
     bezel = at(block(11, 262, 176, 9, only="x"), (23.5, 0, 22))
@@ -173,7 +173,7 @@ def bending_link(s: Segment) -> list[Body]:
 
 
 def turning_link(before: Segment, bend: Segment, numbers: tuple[float, ...]) -> list[Body]:
-    """A link that turns about its tube, z, and ends in a drum about y, on the side that the next joint is on."""
+    """A link that turns about its tube, z, and ends in a drum about y, on the side of the next joint."""
     start, middle, back, reach, across = numbers
     first = before.boss_end + 12 + GAP - back
     side = 1 if across > 0 else -1
@@ -194,7 +194,7 @@ def right_l5() -> list[Body]:
 
 
 def right_l6() -> list[Body]:
-    """The last link, with the cuff that the arm is led by: z out of the flange."""
+    """The last link, with the cuff for hand guiding: z out of the flange."""
     start = LOWER.boss_end + 12 + GAP - 110
     body = at(lathe([(48, 0), (48, 26), (FLANGE_RADIUS, 34), (FLANGE_RADIUS, FLANGE_END - 6 - start)]), (0, 0, start))
     plate = at(flange(FLANGE_RADIUS + 2, 6, on_circle(4, FLANGE_BOLTS, 45), FLANGE_BOLT, 12), (0, 0, FLANGE_END - 6))
@@ -203,7 +203,7 @@ def right_l6() -> list[Body]:
 
 
 def links() -> dict[str, list[Body]]:
-    """Every link that has a shape, in its own frame."""
+    """The bodies of every link that has a shape, in the link's frame."""
     return {
         "pedestal": pedestal(),
         "right_arm_base_link": right_arm_base_link(),

@@ -1,16 +1,16 @@
 """Draw the 2F-85 gripper: ``python -m robot_library.robotiq_2f85.build`` in the root of the checkout.
 
-Writes 2f85.step beside this file, always the same bytes. The joints' places come from expected.json; the dimensions
-below are of the parts around them. Sources, by the letters in brackets:
+Writes 2f85.step beside this file; every run gives the same bytes. Joint origins come from expected.json. The
+dimensions below are those of the parts around them; letters in brackets name their sources:
 
 [P] The fingertip pads in the maker's description: 22 mm wide, 6.35 mm thick, 37.5 mm high.
-[J] Places of the pins, from the joints in expected.json.
-[D] Data sheet: 75 mm across the coupling, 85 mm between the open pads, which these places and pads give to 1 mm.
+[J] Positions of the pins, from the joints in expected.json.
+[D] Data sheet: 75 mm across the coupling; 85 mm between the open pads, which these positions and pads give to 1 mm.
 [E] Estimated from photographs, to about 2 mm.
 
-All pins are parallel to x. Along x the parts lie in layers, the same on both sides of the middle: outer knuckle and
-inner finger in the middle, the outer finger's two cheeks beside them, then those of the inner knuckle, then the
-body's. A side is drawn with y outwards; the other one is the same, turned by half.
+All pins are parallel to x. Along x the parts are in layers, symmetric about the middle: outer knuckle and inner finger
+in the middle, the outer finger's two cheeks beside them, then those of the inner knuckle, then the body's. One side
+is drawn with y outwards; the other is the same, rotated by half a turn.
 """
 
 from pathlib import Path
@@ -30,18 +30,18 @@ KNUCKLE: Pin = (31.5, -4.1)
 FINGER: Pin = (6.1, 47.1)
 """From there to the inner finger's pin [J]."""
 CLOSING: Pin = (INNER[0] - OUTER[0], INNER[1] - OUTER[1])
-"""From the inner finger's pin to that of the inner knuckle: as far as from pin to pin in the body, which makes a
-parallelogram and keeps the pads upright."""
+"""From the inner finger's pin to that of the inner knuckle: the distance between the pins in the body. The four pins
+form a parallelogram, which keeps the pads upright."""
 CRANK: Pin = (KNUCKLE[0] + FINGER[0], KNUCKLE[1] + FINGER[1])
 """From pin to pin of either knuckle's crank."""
 PAD: Pin = (-22.0203446693, 32.42)
 """Centre of the pad in the inner finger [J]."""
 MIDDLE, FORK, KNUCKLE_FORK, BODY_FORK = (0.0, 6.8), (7.4, 11.8), (12.4, 16.4), (17.0, 24.0)
-"""Distances from the middle between which the layers lie [E]."""
+"""Range of each layer, as distances from the middle [E]."""
 
 
 def _plates(circles: list[tuple[Pin, float]], layer: tuple[float, float]) -> list[bd.Shape]:
-    """The hull of circles in (y, z), in a layer: one plate across the middle, or one on each side."""
+    """The hull of circles in (y, z), within a layer: one plate across the middle, or one on each side."""
     inside, outside = layer
     thickness = 2 * outside if inside == 0 else outside - inside
     starts = [-outside] if inside == 0 else [-outside, inside]
@@ -83,7 +83,7 @@ def _level(z: float, depth: float, width: float, edge: float) -> bd.Face:
 
 
 def outer_knuckle() -> list[Body]:
-    """The crank that the spindle drives."""
+    """The crank driven by the spindle."""
     (plate,) = _plates([((0, 0), 9), (KNUCKLE, 8)], MIDDLE)
     return [Body("crank", plate - _pin((0, 0), 20, 3.05), DARK)]
 

@@ -1,6 +1,7 @@
 """Draw the arm: ``python -m robot_library.stepbot_arm2.build [--unit inch] [-o FILE]`` in the root of the checkout.
 
-Writes arm2.step and expected.json beside this file, always the same bytes; in another unit the arm is the same.
+Writes arm2.step and expected.json beside this file; every run gives the same bytes. ``--unit`` changes the length unit
+of the file, not the arm.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from . import dimensions as d
 _FLOOR = (bd.Align.CENTER, bd.Align.CENTER, bd.Align.MIN)
 _BEHIND = (bd.Align.MIN, bd.Align.CENTER, bd.Align.CENTER)
 _ACROSS = bd.Rot(-90, 0, 0)
-"""Turns z into y."""
+"""Rotates z to y."""
 
 
 def draw_base_plate() -> bd.Solid:

@@ -1,6 +1,6 @@
-"""What is known of the arm without any CAD: mass, centre of mass and inertia of each link, frames and axes.
+"""Closed forms of the arm, without CAD: mass, centre of mass and inertia of each link, frames and axes.
 
-Every part is a sum of boxes and cylinders less its bores, so each number is a formula.
+Every part is a sum of boxes and cylinders minus its bores, so each number is a formula.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ MOTOR_MASS = 0.18
 """[kg], measured: the sidecar's rule for the motor."""
 
 ALONG_Y = turn("x", -d.QUARTER)
-"""Turns z into y."""
+"""Rotates z to y."""
 
 
 def base_plate() -> Moments:
@@ -154,7 +154,7 @@ def _m(X_AB: Array) -> Array:
 
 
 def joint_frames() -> dict[str, Array]:
-    """Joint frames at q = 0, shape (4, 4) [m]. Of the fingers, which only slide, the origin is anyone's choice."""
+    """Joint frames at q = 0, shape (4, 4) [m]. The origins of the sliding fingers are arbitrary."""
     middle = d.TURNTABLE_FOOT + d.TURNTABLE.height / 2
     return {
         "shoulder": pose((0, 0, middle / 1000)),

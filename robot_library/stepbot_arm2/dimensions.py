@@ -1,8 +1,8 @@
-"""Dimensions of the arm [mm], and where every part lies in the drawing.
+"""Dimensions of the arm [mm], and the pose of every part in the drawing.
 
 A turntable on a column (joint ``shoulder``, vertical), a forearm between its cheeks (joint ``elbow``, horizontal), and
 two fingers that slide on rods across its end. In the drawing the elbow is raised by 30 degrees and each finger is 15 mm
-open, so that a drawn pose is not the zero of every joint.
+open: the drawn pose is not the zero of every joint.
 """
 
 from dataclasses import dataclass
@@ -177,6 +177,6 @@ def rod_places() -> tuple[Array, ...]:
 
 
 def finger_places(opening: float) -> tuple[Array, ...]:
-    """X_GF of both fingers in the gripper, each open by so much [mm]: the second is the first, turned half round."""
+    """X_GF of both fingers in the gripper, open by a distance [mm]; the second is the first, rotated by half a turn."""
     y = FINGER.half_gap + opening
     return (pose((PALM.rod_x, y, 0)), pose((PALM.rod_x, -y, 0), turn("x", pi)))

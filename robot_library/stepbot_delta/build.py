@@ -1,6 +1,6 @@
 """Draw the delta robot: ``python -m robot_library.stepbot_delta.build`` in the root of the checkout.
 
-Writes delta.step and expected.json beside this file, always the same bytes.
+Writes delta.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import cos, sin
@@ -16,13 +16,13 @@ from . import closed_form
 from . import dimensions as d
 
 _CHEEK = d.ARM_WIDTH / 2 + 2
-"""Where the plates beside an arm begin."""
+"""Distance of the plates beside an arm from its middle."""
 _SHAFT, _BAR = 16.0, 4.5
 """Radii of a shoulder's shaft and of the bars that hold the balls."""
 
 
 def draw_plate() -> bd.Part:
-    """A plate with three lobes, each around the bearings of an arm, and holes for the bolts that it hangs from."""
+    """A plate with three lobes, each around the bearings of an arm, and holes for the bolts that it is mounted with."""
     lobes = [((170 * cos(d.azimuth(i)), 170 * sin(d.azimuth(i))), 66.0) for i in range(3)]
     body = chamfered_top(hull_plate(lobes, d.PLATE), 3)
     body = drilled(body, 5.5, d.PLATE, on_circle(6, 2 * 150, 30))
@@ -81,7 +81,7 @@ def draw_rod() -> bd.Part:
 
 
 def draw_platform() -> bd.Part:
-    """A plate with three ends, a flange below; the middle of the balls is its origin."""
+    """A plate with three ends, a flange below; its origin is the centre of the balls."""
     body = at(cylinder(34, 12), (0, 0, -6)) + at(flange(25, 14, on_circle(4, 38), 2.6), (0, 0, -20))
     for arm in range(3):
         tongue = at(bd.Box(d.WRIST_RADIUS - 10, 26, 12), ((d.WRIST_RADIUS - 10) / 2, 0, 0))

@@ -10,10 +10,10 @@ from . import dimensions as d
 
 
 def arm_angle(arm: int, centre: Array) -> float:
-    """Angle [rad] of an upper arm below the horizontal, its elbow outside, for the platform's middle [m] in W.
+    """Angle [rad] of an upper arm below the horizontal, elbow outwards, for the platform's centre [m] in W.
 
-    The elbow is where a circle around the shoulder meets a ball around the wrist: (x - U cos a)^2 + y^2
-    + (z - U sin a)^2 = F^2, which is x cos a + z sin a = k.
+    The elbow is the intersection of a circle around the shoulder and a sphere around the wrist: (x - U cos a)^2 + y^2
+    + (z - U sin a)^2 = F^2, that is x cos a + z sin a = k.
 
     Raises:
         ValueError: The platform is out of reach.
@@ -25,15 +25,15 @@ def arm_angle(arm: int, centre: Array) -> float:
 
 
 def shoulders(centre: Array) -> dict[str, float]:
-    """Positions of the three shoulders [rad], 0 in the drawing, that bring the platform's middle to a place [m]."""
+    """Positions of the three shoulders [rad], 0 in the drawing, for a position of the platform's centre [m]."""
     return {f"shoulder_{arm + 1}": arm_angle(arm, centre) - d.DRAWN for arm in range(3)}
 
 
 def centre_at(angles: tuple[float, float, float]) -> Array:
-    """Forward kinematics: the platform's middle [m] in W for the arms' angles [rad] below the horizontal.
+    """Forward kinematics: the platform's centre [m] in W for the arms' angles [rad] below the horizontal.
 
-    The elbows, moved inwards by the platform's radius, are centres of three balls of the rods' length; the middle is
-    the lower of the two points where they meet.
+    The elbows, moved inwards by the platform's radius, are the centres of three spheres whose radius is the length of
+    the rods. The platform's centre is the lower of their two intersections.
     """
     centres = []
     for arm, angle in enumerate(angles):
@@ -54,7 +54,7 @@ def centre_at(angles: tuple[float, float, float]) -> Array:
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: shoulders at some places of the platform."""
+    """The part of expected.json beyond links and joints: shoulders at some places of the platform."""
     rng = np.random.default_rng(5)
     drawn = d.platform_centre() / 1000
     places = [drawn, *(drawn + np.array((0.12, 0.12, 0.06)) * rng.uniform(-1, 1, 3) for _ in range(12))]

@@ -1,6 +1,6 @@
-"""Dimensions of the delta robot [mm], and where its links lie in the drawing.
+"""Dimensions of the delta robot [mm], and the poses of its links in the drawing.
 
-The base hangs above, its frame in the plane of the shoulders, z up. Each of three arms carries two rods side by side,
+The base is at the top, its frame in the plane of the shoulders, z up. Each of three arms carries two parallel rods,
 which keep the platform level.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from ..moments import Array, pose, turn
 
 SHOULDER_RADIUS, WRIST_RADIUS = 130.0, 48.0
-"""From the middle to the shoulders' axes, and to the balls of the platform."""
+"""From the centre to the shoulder axes, and to the balls of the platform."""
 UPPER, FORE = 200.0, 440.0
 """Shoulder to elbow, elbow to platform."""
 HALF_WIDTH = 34.0
@@ -52,18 +52,18 @@ def arm_place(arm: int) -> Array:
 
 
 def depth(angle: float) -> float:
-    """How far the platform's balls hang below the shoulders with all arms at the same angle [rad]."""
+    """Depth of the platform's balls below the shoulders with all arms at the same angle [rad]."""
     gap = SHOULDER_RADIUS + UPPER * cos(angle) - WRIST_RADIUS
     return UPPER * sin(angle) + sqrt(FORE**2 - gap**2)
 
 
 def platform_centre() -> Array:
-    """Where the middle of the platform's balls is in the drawing, in W."""
+    """Centre of the platform's balls in the drawing, in W."""
     return np.array((0.0, 0.0, HEIGHT - depth(DRAWN)))
 
 
 def wrist_offset(arm: int, y: float) -> Array:
-    """A ball of the platform, from the middle of all."""
+    """Position of a ball of the platform from the centre of all."""
     offset: Array = turn("z", azimuth(arm)) @ np.array((WRIST_RADIUS, y, 0.0))
     return offset
 

@@ -1,6 +1,6 @@
 """Draw the desk arm: ``python -m robot_library.stepbot_desk_arm.build`` in the root of the checkout.
 
-Writes desk_arm.step and expected.json beside this file, always the same bytes.
+Writes desk_arm.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import pi
@@ -31,12 +31,12 @@ _BACKWARDS = turn("z", pi)
 
 
 def servo_box() -> bd.Part:
-    """What a servo takes up between its faces, the axis z through the origin, its longer end towards x."""
+    """The volume of a servo between its faces, the axis z through the origin, its longer end towards x."""
     return bd.Pos(d.SERVO[0] / 2 - d.SERVO_END, 0, 0) * bd.Box(*d.SERVO)
 
 
 def draw_servo() -> bd.Part:
-    """The servo's case: a seam around it, a plug's socket, the sinks of its screws."""
+    """The servo's case: a seam around it, the socket of a plug, countersinks for its screws."""
     body = servo_box()
     middle = d.SERVO[0] / 2 - d.SERVO_END
     seam = bd.Pos(middle, 0, 0) * (bd.Box(60, 40, 0.8) - bd.Box(d.SERVO[0] - 1, d.SERVO[1] - 1, 2))
@@ -45,7 +45,7 @@ def draw_servo() -> bd.Part:
 
 
 def draw_horn() -> bd.Part:
-    """A horn, standing on the servo's face z = 0: a disc with its screws' holes."""
+    """A horn on the servo's face z = 0: a disc with holes for its screws."""
     return drilled(pin(d.HORN_RADIUS, d.HORN, rim=0.4), 1.0, d.HORN, on_circle(4, 14, 45))
 
 
@@ -71,7 +71,7 @@ def draw_socket() -> bd.Part:
 
 
 def draw_shoulder() -> bd.Part:
-    """What the pan turns: a disc on its horn, and a bracket that holds the lift servo upright, horns to the sides."""
+    """The link above the pan: a disc on its horn, and a bracket that holds the lift servo upright, horns sideways."""
     rise = d.SHOULDER_Z - d.pan_height()
     disc = pin(26, 6, rim=1)
     stem = at(block(50, 2 * d.HALF, rise - 6, 5, only="z"), (d.SHOULDER_X - 15, 0, 6))
@@ -81,7 +81,7 @@ def draw_shoulder() -> bd.Part:
 
 
 def _box_at(place: tuple[float, float, float], down: bool = False, back: bool = False) -> bd.Shape:
-    """The room of a servo whose axis is along y at a place; its longer end forwards, backwards or downwards."""
+    """The volume of a servo at a position, its axis along y, its longer end forwards, backwards or downwards."""
     lying = at(servo_box(), rpy=(-90, 0, 0))
     return bd.Pos(*place) * bd.Rot(0, 90 if down else 180 if back else 0, 0) * lying
 
@@ -118,7 +118,7 @@ def draw_wrist() -> bd.Part:
 
 
 def draw_palm() -> bd.Part:
-    """What the roll turns: a plate on its horn, a shell around the jaw's servo, and the fixed jaw."""
+    """The link after the roll: a plate on its horn, a shell around the jaw's servo, and the fixed jaw."""
     disc = at(pin(15, 5, foot=0), (0, 0, 0), (0, 90, 0))
     inner = d.JAW_X - _ACROSS
     shell = at(block(inner + 24 - 5, 46, 2 * d.HALF, 4, only="z"), ((inner + 24 + 5) / 2, -5, -d.HALF))
@@ -147,7 +147,7 @@ def draw_pad() -> bd.Part:
 
 
 def horns(X_LS: Array) -> list[Array]:
-    """Where a servo's two horns stand, given the frame of its axis."""
+    """Frames of the two horns of a servo, given the frame of its axis."""
     return [X_LS @ pose((0, 0, d.HALF)), X_LS @ pose((0, 0, -d.HALF), turn("x", pi))]
 
 

@@ -26,10 +26,10 @@ class Positions:
 
 
 def tip(q: Positions) -> Array:
-    """X_WT of the place between the ends of the jaws, shape (4, 4) [m]; x points out of the gripper.
+    """X_WT of the point between the ends of the jaws, shape (4, 4) [m]; x points out of the gripper.
 
-    All angles that are seen from the side add up: that of the upper arm from upright, those of forearm and gripper
-    from level, downwards.
+    Angles in the side view add up: that of the upper arm from the vertical, those of forearm and gripper from the
+    horizontal, downwards.
     """
     upper = q.shoulder_lift
     fore = upper + q.elbow_flex
@@ -41,12 +41,12 @@ def tip(q: Positions) -> Array:
 
 
 def reaching(place: Array, pitch: float, roll: float) -> Positions:
-    """Joint positions that bring the tip to a place [m] in front of the base, pitched downwards and rolled [rad].
+    """Inverse kinematics for a tip position [m] in front of the base, pitched downwards and rolled [rad].
 
     The elbow is bent by less than a quarter turn from the right angle of its zero.
 
     Raises:
-        ValueError: It is out of reach.
+        ValueError: The pose is out of reach.
     """
     x, y, z = (float(value) for value in place)
     out = hypot(x, y) - SHOULDER_X - HAND * cos(pitch)
@@ -58,7 +58,7 @@ def reaching(place: Array, pitch: float, roll: float) -> Positions:
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: the tip at some positions of the joints."""
+    """The part of expected.json beyond links and joints: the tip at some positions of the joints."""
     rng = np.random.default_rng(9)
     drawn = {name: radians(value) for name, value in d.DRAWN.items()}
     low, high = np.array((-1.9, -1.7, -1.5, -1.6, -2.7, 0.0)), np.array((1.9, 1.7, 1.5, 1.6, 2.7, 1.7))

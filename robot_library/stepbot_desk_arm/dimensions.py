@@ -1,11 +1,11 @@
-"""Dimensions of the desk arm [mm], and where its links lie in the drawing.
+"""Dimensions of the desk arm [mm], and the poses of its links in the drawing.
 
 x points forwards, y to the left, z up; the origin is on the desk, on the axis of the pan. Zero is the upper arm upright
 with forearm and gripper level in front of it, the gripper closed.
 
-Of the class of the SO-101 of TheRobotStudio: five joints and a gripper, six bus servos in printed parts. The servo is
-Feetech's STS3215 (45.2 x 24.7 x 35 mm and 55 g by its data sheet; where its axis lies in it is measured off pictures).
-Upper arm and forearm have about the lengths of the SO-101's, 116 and 135 mm; every other number is our own.
+An arm of the size of TheRobotStudio's SO-101: five joints and a gripper, six bus servos in printed parts. The servo is
+Feetech's STS3215 (45.2 x 24.7 x 35 mm and 55 g in its data sheet; the position of its axis is measured in pictures).
+Upper arm and forearm are about as long as the SO-101's, 116 and 135 mm; all other dimensions are this project's own.
 """
 
 from math import radians

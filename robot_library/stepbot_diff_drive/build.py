@@ -1,6 +1,6 @@
 """Draw the differential-drive base: ``python -m robot_library.stepbot_diff_drive.build`` in the root of the checkout.
 
-Writes diff_drive.step and expected.json beside this file, always the same bytes.
+Writes diff_drive.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import pi
@@ -27,7 +27,7 @@ def draw_lower_deck() -> bd.Part:
 
 
 def draw_upper_deck() -> bd.Part:
-    """A round plate with rows of slots to bolt things to."""
+    """A round plate with rows of mounting slots."""
     body = chamfered_top(cylinder(d.DECK_RADIUS, d.DECK), 1.5)
     slots = [at(plate(34, 5, d.DECK, edge=2.4), (x, y, 0)) for x in (-110, -65) for y in (-80, -40, 40, 80)]
     return drilled(body, 2.2, d.DECK, _POSTS) - slots - at(cylinder(16, d.DECK), (-20, 0, 0))
@@ -75,7 +75,7 @@ def draw_computer() -> bd.Part:
 
 
 def draw_caster_housing() -> bd.Part:
-    """A cup that holds the ball from above, its flange under the lower deck; the ball's centre is the origin."""
+    """A cup around the upper half of the ball, its flange under the lower deck; the origin is the ball's centre."""
     up = d.LOWER_DECK - d.CASTER_RADIUS
     body = at(cylinder(d.CASTER_RADIUS + 6, up + 6), (0, 0, -6)) + at(cylinder(d.CASTER_RADIUS + 20, 5), (0, 0, up - 5))
     body = drilled(body, 2.2, up, on_circle(3, 2 * (d.CASTER_RADIUS + 13)))
@@ -128,7 +128,7 @@ def draw_tyre() -> bd.Part:
 
 
 def machine() -> Machine:
-    """The base with all that is bolted to it, two wheels, the ball of the caster."""
+    """The base with everything bolted to it, two wheels, the ball of the caster."""
     deck = part("lower deck", draw_lower_deck(), METAL, shapes.DARK)
     top = part("upper deck", draw_upper_deck(), METAL, shapes.LIGHT)
     post = part("post", draw_post(), METAL)

@@ -1,4 +1,4 @@
-"""Odometry of the differential drive in closed form [m, rad]: where wheels that roll bring the base."""
+"""Odometry of the differential drive in closed form [m, rad], for wheels that roll without slip."""
 
 from math import cos, sin
 from typing import Any
@@ -9,17 +9,17 @@ RADIUS, TRACK = d.WHEEL_RADIUS / 1000, d.TRACK / 1000
 
 
 def twist(left: float, right: float) -> tuple[float, float]:
-    """Speed forwards [m/s] and turning to the left [rad/s] of the base at speeds of the wheels [rad/s]."""
+    """Forward speed [m/s] and yaw rate [rad/s], positive to the left, of the base at wheel speeds [rad/s]."""
     return RADIUS * (left + right) / 2, RADIUS * (right - left) / TRACK
 
 
 def wheels(forwards: float, turning: float) -> tuple[float, float]:
-    """Speeds of the wheels [rad/s], left and right, for a speed forwards [m/s] and a turning to the left [rad/s]."""
+    """Wheel speeds [rad/s], left and right, for a forward speed [m/s] and a yaw rate [rad/s], positive to the left."""
     return (forwards - turning * TRACK / 2) / RADIUS, (forwards + turning * TRACK / 2) / RADIUS
 
 
 def place(left: float, right: float, time: float) -> tuple[float, float, float]:
-    """x, y [m] and heading [rad] of the axle's middle after a time [s] at steady speeds of the wheels."""
+    """x, y [m] and heading [rad] of the axle's middle after a time [s] at constant wheel speeds."""
     forwards, turning = twist(left, right)
     heading = turning * time
     if abs(heading) < 1e-9:
@@ -28,7 +28,7 @@ def place(left: float, right: float, time: float) -> tuple[float, float, float]:
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: drives over the floor."""
+    """The part of expected.json beyond links and joints: paths over the floor."""
     drives = ((2.0, 2.0), (-2.0, -2.0), (2.0, 3.0), (-1.5, 1.5))
     return {
         "wheel_radius": RADIUS,

@@ -1,4 +1,4 @@
-"""Dimensions of the differential-drive base [mm], and where its links lie in the drawing.
+"""Dimensions of the differential-drive base [mm], and the poses of its links in the drawing.
 
 x points forwards, y to the left, z up; the floor is z = 0, and the drive's axle is above the assembly's origin.
 """
@@ -9,16 +9,16 @@ from ..moments import Array, pose, turn
 
 WHEEL_RADIUS, WHEEL_WIDTH = 60.0, 28.0
 TRACK = 300.0
-"""Distance of the wheels' middle planes."""
+"""Distance between the middle planes of the wheels."""
 CASTER_RADIUS = 22.0
 CASTER_X = -125.0
-"""Of the caster's ball, which stands on the floor behind the axle."""
+"""Of the caster's ball, which touches the floor behind the axle."""
 
 DECK_RADIUS, DECK = 180.0, 6.0
 LOWER_DECK, UPPER_DECK = 34.0, 150.0
 """Heights of the lower faces of both decks."""
 WELL = (140.0, 22.0)
-"""Openings of the lower deck for the wheels, along x, and how far they reach inwards of their middle planes."""
+"""Openings of the lower deck for the wheels: length along x, and width inwards from the wheels' middle planes."""
 MOTOR_RADIUS, MOTOR_LENGTH, GEAR_RADIUS, GEAR_LENGTH = 17.0, 62.0, 19.0, 24.0
 LIDAR_RADIUS, LIDAR_HEIGHT, LIDAR_X = 38.0, 52.0, 60.0
 SIDES = {"left": 1, "right": -1}
@@ -30,7 +30,7 @@ def base_place() -> Array:
 
 
 def wheel_place(side: int) -> Array:
-    """X_WL of a wheel: its middle, z to the left, so that positive turns drive forwards; x forwards."""
+    """X_WL of a wheel: its centre, z to the left, so that positive rotation drives forwards; x forwards."""
     return pose((0, side * TRACK / 2, WHEEL_RADIUS), turn("x", -pi / 2))
 
 

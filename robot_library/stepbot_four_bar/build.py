@@ -1,6 +1,6 @@
 """Draw the four-bar linkage: ``python -m robot_library.stepbot_four_bar.build`` in the root of the checkout.
 
-Writes four_bar.step and expected.json beside this file, always the same bytes.
+Writes four_bar.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from pathlib import Path
@@ -28,7 +28,7 @@ def draw_bar(spec: d.Bar) -> bd.Solid:
 
 
 def draw_pin() -> bd.Part:
-    """A spacer that keeps the next layer off, and the pin that goes through it."""
+    """A spacer to the next layer, and the pin through it."""
     pin = bd.chamfer(_cylinder(d.PIN_RADIUS, d.LAYER + d.TIP).edges().group_by(bd.Axis.Z)[-1], d.TIP)
     return _cylinder(d.SPACER_RADIUS, d.GAP) + bd.Pos(0, 0, d.GAP) * pin
 
@@ -47,7 +47,7 @@ def draw_pillar() -> bd.Solid:
 
 
 def assembly() -> Assembly:
-    """The whole linkage: a frame that stands still, and three moving bars."""
+    """The whole linkage: a fixed frame and three moving bars."""
     bars = {spec.name: Part(spec.name, draw_bar(spec).wrapped, spec.color) for spec in d.BARS}
     base = Part("base", draw_base().wrapped, "#33373d")
     pillar = Part("pillar", draw_pillar().wrapped, "#6b737d")

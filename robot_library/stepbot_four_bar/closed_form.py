@@ -1,4 +1,4 @@
-"""What is known of the four-bar linkage without any CAD: masses, centres, inertias, axes and the motion of the loop."""
+"""Closed forms of the four-bar linkage, without CAD: masses, centres, inertias, axes and the motion of the loop."""
 
 from math import pi
 from typing import Any
@@ -55,7 +55,7 @@ def links() -> dict[str, Moments]:
 
 
 def joint_frames() -> dict[str, Array]:
-    """Where each joint and the closure lie, shape (4, 4) [m]: z along +y, the origin in the middle of the bore."""
+    """Frames of the joints and the closure, shape (4, 4) [m]: z along +y, the origin in the middle of the bore."""
     R = turn("x", -pi / 2)
     places = {
         "crank_turn": d.placed(d.CRANK_BAR) @ pose((0, 0, d.LAYER / 2)),

@@ -1,8 +1,8 @@
-r"""Dimensions of the four-bar linkage [mm], where everything lies, and the equation that closes the loop.
+r"""Dimensions of the four-bar linkage [mm], the poses of its parts, and the equation that closes the loop.
 
-Four bars in one vertical plane, x to the right and z up, seen by somebody who looks along +y. The bars lie in three
-layers that come towards the viewer: the ground bar, then crank and rocker side by side, then the coupler. Pins point
-towards the viewer too, each in the next layer's bore. ::
+Four bars in one vertical plane, x to the right and z up, seen along +y. The bars are in three layers, from the back to
+the front: the ground bar, then crank and rocker side by side, then the coupler. Pins point to the front, each in the
+bore of the next layer. ::
 
              __.B
       A.---""   \
@@ -19,16 +19,16 @@ from typing import Literal
 from ..moments import Array, pose, turn
 
 GROUND, CRANK, COUPLER, ROCKER = 160.0, 60.0, 150.0, 120.0
-"""Pin to pin. Grashof: crank + ground < coupler + rocker, and the crank is the shortest, so it turns all the way."""
+"""Pin to pin. Grashof: crank + ground < coupler + rocker, and the crank is the shortest, so it makes full turns."""
 CRANK_ANGLE = radians(60)
 """Of the drawing, counter-clockwise from the ground bar."""
 
 PLATE, HUB, GAP = 6.0, 2.0, 1.0
 LAYER = PLATE + HUB
-"""Thickness of a bar at its hubs; GAP is the air between two layers, bridged by a spacer on each pin."""
+"""Thickness of a bar at its hubs; GAP is the distance between two layers, bridged by a spacer on each pin."""
 BAR_RADIUS, HUB_RADIUS, SPACER_RADIUS, BORE_RADIUS, PIN_RADIUS = 13.0, 11.0, 9.0, 6.05, 6.0
 TIP = 0.5
-"""Chamfer at the end of each pin, and how far it stands proud of the bore: half the gap to the next layer."""
+"""Chamfer at the end of each pin, and its length beyond the bore: half the gap to the next layer."""
 
 HEIGHT = 120.0
 """Of O2 and O4 above the floor."""
@@ -79,10 +79,10 @@ class Closed:
 
 
 def closed(crank: float) -> Closed:
-    """The linkage at a crank angle [rad], on the branch where O2 A B O4 do not cross.
+    """The linkage at a crank angle [rad], on the branch on which O2 A B O4 do not cross.
 
-    The law of cosines in the triangle A B O4, whose side A O4 the crank angle fixes (Norton, "Design of Machinery",
-    the position analysis of the four-bar).
+    By the law of cosines in the triangle A B O4, whose side A O4 follows from the crank angle (Norton, "Design of
+    Machinery", position analysis of the four-bar).
     """
     ax, az = CRANK * cos(crank), CRANK * sin(crank)
     diagonal = hypot(ax - GROUND, az)
@@ -94,7 +94,7 @@ def closed(crank: float) -> Closed:
 
 
 def start(bar: Bar) -> tuple[float, float, float]:
-    """The angle [rad] of a bar in the drawing and the place (x, z) of its first end."""
+    """The angle [rad] of a bar in the drawing and the position (x, z) of its first end."""
     drawn = closed(CRANK_ANGLE)
     return {
         "ground bar": (0.0, 0.0, HEIGHT),

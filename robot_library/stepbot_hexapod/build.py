@@ -1,6 +1,6 @@
 """Draw the hexapod: ``python -m robot_library.stepbot_hexapod.build`` in the root of the checkout.
 
-Writes hexapod.step and expected.json beside this file, always the same bytes.
+Writes hexapod.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import pi
@@ -17,7 +17,7 @@ from . import closed_form
 from . import dimensions as d
 
 SERVO = Material("servo, as weighed", 900.0, shapes.BLACK)
-"""55 g in its outer dimensions, as the maker of the AX-12 says."""
+"""55 g in its outer dimensions, as in the data sheet of the AX-12."""
 SHELL = Material("PLA shell, hollow", 450.0, shapes.WHITE)
 
 _AXES = [(x, y) for x, y, _ in d.CORNERS.values()]
@@ -118,7 +118,7 @@ def draw_foot() -> bd.Part:
 
 
 def body() -> Link:
-    """Both plates with all between and on them."""
+    """Both plates with everything between and on them."""
     lens = part("lens", draw_lens(), METAL, shapes.LIGHT)
     deck = part("plate", draw_plate(), METAL, shapes.DARK)
     top = _HALF + d.PLATE

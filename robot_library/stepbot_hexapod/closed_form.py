@@ -1,4 +1,4 @@
-"""Kinematics of the hexapod in closed form [m, rad]: where a foot is; the way back is that of any leg."""
+"""Forward kinematics of the hexapod in closed form [m, rad]; the inverse is in :mod:`robot_library.legs`."""
 
 from math import cos, radians, sin
 from typing import Any
@@ -25,5 +25,5 @@ def foot(name: str, yaw: float, hip: float, knee: float) -> Array:
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: the feet at some positions of the joints."""
+    """The part of expected.json beyond links and joints: the feet at some positions of the joints."""
     return known_feet(foot, JOINTS, {name: d.drawn(name) for name in d.LEGS}, (LOWEST, HIGHEST), seed=6)

@@ -1,10 +1,10 @@
-"""Dimensions of the hexapod [mm], and where its links lie in the drawing.
+"""Dimensions of the hexapod [mm], and the poses of its links in the drawing.
 
 x points forwards, y to the left, z up; the floor is z = 0 and the body is above the assembly's origin. Each leg yaws
 about an upright axis, and bends at hip and knee about axes across it. Zero is the leg straight out.
 
 The servos have the outer dimensions of the 40 mm class that such robots are built with (50 x 32 x 40 mm with horns, as
-Robotis' AX-12); every other number is our own.
+Robotis' AX-12); all other dimensions are this project's own.
 """
 
 from math import radians
@@ -24,7 +24,7 @@ GAP = SERVO[2] + 2 * HORN
 PLATE, FEMUR_PLATE = 3.0, 4.0
 
 HIP, KNEE, SWAY = -28, 102, 12
-"""[degrees] Positions as drawn; each tripod of legs is turned this far from its neighbours' middle."""
+"""[degrees] Drawn positions; each tripod of legs is yawed by this angle from the middle between its neighbours."""
 
 CORNERS = {
     "front_left": (125.0, 60.0, 45),
@@ -34,7 +34,7 @@ CORNERS = {
     "middle_right": (0.0, -100.0, -90),
     "rear_right": (-125.0, -60.0, -135),
 }
-"""Where each leg's yaw axis is, and the azimuth [degrees] of the leg."""
+"""Position of each leg's yaw axis, and azimuth [degrees] of the leg."""
 TRIPOD = ("front_left", "middle_right", "rear_left")
 """Legs that step together."""
 
@@ -54,12 +54,12 @@ LEGS = {
 
 
 def _forwards(name: str) -> int:
-    """The sign of the yaw that brings a leg's foot ahead: left legs turn to the right for it."""
+    """The sign of the yaw that moves a leg's foot forwards: negative for left legs."""
     return -1 if name.endswith("left") else 1
 
 
 DRAWN = {name: (_forwards(name) * (SWAY if name in TRIPOD else -SWAY), HIP, KNEE) for name in LEGS}
-"""[degrees] Positions of each leg's joints: yaw, hip, knee."""
+"""[degrees] Joint positions of each leg: yaw, hip, knee."""
 
 
 def drawn(name: str) -> tuple[float, float, float]:
@@ -69,6 +69,6 @@ def drawn(name: str) -> tuple[float, float, float]:
 
 
 def body_place() -> Array:
-    """X_WB of the body: the middle of the yaw axes, as high as lets the feet stand on the floor."""
+    """X_WB of the body: the middle of the yaw axes, at the height at which the feet touch the floor."""
     foot = LEGS["front_left"].places(drawn("front_left"))[3]
     return pose((0, 0, FOOT_RADIUS - foot[2, 3]))

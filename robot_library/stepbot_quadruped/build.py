@@ -1,6 +1,6 @@
 """Draw the quadruped: ``python -m robot_library.stepbot_quadruped.build`` in the root of the checkout.
 
-Writes quadruped.step and expected.json beside this file, always the same bytes.
+Writes quadruped.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import pi
@@ -17,7 +17,7 @@ from . import closed_form
 from . import dimensions as d
 
 SHELL = Material("ABS shell, hollow", 420.0, shapes.WHITE)
-"""Walls of 3 mm, as weighed."""
+"""Walls of 3 mm, weighed."""
 BODY = Material("body, as weighed", 900.0, shapes.DARK)
 """Frame, battery, computer and the drives of the roll axes."""
 HOLLOW = Material("cast aluminium, hollow", 1100.0, shapes.LIGHT)
@@ -27,7 +27,7 @@ _SHELL_OUTLINE = [
     (-242, _TOP), (-242, -26), (-262, -34), (-280, 24), (-270, 90), (-232, 106), (178, 106), (262, 92),
     (330, 46), (330, -10), (306, -46), (242, -46), (242, _TOP),
 ]  # fmt: skip
-"""Of the shell seen from the right (x, z): the back over all of the body, the head and the tail before and behind."""
+"""Of the shell seen from the right (x, z): the back above the body, the head in front, the tail behind."""
 
 
 def draw_body() -> bd.Part:
@@ -67,12 +67,12 @@ def draw_battery() -> bd.Part:
 
 
 def draw_roll_drive() -> bd.Part:
-    """What shows of a roll axis' drive, along z from the body outwards."""
+    """The visible part of a roll drive, along z from the body outwards."""
     return shapes.housing(30, 18, 2, 0)
 
 
 def draw_rail() -> bd.Part:
-    """A rail on the back to bolt things to, along x."""
+    """A mounting rail on the back, along x."""
     body = chamfered_top(plate(290, 16, 9, edge=4), 1)
     return drilled(body, 2.6, 9, [(x, 0) for x in range(-120, 121, 40)])
 
@@ -136,7 +136,7 @@ def draw_knee_pin() -> bd.Part:
 
 
 def trunk() -> Link:
-    """The body with all that is bolted to it."""
+    """The body with everything bolted to it."""
     side, drive = part("side cover", draw_side(), SHELL, shapes.ORANGE), part("roll drive", draw_roll_drive(), DRIVE)
     rail, lens = part("rail", draw_rail(), METAL), part("lens", draw_lens(), METAL, shapes.LIGHT)
     middle = d.BODY_FLOOR + d.BODY[2] / 2
@@ -161,7 +161,7 @@ def trunk() -> Link:
 
 
 def machine() -> Machine:
-    """The trunk and four legs of three links; those of other corners are the front left one, turned by half turns."""
+    """The trunk and four legs of three links; the others are the front left one, rotated by half turns."""
     bracket, lid = (
         part("hip drive", draw_bracket(), HOLLOW, shapes.DARK),
         part("lid", draw_lid(), METAL, shapes.ALUMINIUM),

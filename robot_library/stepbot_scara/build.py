@@ -1,6 +1,6 @@
 """Draw the SCARA: ``python -m robot_library.stepbot_scara.build`` in the root of the checkout.
 
-Writes scara.step and expected.json beside this file, always the same bytes.
+Writes scara.step and expected.json beside this file; every run gives the same bytes.
 """
 
 import build123d as bd
@@ -61,7 +61,7 @@ def draw_guide() -> bd.Part:
 
 
 def draw_screw() -> bd.Part:
-    """The screw, z down: grooves stand for the thread, a stop on its upper end, a collar below."""
+    """The screw, z down: grooves represent the thread; a stop at its upper end, a collar below."""
     length = d.SCREW_BELOW + d.SCREW_ABOVE
     body = at(cylinder(d.SCREW_RADIUS, length), (0, 0, -d.SCREW_ABOVE))
     rings = [
@@ -72,7 +72,7 @@ def draw_screw() -> bd.Part:
 
 
 def draw_flange() -> bd.Part:
-    """The flange that carries the tool, ISO 9409-1 in small: four threads and a pin hole on 25 mm."""
+    """The tool flange, similar to ISO 9409-1: four threads and a pin hole on 25 mm."""
     body = pin(d.FLANGE_RADIUS, d.FLANGE, rim=1) + at(cylinder(8, 1), (0, 0, -1))
     return drilled(body, 2.1, d.FLANGE, on_circle(4, 25, 45)) - at(cylinder(6, 6), (0, 0, d.FLANGE - 6))
 

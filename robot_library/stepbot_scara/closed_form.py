@@ -26,7 +26,7 @@ class Positions:
 
 
 def tool(q: Positions) -> Array:
-    """X_WT of the flange's face, shape (4, 4) [m]: z down, where quill and wrist turn about it, against the arm."""
+    """X_WT of the flange's face, shape (4, 4) [m]: z down; quill and wrist turn about it, opposite to the arm."""
     heading = q.shoulder + q.elbow
     place = (
         UPPER * cos(q.shoulder) + FORE * cos(heading),
@@ -37,10 +37,10 @@ def tool(q: Positions) -> Array:
 
 
 def inverse(place: tuple[float, float, float], yaw: float, elbow_left: bool) -> Positions:
-    """The joint positions that bring the flange to a place [m] with its x axis at an angle ``yaw`` [rad].
+    """Inverse kinematics for a flange position [m] with its x axis at an angle ``yaw`` [rad].
 
     Raises:
-        ValueError: It is out of reach.
+        ValueError: The pose is out of reach.
     """
     x, y, z = place
     cosine = (x * x + y * y - UPPER**2 - FORE**2) / (2 * UPPER * FORE)
@@ -57,7 +57,7 @@ def reach() -> tuple[float, float]:
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: the tool at some positions of the joints."""
+    """The part of expected.json beyond links and joints: the tool at some positions of the joints."""
     rng = np.random.default_rng(7)
     drawn = Positions(d.SHOULDER_DRAWN, d.ELBOW_DRAWN, 0.0, 0.0)
     low, high = np.array((-2.3, -2.5, 0.0, -3.1)), np.array((2.3, 2.5, d.STROKE / 1000 / LEAD, 3.1))

@@ -1,4 +1,4 @@
-"""Dimensions of the SCARA [mm] and where its links lie in the drawing.
+"""Dimensions of the SCARA [mm], and the poses of its links in the drawing.
 
 x points forwards, z up; the drawing has the arm bent: shoulder at 40, elbow at -75 degrees. Zero is the straight arm.
 """
@@ -13,14 +13,14 @@ SHOULDER_DRAWN, ELBOW_DRAWN = radians(40), radians(-75)
 PITCH = 20.0
 """Advance of the quill per turn of its screw."""
 STROKE = 90.0
-"""How far the quill goes down from where it is drawn, at its upper end."""
+"""Travel of the quill downwards from the drawn position, its upper end."""
 
 FOOT = (170.0, 170.0, 14.0)
 COLUMN_RADIUS, SHOULDER_HEIGHT = 62.0, 190.0
 """The shoulder's height is that of the plane between column and upper arm."""
 UPPER_HEIGHT, UPPER_RADIUS, ELBOW_RADIUS = 62.0, 60.0, 48.0
 FORE_FLOOR, FORE_HEIGHT, QUILL_RADIUS = 2.0, 70.0, 40.0
-"""Air between upper arm and forearm, height of the forearm's shell, radius of its end around the quill."""
+"""Gap between upper arm and forearm, height of the forearm's shell, radius of its end around the quill."""
 SCREW_RADIUS, SCREW_BORE = 8.0, 8.05
 SCREW_BELOW, SCREW_ABOVE = 40.0, 215.0
 """Ends of the screw below and above the floor of the forearm as drawn."""
@@ -44,7 +44,7 @@ def forearm_place() -> Array:
 
 
 def quill_place() -> Array:
-    """X_WQ: the origin on the quill's axis in the floor of the forearm, z down, the way it advances."""
+    """X_WQ: the origin on the quill's axis in the floor of the forearm, z down, in the direction of its advance."""
     return forearm_place() @ pose((FORE, 0, FORE_FLOOR), turn("x", pi))
 
 

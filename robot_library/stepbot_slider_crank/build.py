@@ -1,6 +1,6 @@
 """Draw the slider-crank: ``python -m robot_library.stepbot_slider_crank.build`` in the root of the checkout.
 
-Writes slider_crank.step and expected.json beside this file, always the same bytes.
+Writes slider_crank.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import pi
@@ -45,7 +45,7 @@ def draw_liner() -> bd.Part:
 
 
 def draw_web() -> bd.Part:
-    """A disc that is cut away beside the crank pin, so that it is heavier opposite; the pin points to the viewer."""
+    """A disc, cut out beside the crank pin to be heavier opposite; the pin points to the viewer."""
     web = pin(d.WEB_RADIUS, d.WEB, rim=1.5, foot=1.5)
     web -= [at(cylinder(15, d.WEB), (d.THROW * 0.35, y, 0)) for y in (36, -36)]
     web += at(cylinder(9, d.ROD_GAP), (d.THROW, 0, d.WEB))
@@ -53,7 +53,7 @@ def draw_web() -> bd.Part:
 
 
 def draw_shaft() -> bd.Part:
-    """From the web through the pedestal to the flywheel, and a little beyond."""
+    """The shaft from the web through the pedestal to beyond the flywheel."""
     return pin(d.SHAFT_RADIUS, d.FLYWHEEL_FRONT + d.FLYWHEEL + 6 - d.WEB_FRONT - d.WEB, rim=1)
 
 
@@ -90,7 +90,7 @@ def draw_pin() -> bd.Part:
 
 
 def machine() -> Machine:
-    """A frame that stands still, crank, rod and piston."""
+    """A fixed frame, crank, rod and piston."""
     base = part("base", draw_base(), CAST)
     pedestal = part("pedestal", at(draw_pedestal(), rpy=(90, 0, 0)), CAST, shapes.STEEL)
     liner = part("cylinder", at(draw_liner(), rpy=(0, 90, 0)), METAL, shapes.LIGHT)

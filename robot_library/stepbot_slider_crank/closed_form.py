@@ -1,4 +1,4 @@
-"""The motion of the slider-crank in closed form, as joint positions from the drawing on."""
+"""The motion of the slider-crank in closed form, as joint positions relative to the drawing."""
 
 from math import pi
 from typing import Any
@@ -17,12 +17,12 @@ def motion(shaft: float) -> dict[str, float]:
 
 
 def piston_at(shaft: float) -> float:
-    """Distance [m] of the piston's pin from the shaft's axis, at a position of the shaft [rad] from the drawing on."""
+    """Distance [m] of the piston's pin from the shaft's axis, at a shaft position [rad] relative to the drawing."""
     return d.piston_place(d.CRANK_DRAWN + shaft) / 1000
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints."""
+    """The part of expected.json beyond links and joints."""
     return {
         "linkage": {
             "lengths": {"crank": d.THROW / 1000, "rod": d.ROD / 1000},

@@ -1,6 +1,6 @@
-r"""Dimensions of the slider-crank [mm], where everything lies, and the equations of its motion.
+r"""Dimensions of the slider-crank [mm], the poses of its parts, and the equations of its motion.
 
-Seen by somebody who looks along +y, x to the right and z up: the shaft turns in a pedestal, the piston slides along +x
+Seen along +y, x to the right and z up: the shaft turns in a pedestal, the piston slides along +x
 in a cylinder that is cut open towards the viewer. ::
 
          A
@@ -25,17 +25,17 @@ HEIGHT = 92.0
 BASE = (300.0, 150.0, 12.0)
 BASE_CENTRE = (40.0, 22.0)
 ROD_PLATE, ROD_GAP = 10.0, 1.0
-"""Thickness of the rod, whose middle is the plane y = 0, and the air between it and the web."""
+"""Thickness of the rod, whose middle plane is y = 0, and the gap between it and the web."""
 PIN_RADIUS, BORE_RADIUS = 6.0, 6.05
 BIG_END, SMALL_END = 15.0, 9.5
 WEB, WEB_RADIUS = 14.0, 42.0
 SHAFT_RADIUS, SHAFT_BORE = 10.0, 10.05
 PEDESTAL = (64.0, 34.0)
-"""Along x and y; the pedestal stands behind the web, with 2 mm of air."""
+"""Along x and y; the pedestal is behind the web, with a gap of 2 mm."""
 FLYWHEEL_RADIUS, FLYWHEEL = 62.0, 16.0
 PISTON_RADIUS, LINER_BORE, LINER_RADIUS = 20.0, 20.05, 27.0
 PISTON_SKIRT, PISTON_CROWN = 13.0, 17.0
-"""How far the piston reaches from its pin towards the shaft and away from it."""
+"""Extent of the piston from its pin towards the shaft and away from it."""
 LINER = (60.0, 152.0)
 """Ends of the cylinder along x."""
 
@@ -55,7 +55,7 @@ def piston_place(crank: float) -> float:
 
 
 def upright(x: float, z: float, angle: float) -> Array:
-    """A frame at (x, 0, z) [mm] from the shaft whose z points at the viewer, turned counter-clockwise by an angle."""
+    """A frame at (x, 0, z) [mm] from the shaft, z towards the viewer, rotated counter-clockwise by an angle [rad]."""
     return pose((x, 0.0, HEIGHT + z), turn("x", radians(90)) @ turn("z", angle))
 
 

@@ -1,6 +1,6 @@
 """Draw the Stewart platform: ``python -m robot_library.stepbot_stewart.build`` in the root of the checkout.
 
-Writes stewart.step and expected.json beside this file, always the same bytes.
+Writes stewart.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import atan2
@@ -18,7 +18,7 @@ from . import dimensions as d
 
 
 def draw_base() -> bd.Part:
-    """A plate with three long and three short sides, a big opening and holes for bolts."""
+    """A plate with three long and three short sides, a large opening and holes for bolts."""
     feet, _ = d.anchors()
     body = hull_plate([((x * 1.04, y * 1.04), 38) for x, y, _ in feet], d.BASE_PLATE)
     body = chamfered_top(body, 2) - cylinder(120, d.BASE_PLATE)
@@ -34,7 +34,7 @@ def draw_bracket() -> bd.Part:
 
 
 def _cheek(height: float, radius: float, y: float) -> bd.Part:
-    """A plate from ``height`` below the origin to round it, its lower face at y."""
+    """A plate from ``height`` below the origin to a round end about it, its lower face at y."""
     plate_xy = hull_plate([((0, 0), radius), ((-8, -height), 8), ((8, -height), 8)], d.YOKE_PLATE)
     return at(plate_xy, (0, y + d.YOKE_PLATE, 0), (90, 0, 0))
 

@@ -1,4 +1,4 @@
-"""Inverse kinematics of the Stewart platform in closed form [m]: how long each leg is at a pose of the platform."""
+"""Inverse kinematics of the Stewart platform in closed form [m]: the leg lengths at a pose of the platform."""
 
 from typing import Any
 
@@ -17,13 +17,13 @@ def legs(X_WP: Array) -> dict[str, float]:
 
 
 def platform(x: float, y: float, z: float, roll: float, pitch: float, yaw: float) -> Array:
-    """X_WP, shape (4, 4) [m], away from the drawing by a shift [m] and turns [rad] about the fixed axes x, y, z."""
+    """X_WP, shape (4, 4) [m], moved from the drawing by a shift [m] and rotations [rad] about fixed x, y, z."""
     drawn = d.platform_place()[:3, 3] / 1000
     return pose(drawn + np.array((x, y, z)), turn("z", yaw) @ turn("y", pitch) @ turn("x", roll))
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: legs at some poses of the platform."""
+    """The part of expected.json beyond links and joints: legs at some poses of the platform."""
     rng = np.random.default_rng(11)
     ends = np.array((0.03, 0.03, 0.03, 0.15, 0.15, 0.2))
     some = [platform(*(ends * rng.uniform(-1, 1, 6)).tolist()) for _ in range(12)]

@@ -1,4 +1,4 @@
-"""Dimensions of the Stewart platform [mm], and where its links lie in the drawing.
+"""Dimensions of the Stewart platform [mm], and the poses of its links in the drawing.
 
 Six legs stand in three pairs on the base and end in three pairs under the platform, each base pair between two platform
 pairs. Each leg has a universal joint at its foot, an electric cylinder, and a ball at its head.
@@ -15,19 +15,19 @@ BASE_RADIUS, PLATFORM_RADIUS = 250.0, 160.0
 BASE_SPREAD, PLATFORM_SPREAD = radians(11), radians(13)
 """Half the angle between the two feet, and the two heads, of a pair."""
 FOOT_HEIGHT, HEAD_HEIGHT = 70.0, 430.0
-"""Of the centres of the universal joints and, as drawn, of the balls."""
+"""Heights of the centres of the universal joints and, as drawn, of the balls."""
 STROKE = 70.0
-"""How far a leg gets longer or shorter than drawn."""
+"""Travel of a leg to either side of the drawn length."""
 
 BASE_PLATE, BASE_EDGE = 18.0, 300.0
 PLATFORM_PLATE, PLATFORM_EDGE, PLATFORM_BELOW = 14.0, 196.0, 34.0
-"""Thickness and radius of the platform, and how far its lower face lies above the balls' centres."""
+"""Thickness and radius of the platform, and height of its lower face above the centres of the balls."""
 PEG, YOKE, YOKE_PLATE = 5.0, 15.0, 7.0
 """Radius of the cross' pegs, half the gap of each yoke, thickness of its cheeks."""
 CASE, CASE_START, CASE_END = 19.0, 24.0, 205.0
-"""Radius of the cylinder, and where along the leg it begins and ends."""
+"""Radius of the cylinder, and its start and end along the leg."""
 ROD, ROD_START, BALL = 10.0, 110.0, 12.0
-"""Radius of the rod, where it begins along the leg as drawn, radius of the ball at its end."""
+"""Radius of the rod, its start along the drawn leg, radius of the ball at its end."""
 
 
 def anchors() -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Shapes of an arm and its hand, each in the frame of its link [mm]; those of the left serve on the right, too."""
+"""Shapes of an arm and its hand, each in the frame of its link [mm]; both sides use the same shapes."""
 
 import build123d as bd
 
@@ -13,13 +13,13 @@ _CUP = -74.0
 
 
 def draw_shoulder() -> bd.Part:
-    """The left shoulder: from the torso's drive along y, the drive of rolling along x."""
+    """The left shoulder: from the torso's drive along y, with the roll drive along x."""
     arm = across(shapes.housing(45, 52, 4, 0), 0)
     return arm + at(shapes.housing(43, 2 * d.ROLL_HALF, 4, 4), (-d.ROLL_HALF, 0, 0), (0, 90, 0))
 
 
 def draw_fork() -> bd.Part:
-    """The fork on the axis of rolling, the seat of the arm's turntable below it."""
+    """The fork on the roll axis, and below it the seat of the arm's turntable."""
     cheek = rounded_rims(hull_plate([((0, 0), 42), ((0, _CUP + 30), 40)], d.FORK), 4)
     trim = at(bd.Box(300, 300, 100), (0, 0, _CUP - 50))
     # Outlines (x, y) of a plate become (y, z).

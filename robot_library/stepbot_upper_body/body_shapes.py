@@ -12,15 +12,15 @@ MIDDLE = bd.Plane.XZ
 """The plane of symmetry."""
 _DRIVE = 48.0
 _DRIVE_START, _DRIVE_END = 118.0, 164.0
-"""Radius of a shoulder's drive in the torso, and where along y it begins and ends."""
+"""Radius of a shoulder's drive in the torso, and its start and end along y."""
 _SEAM = 158.0
 """Height between abdomen and chest."""
 _CHEST = (68.0, 0.0, 268.0)
-"""Where the lamp's seat in the chest begins."""
+"""Start of the lamp's seat in the chest."""
 
 
 def draw_stand() -> bd.Part:
-    """A foot with holes for bolts, and a column that the waist turns on."""
+    """A foot with holes for bolts, and a column that carries the waist."""
     foot = drilled(pin(175, 16, rim=3), 5.5, 16, on_circle(6, 310))
     return (
         foot

@@ -1,6 +1,6 @@
 """Draw the humanoid upper body: ``python -m robot_library.stepbot_upper_body.build`` in the root of the checkout.
 
-Writes upper_body.step and expected.json beside this file, always the same bytes.
+Writes upper_body.step and expected.json beside this file; every run gives the same bytes.
 """
 
 from math import pi
@@ -13,7 +13,7 @@ from . import arm_shapes, body_shapes, closed_form
 from . import dimensions as d
 
 SHELL = Material("ABS shell, hollow", 420.0, shapes.WHITE)
-"""Walls of 3 mm, as weighed."""
+"""Walls of 3 mm, weighed."""
 TRUNK = Material("trunk, as weighed", 620.0, shapes.WHITE)
 """Shell, frame, computer and batteries."""
 DRIVE = Material("drive, as weighed", 1300.0, shapes.DARK)
@@ -30,7 +30,7 @@ def body() -> dict[str, list[Occurrence]]:
     ear = part("ear", body_shapes.draw_ear(), SHELL, shapes.BLUE)
     both = (pose(), pose(rotation=turn("z", pi)))
     eyes = [part(f"{side} eye", body_shapes.draw_eye(sign), SHELL, "#9fd4ff") for side, sign in d.SIDES.items()]
-    # An ear is before the middle of the head: turned about z it would be behind it.
+    # An ear is in front of the middle of the head: rotated about z it would be behind it.
     right_ear = part("right ear", body_shapes.draw_ear().mirror(body_shapes.MIDDLE), SHELL, shapes.BLUE)
     return {
         "base": placed(part("stand", body_shapes.draw_stand(), CAST)),
@@ -55,7 +55,7 @@ def body() -> dict[str, list[Occurrence]]:
 
 
 def arms() -> dict[str, dict[str, list[Occurrence]]]:
-    """Parts of both arms and hands by side; the right arm is of the left one's products, turned about z."""
+    """Parts of both arms and hands by side; the right arm uses the products of the left one, rotated about z."""
     shoulder = part("roll drive", arm_shapes.draw_shoulder(), DRIVE)
     disc = part("shoulder disc", arm_shapes.draw_roll_cap(), METAL, shapes.BLUE)
     cap = part("elbow disc", arm_shapes.draw_elbow_cap(), METAL, shapes.BLUE)

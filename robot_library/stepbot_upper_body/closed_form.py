@@ -1,7 +1,7 @@
 """Kinematics of the upper body's arms in closed form [m, rad].
 
-An arm has seven joints, one more than a pose of the hand needs: the elbow is free on a circle about the line from
-shoulder to wrist. Where it is on it is the swivel, 0 where the elbow is lowest.
+An arm has seven joints, one more than a pose of the hand requires: the elbow can move on a circle about the line from
+shoulder to wrist. The angle on that circle is the swivel, 0 at the lowest position of the elbow.
 """
 
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ def palm(side: str, q: Arm) -> Array:
 
 
 def swivel(q: Arm) -> float:
-    """Where the elbow is on its circle [rad]."""
+    """Angle of the elbow on its circle [rad]."""
     R_TU = turn("y", q.shoulder_pitch) @ turn("x", q.shoulder_roll) @ turn("z", q.shoulder_yaw)
     elbow = -UPPER * R_TU[:, 2]
     _, lowest, aside = _circle(elbow - FORE * (R_TU @ turn("y", q.elbow))[:, 2])
@@ -54,18 +54,18 @@ def swivel(q: Arm) -> float:
 
 
 def reaching(side: str, X_TP: Array, angle: float) -> Arm:
-    """Joint positions that bring the palm to a pose in the torso [m], with the elbow at a swivel [rad].
+    """Inverse kinematics for a pose of the palm in the torso [m] and a swivel of the elbow [rad].
 
-    The arm is lifted aside by less than a quarter turn, and so is the hand bent at the wrist.
+    The solution with less than a quarter turn of abduction and of bending at the wrist.
 
     Raises:
-        ValueError: It is out of reach.
+        ValueError: The pose is out of reach.
     """
     R_TH = X_TP[:3, :3]
     wrist = X_TP[:3, 3] + PALM * R_TH[:, 2] - shoulder(side)
     distance = float(np.linalg.norm(wrist))
     bent = -acos((distance**2 - UPPER**2 - FORE**2) / (2 * UPPER * FORE))
-    # Of the triangle of shoulder, elbow and wrist: along the line between its ends, and away from it.
+    # In the triangle of shoulder, elbow and wrist: along the line between shoulder and wrist, and perpendicular to it.
     along = (distance**2 + UPPER**2 - FORE**2) / (2 * distance)
     away = UPPER * sin(acos(along / UPPER))
     line, lowest, aside = _circle(wrist)
@@ -88,7 +88,7 @@ def reaching(side: str, X_TP: Array, angle: float) -> Arm:
 
 
 def _circle(wrist: Array) -> tuple[Array, Array, Array]:
-    """Unit vectors: from shoulder to wrist, from that line to where the elbow is lowest, and across both."""
+    """Unit vectors: from shoulder to wrist, from that line to the lowest position of the elbow, and across both."""
     line = wrist / np.linalg.norm(wrist)
     lowest = np.array((0.0, 0.0, -1.0)) + line[2] * line
     lowest /= np.linalg.norm(lowest)
@@ -103,7 +103,7 @@ def random_arm(side: str, rng: np.random.Generator) -> Arm:
 
 
 def known() -> dict[str, Any]:
-    """What expected.json holds beyond links and joints: palms and eyes at some positions of the joints."""
+    """The part of expected.json beyond links and joints: palms and eyes at some positions of the joints."""
     rng = np.random.default_rng(17)
     arms = {side: Arm(*(radians(value) for value in d.ARMS[side])) for side in d.SIDES}
     motions = [_motion({name: radians(value) for name, value in d.BODY.items()}, arms, d.CLOSED)]

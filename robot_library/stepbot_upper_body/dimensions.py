@@ -1,10 +1,10 @@
-"""Dimensions of the humanoid upper body [mm], and where its links lie in the drawing.
+"""Dimensions of the humanoid upper body [mm], and the poses of its links in the drawing.
 
 x points forwards, y to the left, z up; the origin is on the floor, below the axis of the waist. Zero is upright, arms
 and hands hanging straight down, the axes of all links along those of the base.
 
 The three axes of each shoulder meet in a point, and so do those of each wrist. The proportions are those of an adult
-of about 1.6 m; every number is our own.
+of about 1.6 m; all dimensions are this project's own.
 """
 
 from math import radians
@@ -12,13 +12,13 @@ from math import radians
 from ..moments import Array, pose, turn
 
 WAIST_Z = 170.0
-"""Of the face that the torso turns on, above the floor."""
+"""Height above the floor of the face that carries the torso."""
 NECK_Z, NOD_Z = 452.0, 58.0
-"""Of the face that the neck turns on, above the waist; of the axis of nodding, above that."""
+"""Height above the waist of the face that carries the neck; height above that of the nodding axis."""
 EYES = (104.0, 0.0, 114.0)
 """In the frame of the head."""
 SHOULDER_Y, SHOULDER_Z = 217.0, 372.0
-"""The point of the shoulder's axes, in the frame of the torso."""
+"""Intersection of the shoulder's axes, in the frame of the torso."""
 UPPER, FORE, PALM = 280.0, 250.0, 76.0
 """Shoulder to elbow, elbow to wrist, wrist to the middle of the palm."""
 KNUCKLES, THUMB = -122.0, (36.0, 0.0, -64.0)
@@ -40,7 +40,7 @@ ARM = (*SHOULDER, "elbow", *WRIST)
 ARMS = {"left": (-22, 14, 10, -72, -20, 0, 0), "right": (-12, -72, -84, -88, 12, 0, -14)}
 """[degrees] In the order of ``ARM``: the left forearm is level, the right hand waves."""
 CLOSED = {"left": 34, "right": 8}
-"""[degrees] How far the fingers are closed; the thumb follows by half of it."""
+"""[degrees] Closing angle of the fingers; the thumb follows by half of it."""
 GRIP = 0.5
 
 

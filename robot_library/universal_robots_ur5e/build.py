@@ -1,7 +1,7 @@
 """Draw the UR5e: ``python -m robot_library.universal_robots_ur5e.build`` in the root of the checkout.
 
-Writes ur5e.step beside this file, always the same bytes. The joints' places come from expected.json; the dimensions
-below are of the shells around them. Sources, by the letters in brackets:
+Writes ur5e.step beside this file; every run gives the same bytes. Joint origins come from expected.json. The
+dimensions below are those of the shells around them; letters in brackets name their sources:
 
 [D] Universal Robots, UR5e technical details: footprint 149 mm across, base with four holes 8.5 mm on 132 mm
     (ISO 9409-1-50-4-M6 tool flange: 63 mm across, four M6 on 50 mm, 31.5 mm centring, 6 mm pin), M8 connector.
@@ -67,7 +67,7 @@ def shoulder() -> list[Body]:
 def _arm(
     reach: float, offset: float, tube_radius: float, near: float, far: float, far_end: tuple[float, float]
 ) -> bd.Shape:
-    """Two housings across the ends of a tube along -x; ``far_end`` are the z between which the far housing lies."""
+    """Two housings across the ends of a tube along -x; ``far_end`` is the range of z of the far housing."""
     start = rod((0, 0, offset - near - 8), (0, 0, offset + near - 4), near)
     end = rod((-reach, 0, far_end[0]), (-reach, 0, far_end[1]), far)
     return start + end + rod((0, 0, offset), (-reach, 0, offset), tube_radius)
