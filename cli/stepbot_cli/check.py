@@ -11,6 +11,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
+from .counts import counted
 from .fixing import fix_paths
 from .joint_table import show_joint_table
 from .progress import progress_bar
@@ -125,8 +126,4 @@ def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Displa
         show_joint_table(robot.joint_table, verbose=display.verbose)
         if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
             several = f"{name}: " if len(checked) > 1 else ""
-            write_result(f"{several}ok: {_count(robot.links, 'link')}, {_count(robot.joints, 'joint')}")
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" + ("" if number == 1 else "s")
+            write_result(f"{several}ok: {counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}")

@@ -13,6 +13,7 @@ from stepbot.diagnostics import Diagnostics
 from .caching import say_trouble
 from .columns import wrapped_rows
 from .command import Command, display_options, json_option
+from .counts import counted
 from .progress import progress_bar
 from .reading import reading_options
 from .render import paint, printable
@@ -103,7 +104,7 @@ def _lines(differences: "Differences", *, concise: bool) -> list[str]:
     head, *body = wrapped_rows(table, screen_width(sys.stdout))
     lines = [paint("  ".join(cells).rstrip(), "1", color) for cells in head]
     lines += ["  ".join(cells).rstrip() for of_row in body for cells in of_row]
-    return [*lines, f"{len(rows)} difference{'s' if len(rows) > 1 else ''} between {names}"]
+    return [*lines, f"{counted(len(rows), 'difference')} between {names}"]
 
 
 def _cells(row: Any) -> tuple[str, str, str]:

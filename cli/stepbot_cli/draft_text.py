@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .counts import counted
 from .render import printable
 
 if TYPE_CHECKING:
@@ -90,9 +91,7 @@ def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbo
 
 def _counts(draft: "Draft") -> str:
     counts = [(len(draft.links), "link"), (len(draft.joints), "joint"), (len(draft.closures), "closure")]
-    return ", ".join(
-        f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count or noun != "closure"
-    )
+    return ", ".join(counted(count, noun) for count, noun in counts if count or noun != "closure")
 
 
 def _reviews(draft: "Draft") -> int:
@@ -112,7 +111,7 @@ def _todo(draft: "Draft") -> int:
 def _next(draft: "Draft", sidecar: Path) -> list[str]:
     path, reviews, todo = printable(sidecar.as_posix()), _reviews(draft), _todo(draft)
     edits = [
-        *([f"look at {reviews} REVIEW mark{'' if reviews == 1 else 's'}"] if reviews else []),
+        *([f"look at {counted(reviews, 'REVIEW mark')}"] if reviews else []),
         *([f"fill in {todo} `limits: todo`"] if todo else []),
     ]
     lines = [f"edit {path}: {', '.join(edits)}"] if edits else []

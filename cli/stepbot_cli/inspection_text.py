@@ -14,6 +14,7 @@ from stepbot.step.structure.paths import plain_name, quoted
 
 from .columns import aligned, cells
 from .contents import Contents, contents
+from .counts import counted
 from .inspection_rows import Choice, Row, Rows, listed
 from .render import printable
 from .shared_axes import SharedAxes
@@ -68,7 +69,7 @@ def _blocks(rows: list[tuple[str, ...]], telling_names: list[str], width: int | 
     ):
         facts = [
             f"{count} times" if count else "",
-            _count(int(solids), "solid") if solids != "-" else "",
+            counted(int(solids), "solid") if solids != "-" else "",
             volume if volume != "-" else "",
             f"{size} mm" if size != "-" else "",
             f"at {center} mm" if center != "-" else "",
@@ -85,10 +86,10 @@ def _left_out(rows: Rows, choice: Choice) -> Iterator[str]:
     if rows.deeper or rows.unmatched:
         yield ""
     if rows.deeper:
-        yield f"{_count(rows.deeper, 'component')} below depth {choice.depth} not shown"
+        yield f"{counted(rows.deeper, 'component')} below depth {choice.depth} not shown"
     if rows.unmatched:
         verb = "does" if rows.unmatched == 1 else "do"
-        yield f"{_count(rows.unmatched, 'component')} that {verb} not match '{choice.glob}' not shown"
+        yield f"{counted(rows.unmatched, 'component')} that {verb} not match '{choice.glob}' not shown"
 
 
 def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
@@ -106,7 +107,7 @@ def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
 
 def shared_axes_text(shared: SharedAxes) -> str:
     """The lines that two components or links share, or nearly share."""
-    text = [f"{shared.words[0]} and {shared.words[1]} share {_count(len(shared.lines), 'axis', 'axes')}"]
+    text = [f"{shared.words[0]} and {shared.words[1]} share {counted(len(shared.lines), 'axis', 'axes')}"]
     for line, snippet in zip(shared.lines, shared.snippets, strict=True):
         chosen = ", selected by default" if line is shared.chosen else ""
         text.append(f"    {_described(line)}, weight {millimetres(line.weight)}{chosen}  origin: {snippet}")
@@ -121,10 +122,10 @@ def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
     system = f", written by {one_line(assembly.originating_system)}" if assembly.originating_system else ""
     yield f"{assembly.source}: {one_line(assembly.schema) or 'unknown schema'}, length unit {assembly.unit}{system}"
     parts = [
-        _count(assembly.definitions, "definition"),
-        _count(len(assembly.components) - 1, "component"),
-        _count(total.solids, "solid") + _closed(assembly),
-        *([_count(total.surfaces, "surface body", "surface bodies")] if total.surfaces else []),
+        counted(assembly.definitions, "definition"),
+        counted(len(assembly.components) - 1, "component"),
+        counted(total.solids, "solid") + _closed(assembly),
+        *([counted(total.surfaces, "surface body", "surface bodies")] if total.surfaces else []),
         f"{_volume(total.volume)} in total",
     ]
     yield ", ".join(parts)
@@ -226,7 +227,7 @@ def _validations(assembly: Assembly) -> list[str]:
         )
         for v in assembly.validations
     ]
-    head = f"{agree} of {_count(len(rows), 'validation property', 'validation properties')} match"
+    head = f"{agree} of {counted(len(rows), 'validation property', 'validation properties')} match"
     return ["", head, *aligned([_VALIDATION_HEADINGS, *rows])]
 
 
@@ -263,7 +264,3 @@ def _numbers(point: Vector3) -> str:
 def _volume(value: float) -> str:
     """A volume [m^3] as text."""
     return f"{value * 1e6:.6g} cm^3"
-
-
-def _count(number: int, one: str, many: str = "") -> str:
-    return f"{number or 'no'} {one if number == 1 else many or one + 's'}"

@@ -10,6 +10,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
+from .counts import counted
 from .progress import progress_bar
 from .reading import reading_options
 from .render import printable
@@ -65,6 +66,7 @@ def command(
                 write_file(lock_path(sidecar), locked.content, of_one)
             if locked is not None and not of_one.has_errors:
                 written[lock_path(sidecar)] = locked.snapshot
+            # `check --step` and `convert` report the rest
             found.extend(one for one in of_one if one.severity == "error")
     say_trouble(options.cache, found)
     if as_json:
@@ -74,14 +76,10 @@ def command(
         show_diagnostics(found, display)
         if not (display.quiet or display.concise):
             for path, taken in written.items():
-                words = ", ".join(_words(number, noun) for noun, number in _counts(taken).items())
+                words = ", ".join(counted(number, noun.removesuffix("s")) for noun, number in _counts(taken).items())
                 write_result(printable(f"{path.as_posix()}: {words} of {taken.source}"))
     return found.exit_code
 
 
 def _counts(taken: "Snapshot") -> dict[str, int]:
     return {"components": len(taken.parts), "joints": len(taken.joints)}
-
-
-def _words(number: int, noun: str) -> str:
-    return f"{number} {noun if number != 1 else noun.removesuffix('s')}"

@@ -9,6 +9,7 @@ from stepbot.diagnostics import Diagnostic
 from stepbot.diagnostics.codes import CODES
 
 from .columns import cells, shortened
+from .counts import counted
 
 FRAME_WIDTH = 120
 """Width of a code frame if the width of the screen is unknown."""
@@ -101,7 +102,7 @@ def summary(diagnostics: Iterable[Diagnostic], *, all_shown: bool = True, ignore
     """``2 errors, 1 warning``, and how to learn more, or see all of them."""
     found = list(diagnostics)
     counts = [(kind, sum(d.severity == kind for d in found)) for kind in ("error", "warning", "note")]
-    text = ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in counts if n)
+    text = ", ".join(counted(n, kind) for kind, n in counts if n)
     text = ", ".join(filter(None, (text, f"{ignored} ignored" if ignored else "")))
     codes = [d.code for severity in ("error", "warning") for d in found if d.severity == severity]
     ways = [f"more: stepbot explain {codes[0]}"] if codes else []

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .columns import wrapped_rows
+from .counts import counted
 from .render import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
@@ -117,9 +118,8 @@ def driven_words(report: "Report") -> str:
     """The degrees of freedom of a robot with loops, and its independent joints; empty for one without."""
     if not report.driven:
         return ""
-    several = "s" if report.degrees_of_freedom != 1 else ""
     driven = ", ".join(printable(name) for name in report.driven)
-    return f"{report.degrees_of_freedom} degree{several} of freedom, driven by {driven}"
+    return f"{counted(report.degrees_of_freedom, 'degree')} of freedom, driven by {driven}"
 
 
 def filled(text: str, width: int | None) -> list[str]:

@@ -130,7 +130,7 @@ def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:
 
 
 def _quadric(surface: Any, kind: Any) -> tuple[Any, tuple[float, float, float, float]] | None:
-    """Position and shape (see :class:`.patches.Quadrics`) of a cylinder, cone, sphere or torus."""
+    """Position and shape (see :class:`.surfaces.Quadrics`) of a cylinder, cone, sphere or torus."""
     if kind == GeomAbs_SurfaceType.GeomAbs_Cylinder:
         cylinder = surface.Cylinder()
         return cylinder.Position(), (cylinder.Radius(), 0.0, 0.0, 1.0)

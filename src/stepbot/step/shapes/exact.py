@@ -2,7 +2,7 @@
 
 It is exact to 1e-14 on planes, quadrics and tori between short edges. Elsewhere it is often off by 1e-5, and by 10 % on
 faces with many spans, which it does not integrate span by span; with adaptive subdivision it ends at another value for
-each tolerance. So :mod:`.certainty` compares it with stepbot's own integration.
+each tolerance. So :mod:`.error_estimate` compares it with stepbot's own integration.
 """
 
 from typing import Any
