@@ -116,7 +116,7 @@ def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
 
 def driven_words(report: "Report") -> str:
     """The degrees of freedom of a robot with loops, and its independent joints; empty for one without."""
-    if not report.driven:
+    if not report.driven or report.degrees_of_freedom is None:
         return ""
     driven = ", ".join(printable(name) for name in report.driven)
     return f"{counted(report.degrees_of_freedom, 'degree')} of freedom, driven by {driven}"
