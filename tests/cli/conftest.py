@@ -1,4 +1,4 @@
-"""A folder to work in, with a robot that converts, and a way to run a command there."""
+"""Fixtures: a folder with a robot that converts, and a function that runs a command there."""
 
 import shutil
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from stepbot_cli import main
 
 @dataclass(frozen=True)
 class Run:
-    """What a command did."""
+    """Exit code, standard output and standard error of a command."""
 
     code: int
     out: str
@@ -24,7 +24,7 @@ Stepbot = Callable[..., Run]
 
 @pytest.fixture
 def stepbot(capsys: pytest.CaptureFixture[str]) -> Stepbot:
-    """Runs ``stepbot`` with the arguments given."""
+    """A function that runs ``stepbot`` with the given arguments."""
 
     def run(*arguments: str) -> Run:
         code = main(arguments)
@@ -36,7 +36,7 @@ def stepbot(capsys: pytest.CaptureFixture[str]) -> Stepbot:
 
 @pytest.fixture
 def arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path) -> Path:
-    """The current folder, with ``arm2.robot.yaml`` and ``arm2.step`` of the robot library."""
+    """The current folder, with ``arm2.robot.yaml`` and ``arm2.step`` from the robot library."""
     for file in ("arm2.robot.yaml", "arm2.step"):
         shutil.copy(robot_library / "stepbot_arm2" / file, tmp_path)
     monkeypatch.chdir(tmp_path)

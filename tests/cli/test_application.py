@@ -28,7 +28,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
 
 
 def failing_with(error: BaseException) -> click.Command:
-    """A command that ends in an exception."""
+    """Make the command raise an exception."""
 
     @click.command(cls=type(schema.command))
     @click.option("--json", "as_json", is_flag=True)
@@ -39,7 +39,7 @@ def failing_with(error: BaseException) -> click.Command:
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    """Help names all commands and the exit codes, on standard output."""
+    """`--help` lists all commands and the exit codes on standard output."""
     code, out, err = run(capsys, "--help")
     assert (code, err) == (0, "")
     assert all(f"\n  {name} " in out for name in application.COMMANDS)
@@ -48,7 +48,7 @@ def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("name", application.COMMANDS)
 def test_every_command_has_help(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Every command explains itself."""
+    """Every command has a description in its help."""
     code, out, _ = run(capsys, name, "-h")
     assert code == 0
     assert out.startswith(f"Usage: stepbot {name} ")
@@ -66,7 +66,7 @@ def commands(group: click.Group, *above: str) -> Iterator[tuple[str, ...]]:
 
 @pytest.mark.parametrize("names", [(), *commands(application.application)], ids=" ".join)
 def test_every_help_has_an_example(names: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
-    """The example is of this command, has arguments that the command takes, and is not broken over lines."""
+    """The help of every command has an example that calls this command with valid options on one line."""
     code, out, _ = run(capsys, *names, "--help")
     assert code == 0
     (example,) = [line.strip() for line in out.splitlines() if line.strip().startswith("Example: ")]
@@ -84,7 +84,7 @@ def test_every_help_has_an_example(names: tuple[str, ...], capsys: pytest.Captur
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shell_completion(shell: str) -> None:
-    """Each shell gets its completion script, with the names of commands, as documented."""
+    """Each shell has the documented completion script; that of bash completes commands."""
     stepbot_script = Path(sys.executable).with_name("stepbot")
     if not stepbot_script.exists():
         pytest.skip("no console script beside the interpreter")
@@ -102,7 +102,7 @@ def test_shell_completion(shell: str) -> None:
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
-    """The version is the library's."""
+    """`--version` prints the version of the library."""
     assert run(capsys, "--version") == (0, f"stepbot, version {stepbot.__version__}\n", "")
 
 
@@ -110,7 +110,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     "arguments", [[], ["nope"], ["convert"], ["convert", "a.yaml", "--nope"], ["explain", "SB000"]]
 )
 def test_wrong_usage_is_exit_code_2(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    """What cannot be understood cannot run."""
+    """Invalid arguments end in exit code 2."""
     code, out, err = run(capsys, *arguments)
     assert (code, out) == (2, "")
     assert "Usage: stepbot" in err
@@ -120,7 +120,7 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str], capsys: pytest.Capture
     "arguments", [["{}"], ["explain", "{}"], ["convert", "a.yaml", "-f", "{}"], ["inspect", "--{}"]]
 )
 def test_usage_errors_do_not_steer_the_terminal(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    """Escape sequences in arguments, and so of names near to them, are shown as text."""
+    """Escape sequences in arguments, and in the names suggested for them, are printed as text."""
     code, out, err = run(capsys, *(argument.format("arm\x1b]0;title\x07\u202e") for argument in arguments))
     assert (code, out) == (2, "")
     assert "arm\\x1b]0;title\\x07\\u202e" in err.replace("\\\\", "\\")
@@ -130,14 +130,14 @@ def test_usage_errors_do_not_steer_the_terminal(arguments: list[str], capsys: py
 def test_arguments_default_to_those_of_the_process(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The console script calls main without arguments."""
+    """`main` without arguments reads those of the process."""
     monkeypatch.setattr(sys, "argv", ["stepbot", "--version"])
     assert main() == 0
     assert "stepbot, version" in capsys.readouterr().out
 
 
 def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """A bug is reported with its traceback, as a bug, with exit code 2."""
+    """An unexpected exception is reported as SB901 with its traceback and exit code 2."""
     monkeypatch.setattr(schema, "command", failing_with(ZeroDivisionError("division by zero")))
     code, out, err = run(capsys, "schema")
     assert (code, out) == (2, "")
@@ -159,7 +159,7 @@ def test_unforeseen_exception_is_json_where_json_was_asked_for(
 
 
 def test_missing_package_is_named(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """A missing package is not reported as a bug: its name, the remedy, no traceback."""
+    """A missing package is reported by name with the command that installs it, without a traceback."""
     monkeypatch.setattr(
         schema, "command", failing_with(ModuleNotFoundError("No module named 'lxml.etree'", name="lxml.etree"))
     )
@@ -173,7 +173,7 @@ def test_missing_package_is_named(capsys: pytest.CaptureFixture[str], monkeypatc
 def test_findings_that_escape_are_shown_as_findings(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Diagnostics raised as an exception are not reported as a bug."""
+    """Diagnostics raised as an exception are reported as findings."""
     found = Diagnostics()
     found.add("SB004", "disk full", Span("out"))
     monkeypatch.setattr(schema, "command", failing_with(StepbotError(found)))
@@ -184,7 +184,7 @@ def test_findings_that_escape_are_shown_as_findings(
 
 
 def test_interrupt_is_exit_code_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C ends quietly."""
+    """Ctrl-C ends in exit code 130 without output."""
     monkeypatch.setattr(schema, "command", failing_with(KeyboardInterrupt()))
     code, out, err = run(capsys, "schema")
     assert (code, out) == (130, "")
@@ -192,7 +192,7 @@ def test_interrupt_is_exit_code_130(capsys: pytest.CaptureFixture[str], monkeypa
 
 
 def test_explain_prints_the_table_of_codes(capsys: pytest.CaptureFixture[str]) -> None:
-    """Without a code all are listed; with one its texts are shown, in either case of letters."""
+    """`explain` lists all codes; with a code, in upper or lower case, it prints the text of that code."""
     code, out, _ = run(capsys, "explain")
     assert code == 0
     assert "SB901  error    internal error" in out
@@ -201,7 +201,7 @@ def test_explain_prints_the_table_of_codes(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_explain_offers_near_codes(capsys: pytest.CaptureFixture[str]) -> None:
-    """A mistyped code gets suggestions."""
+    """`explain` suggests similar codes for an unknown one."""
     code, _, err = run(capsys, "explain", "SB90")
     assert code == 2
     assert "SB901" in err
@@ -212,13 +212,13 @@ def test_explain_offers_near_codes(capsys: pytest.CaptureFixture[str]) -> None:
     [("4G", 4 * 2**30), ("500 MB", 500 * 2**20), ("1.5k", 1536), ("1GiB", 2**30), ("123", 123), ("2T", 2**41)],
 )
 def test_sizes(text: str, number: int) -> None:
-    """Sizes are parsed in common notations."""
+    """Memory sizes are accepted with and without units."""
     assert size(text) == number
 
 
 @pytest.mark.parametrize("text", ["", "G", "4X", "-1G", "1e9"])
 def test_no_sizes(text: str) -> None:
-    """What is no size is refused."""
+    """Invalid memory sizes are rejected."""
     with pytest.raises(click.BadParameter, match="not a size"):
         size(text)
 
@@ -230,7 +230,7 @@ def test_no_sizes(text: str) -> None:
 def test_memory_that_a_worker_may_take(
     arguments: list[str], limit: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Three quarters of what there is, a size, or no limit."""
+    """The default memory limit is three quarters of the available memory; it can be set or switched off."""
     monkeypatch.setattr(memory, "memory_size", lambda: 16 << 30)
     taken: list[int | None] = []
 

@@ -27,22 +27,22 @@ ON_LINUX = pytest.mark.skipif(not (PROCESSES / "self" / "task").is_dir(), reason
 
 @pytest.fixture(scope="session")
 def good(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
-    """What a good run makes."""
+    """The output of a successful conversion."""
     sidecar = robot_library / "stepbot_arm2" / SIDECAR
     return convert_once(tmp_path_factory, "former_arm2", sidecar, "--no-verify").folder
 
 
 @dataclass(frozen=True)
 class Desk:
-    """The current folder: a good run was made in it, and the next one goes wrong."""
+    """A folder with the output of a successful conversion, for a second one that fails."""
 
     folder: Path
     temporary: Path
-    """Where the system puts temporary files."""
+    """The folder for temporary files."""
     stepbot: Stepbot
 
     def run(self, *arguments: str) -> Run:
-        """Run the command; it must change nothing, leave nothing behind, and end without a traceback."""
+        """Run a command; assert that it leaves every file unchanged, no temporary file, and no traceback."""
         before = snapshot(self.folder)
         assert {"out/arm2.urdf", "out/arm2.sdf", "out/arm2.xml", "out/report.json"} <= set(before)
         run = self.stepbot(*arguments)
@@ -52,26 +52,26 @@ class Desk:
         return run
 
     def assert_untouched(self, before: dict[str, bytes]) -> None:
-        """Every file is what it was, byte for byte, and there is no new one."""
+        """Assert that every file has its former bytes and that no file was added."""
         after = snapshot(self.folder)
         assert sorted(after) == sorted(before)
         assert [name for name in before if after[name] != before[name]] == []
         self.assert_no_temporary_files()
 
     def assert_no_temporary_files(self) -> None:
-        """The folder for temporary files is empty."""
+        """Assert that the folder for temporary files is empty."""
         assert list(self.temporary.iterdir()) == []
 
 
 @pytest.fixture
 def desk(good: Path, tmp_path: Path, robot_library: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> Desk:
-    """A sidecar, its STEP and the output of a good run."""
+    """A sidecar, its STEP and the output of a successful conversion."""
     desk = Desk(tmp_path / "desk", tmp_path / "temporary", stepbot)
     shutil.copytree(good, desk.folder / "out")
     for file in (SIDECAR, STEP):
         shutil.copy(robot_library / "stepbot_arm2" / file, desk.folder)
     desk.temporary.mkdir()
-    run_folder()  # that of this process, which a command in it shares
+    run_folder()  # set for this process, in which the command runs
     monkeypatch.setenv("TMPDIR", str(desk.temporary))
     monkeypatch.setattr(tempfile, "tempdir", str(desk.temporary))
     monkeypatch.chdir(desk.folder)
@@ -79,7 +79,7 @@ def desk(good: Path, tmp_path: Path, robot_library: Path, stepbot: Stepbot, monk
 
 
 def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
-    """Place and message of the error with a code, which has a remedy; nothing is on standard output."""
+    """Place and message of the error with a code; it must have a remedy, and standard output must be empty."""
     assert run.out == ""
     (block,) = (block for block in run.err.split("\n\n") if f": error[{code}]: " in block)
     place, message = block.lstrip().splitlines()[0].split(f": error[{code}]: ")
@@ -90,7 +90,7 @@ def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
 
 
 def assert_place(place: str, file: Path, text: str) -> None:
-    """A place is `file:line:column`, and the text there begins with ``text``."""
+    """Assert that a place is `file:line:column` and that the text there starts with ``text``."""
     name, line, column = place.rsplit(":", 2)
     assert name == file.name
     assert file.read_text(encoding="utf-8").splitlines()[int(line) - 1][int(column) - 1 :].startswith(text)
@@ -124,7 +124,7 @@ def assert_place(place: str, file: Path, text: str) -> None:
     ],
 )
 def test_fault_in_the_sidecar(desk: Desk, old: str, new: str, code: str, there: str, says: str) -> None:
-    """The error is reported at its place, with a suggestion if there is one: exit code 1."""
+    """An error in the sidecar is reported at its line and column, with a suggestion where there is one; exit code 1."""
     sidecar = desk.folder / SIDECAR
     text = sidecar.read_text(encoding="utf-8")
     assert old in text
@@ -137,7 +137,7 @@ def test_fault_in_the_sidecar(desk: Desk, old: str, new: str, code: str, there: 
 
 
 def test_all_faults_at_once(desk: Desk) -> None:
-    """A file with four errors gets four diagnostics in one run, in the order of their lines."""
+    """Four errors in one file are reported in one run, sorted by line."""
     sidecar = desk.folder / SIDECAR
     text = sidecar.read_text(encoding="utf-8")
     for old, new in (
@@ -158,7 +158,7 @@ def test_all_faults_at_once(desk: Desk) -> None:
 
 
 def test_cycle_without_a_root(desk: Desk) -> None:
-    """Two links that carry each other: no link is left that could be the base."""
+    """A cycle of links without a root is reported."""
     sidecar = desk.folder / "pair.robot.yaml"
     sidecar.write_text(
         "version: 1\nrobot: pair\nstep: arm2.step\nbase: fixed\n"
@@ -209,7 +209,7 @@ def empty_data(path: Path, good: bytes) -> None:
     ],
 )
 def test_step_that_cannot_be_read(desk: Desk, make: Callable[[Path, bytes], object], code: str, says: str) -> None:
-    """Exit code 1, the file's name, what it is, and how to get a better one."""
+    """An unreadable STEP file is reported by name, with its kind and a remedy; exit code 1."""
     step = desk.folder / STEP
     make(step, step.read_bytes())
     run = desk.run("convert", SIDECAR, "-o", "out")
@@ -220,7 +220,7 @@ def test_step_that_cannot_be_read(desk: Desk, make: Callable[[Path, bytes], obje
 
 
 def test_step_that_is_not_there(desk: Desk) -> None:
-    """The name in the sidecar is marked, and the file beside it that may be meant is named: exit code 2."""
+    """A missing STEP file is reported at its name in the sidecar, with a similar name beside it; exit code 2."""
     (desk.folder / STEP).rename(desk.folder / "arm_2.step")
     run = desk.run("convert", SIDECAR, "-o", "out")
     assert run.code == 2
@@ -241,7 +241,7 @@ def test_step_that_is_not_there(desk: Desk) -> None:
     ids=["sidecar", "step", "folder as step", "folder as sidecar", "robot file"],
 )
 def test_file_that_is_not_there(desk: Desk, arguments: tuple[str, ...], place: str) -> None:
-    """A file that cannot be opened is named as it was given: exit code 2."""
+    """A missing argument file is reported by the name given; exit code 2."""
     run = desk.run(*arguments)
     assert run.code == 2
     assert f"{place}: error[SB001]: " in run.err
@@ -252,7 +252,7 @@ def test_file_that_is_not_there(desk: Desk, arguments: tuple[str, ...], place: s
 
 
 def test_kernel_that_takes_too_long(desk: Desk) -> None:
-    """After --timeout the kernel is stopped: exit code 2, and which option helps."""
+    """A kernel that exceeds --timeout is stopped; the message names the option; exit code 2."""
     run = desk.run("convert", SIDECAR, "-o", "out", "--timeout", "0.2")
     assert run.code == 2
     place, message = error(run, "SB902")
@@ -262,16 +262,16 @@ def test_kernel_that_takes_too_long(desk: Desk) -> None:
 
 
 def children(pid: int) -> list[int]:
-    """Processes that a process has started."""
+    """The child processes of a process."""
     try:
         threads = list((PROCESSES / str(pid) / "task").iterdir())
         return [int(word) for thread in threads for word in (thread / "children").read_text().split()]
-    except OSError:  # it has ended meanwhile
+    except OSError:  # ended meanwhile
         return []
 
 
 def command_of(pid: int) -> bytes:
-    """The command line of a process; nothing where it has ended."""
+    """The command line of a process; empty if it has ended."""
     try:
         return (PROCESSES / str(pid) / "cmdline").read_bytes()
     except OSError:
@@ -279,7 +279,7 @@ def command_of(pid: int) -> bytes:
 
 
 def name_of(pid: int) -> str:
-    """What a process calls itself; empty where it has ended."""
+    """The name of a process; empty if it has ended."""
     try:
         return (PROCESSES / str(pid) / "comm").read_text(encoding="utf-8").strip()
     except OSError:
@@ -287,7 +287,7 @@ def name_of(pid: int) -> str:
 
 
 def is_running(pid: int) -> bool:
-    """Whether a process is there and not only waits to be buried."""
+    """Whether a process runs and is not a zombie."""
     try:
         return (PROCESSES / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -295,7 +295,7 @@ def is_running(pid: int) -> bool:
 
 
 def wait_for(what: Callable[[], list[int]], command: "subprocess.Popen[bytes]") -> list[int]:
-    """The first answer that is not empty."""
+    """The first result of a function that is not empty."""
     deadline = time.monotonic() + 60.0
     while not (found := what()):
         assert time.monotonic() < deadline, "no such process"
@@ -306,7 +306,7 @@ def wait_for(what: Callable[[], list[int]], command: "subprocess.Popen[bytes]") 
 
 @contextmanager
 def start(desk: Desk, *options: str) -> "Iterator[subprocess.Popen[bytes]]":
-    """Start a conversion and come back at once; a command that still runs at the end, after a failure, is killed."""
+    """Start a conversion in the background; kill it at the end of the test if it still runs."""
     with subprocess.Popen(
         [*COMMAND, "convert", SIDECAR, "-o", "out", *options],
         cwd=desk.folder,
@@ -321,12 +321,12 @@ def start(desk: Desk, *options: str) -> "Iterator[subprocess.Popen[bytes]]":
 
 
 def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
-    """The kernel's process below a command."""
+    """The kernel processes below a command."""
     return [pid for pid in children(command.pid) if b"stepbot.step.worker" in command_of(pid)]
 
 
 def engines(command: "subprocess.Popen[bytes]", name: str) -> list[int]:
-    """The processes of an engine below a command; the server forks them, and gives each its name."""
+    """The engine processes below a command; the fork server names each after its engine."""
     below = [pid for server in children(command.pid) for pid in children(server)]
     return [pid for pid in below if name_of(pid) == name]
 
@@ -334,7 +334,7 @@ def engines(command: "subprocess.Popen[bytes]", name: str) -> list[int]:
 @ON_LINUX
 @pytest.mark.parametrize("busy", [False, True], ids=["while it loads", "while it works"])
 def test_kernel_that_dies(desk: Desk, busy: bool) -> None:
-    """kill -9 on the kernel's process: the signal is named, with the file that it was reading: exit code 2."""
+    """A kernel killed by SIGKILL is reported with the signal and the file being read; exit code 2."""
     before = snapshot(desk.folder)
     with start(desk, *(["--no-verify"] if busy else [])) as command:
         (kernel,) = wait_for(lambda: kernels(command), command)
@@ -353,7 +353,7 @@ def test_kernel_that_dies(desk: Desk, busy: bool) -> None:
 
 @ON_LINUX
 def test_body_that_kills_the_kernel(desk: Desk) -> None:
-    """A process that dies over one body costs the run, and the body is named: exit code 1."""
+    """A body that kills its process fails the run and is reported by name; exit code 1."""
     if len(os.sched_getaffinity(0)) < 2:
         pytest.skip("one core: bodies are read in the kernel's own process")
     before = snapshot(desk.folder)
@@ -363,7 +363,7 @@ def test_body_that_kills_the_kernel(desk: Desk) -> None:
         out, err = command.communicate(timeout=60)
     run = Run(command.returncode, out.decode(), err.decode())
     assert "Traceback" not in run.err
-    if "SB213" not in run.err:  # it died between two bodies, and another process took over what was left
+    if "SB213" not in run.err:  # the process died between two bodies; another one continued with the rest
         assert run.code == 0, run.err
         return
     assert run.code == 1
@@ -376,7 +376,7 @@ def test_body_that_kills_the_kernel(desk: Desk) -> None:
 @ON_LINUX
 @pytest.mark.mujoco
 def test_engine_that_dies(desk: Desk) -> None:
-    """What is not proven does not replace what is: it goes to a folder of its own; file and engine are named."""
+    """After an engine dies, the output goes to a separate folder; the message names file and engine."""
     before = snapshot(desk.folder)
     with start(desk) as command:
         os.kill(wait_for(lambda: engines(command, "mujoco.observer"), command)[0], signal.SIGKILL)
@@ -401,7 +401,7 @@ def test_engine_that_dies(desk: Desk) -> None:
     ids=["Ctrl-C while it loads", "Ctrl-C while it works", "SIGTERM", "SIGKILL"],
 )
 def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:
-    """Whatever ends the command ends all that it started; nothing has changed."""
+    """A signal ends the command and all its child processes; no file changes."""
     before = snapshot(desk.folder)
     with start(desk, *([] if busy else ["--no-verify"])) as command:
         (kernel,) = wait_for(lambda: kernels(command), command)
@@ -414,14 +414,14 @@ def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:
     assert b"Traceback" not in err
     assert (b"interrupted" in err) == (sent == signal.SIGINT)
     assert out == b""
-    if sent == signal.SIGKILL:  # what is killed removes nothing: the next run does
+    if sent == signal.SIGKILL:  # a killed process cleans up nothing; the next run does
         assert snapshot(desk.folder) == before
         with start(desk, "--no-verify") as following:
             following.communicate(timeout=60)
         desk.assert_no_temporary_files()
     else:
         desk.assert_untouched(before)
-    deadline = time.monotonic() + 30.0  # one without work first loads, and then finds that its parent has ended
+    deadline = time.monotonic() + 30.0  # an idle worker first loads, then finds that its parent has ended
     while any(map(is_running, below)) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not [pid for pid in below if is_running(pid)]

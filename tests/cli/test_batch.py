@@ -37,12 +37,12 @@ def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
 
 
 def statuses(document: dict[str, Any]) -> dict[str, str]:
-    """What became of each robot."""
+    """The status of each robot."""
     return {robot["name"]: robot["status"] for robot in document["robots"]}
 
 
 def test_one_failure_stops_nobody_and_the_next_run_goes_on(library: Path, stepbot: Stepbot) -> None:
-    """A failed robot is reported with its reason; in the next run, finished ones are skipped, changed ones repeated."""
+    """A failed robot does not stop the others; the next run skips finished robots and repeats changed ones."""
     run = stepbot("batch", "lib", "-o", "out", "--json", "--junit", "ci/junit.xml", *FAST)
     document = json.loads(run.out)
     assert run.code == document["exit_code"] == 1
@@ -74,7 +74,7 @@ def test_one_failure_stops_nobody_and_the_next_run_goes_on(library: Path, stepbo
 
 
 def test_same_names(library: Path, stepbot: Stepbot) -> None:
-    """Robots of the same name are distinguished by their folders; if these are equal too, nothing is converted."""
+    """Robots of one name are distinguished by their folders; if these are equal too, nothing is converted."""
     text = (library / "bad.robot.yaml").read_text(encoding="utf-8")
     for folder in ("a", "b", "a/b"):
         (library / folder).mkdir(parents=True, exist_ok=True)
@@ -87,33 +87,33 @@ def test_same_names(library: Path, stepbot: Stepbot) -> None:
 
 
 def test_nothing_to_do(library: Path, stepbot: Stepbot) -> None:
-    """A folder without sidecars is no success."""
+    """A folder without sidecars is an error."""
     Path("empty").mkdir()
     assert stepbot("batch", "empty", "-o", "out").code == 2
 
 
 def dies(sidecar: Path, options: Options) -> None:
-    """What a crash in native code does."""
+    """End the process as a crash in native code does."""
     os.kill(os.getpid(), signal.SIGKILL)
 
 
 def raises(sidecar: Path, options: Options) -> None:
-    """A bug."""
+    """Raise an exception."""
     raise ZeroDivisionError("a bug")
 
 
 class Broken(ProcessEach):
-    """An executor whose robots of one name end badly."""
+    """An executor that runs another function for robots of one name."""
 
     how = staticmethod(dies)
 
     def submit(self, function: Any, /, *arguments: Any, **named: Any) -> Future[Any]:
-        """Hand over another function for that robot."""
+        """Submit the other function for that robot."""
         return super().submit(self.how if "arm2" in str(arguments[0]) else function, *arguments, **named)
 
 
 class Raising(Broken):
-    """One whose robots raise."""
+    """An executor whose robots raise."""
 
     how = staticmethod(raises)
 
@@ -121,7 +121,7 @@ class Raising(Broken):
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal on this system")
 @pytest.mark.parametrize(("kind", "code"), [(Broken, "SB902"), (Raising, "SB901")])
 def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -> None:
-    """A process that dies, or raises, fails its robot; the others are converted."""
+    """A robot whose process dies or raises fails; the others are converted."""
     tasks = [Task(n, Path(f"lib/{n}/{n}.robot.yaml"), Path("out", n)) for n in ("arm2", "four_bar")]
     options = Options(Path("out"), ("urdf",), verify=False)
     with kind(2, []) as executor:
@@ -133,7 +133,7 @@ def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -
 
 @pytest.mark.parametrize(("kind", "as_bytes"), [("threads", False), ("spawned", True)])
 def test_any_executor(library: Path, stepbot: Stepbot, kind: str, as_bytes: bool) -> None:
-    """Threads, spawned processes, input by path or by bytes: the files of `convert`."""
+    """Threads and spawned processes, with input by path or by bytes, write the files of `convert`."""
     task = Task("arm2", Path("lib/arm2/arm2.robot.yaml"), Path("out/arm2"))
     options = Options(Path("out"), ("urdf",), verify=False)
     other: Executor = (

@@ -1,4 +1,4 @@
-"""The cache as users meet it: the same bytes with it and without, and nothing loaded that is not needed."""
+"""Cached runs: the same bytes as without a cache, and no unneeded module loaded."""
 
 import json
 import shutil
@@ -19,12 +19,12 @@ FAST = ("-f", "urdf", "--no-verify")
 ENGINES = "stepbot.engines."
 pytestmark = pytest.mark.xdist_group("cache")
 READ = ["stepbot.step.worker:read", "stepbot.geometry.mesh_worker:compute"]
-"""The request to read a STEP."""
+"""The worker function that reads a STEP."""
 
 
 @pytest.fixture(scope="module")
 def filled(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
-    """A folder with a sidecar, its STEP, and a cache that has seen them converted and checked."""
+    """A folder with a sidecar, its STEP, and a cache filled by a conversion and a check."""
     folder = tmp_path_factory.mktemp("filled")
     for file in ("four_bar.robot.yaml", "four_bar.step"):
         shutil.copy(robot_library / "stepbot_four_bar" / file, folder)
@@ -36,7 +36,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Pat
 
 @pytest.fixture
 def cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, filled: Path) -> Path:
-    """Folder of an enabled cache that contains the sidecar's results."""
+    """A cache filled with the sidecar's results."""
     shutil.copytree(filled / "kept", tmp_path / "kept")
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(tmp_path / "kept"))
@@ -45,7 +45,7 @@ def cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, filled: Path) -> Path
 
 @pytest.fixture
 def four_bar(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, filled: Path) -> Path:
-    """A sidecar, with its STEP beside it, in the current folder."""
+    """The current folder, with a sidecar and its STEP."""
     for file in ("four_bar.robot.yaml", "four_bar.step"):
         shutil.copy(filled / file, tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -54,7 +54,7 @@ def four_bar(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, filled: Path) -> P
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The functions that were handed to worker processes, as they are."""
+    """Record the functions passed to worker processes, which still run."""
     functions: list[str] = []
     start, submit = Worker.__init__, Worker.submit
     monkeypatch.setattr(Worker, "started", [], raising=False)
@@ -81,7 +81,7 @@ def edit(path: Path, old: str, new: str) -> None:
 
 
 def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """Without a cache, with an empty one, with all found, and with only the geometry found: the same files."""
+    """The output is identical without a cache, with an empty one, a full one, and one with the geometry alone."""
     shutil.rmtree(cache)
     assert stepbot("convert", four_bar.name, "-o", "without", "--no-cache", *FAST).code == 0
     assert not cache.exists()
@@ -99,7 +99,7 @@ def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepb
 
 @pytest.mark.slow
 def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """Observations of unchanged files are cached; for a changed file, its engines run."""
+    """Engines run only for changed files; observations of the others come from the cache."""
     assert stepbot("convert", four_bar.name, "-o", "one").code == 0
     assert any(function.startswith(ENGINES) for function in asked)
     first = list(asked)
@@ -113,7 +113,7 @@ def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, a
 
 
 def test_changed_step_is_read(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """Another STEP under the same name and of the same age is another STEP."""
+    """A changed STEP with the former name and modification time is read."""
     step = four_bar.with_name("four_bar.step")
     edit(step, "DATA;", "DATA; ")
     assert stepbot("convert", four_bar.name, *FAST).code == 0
@@ -121,7 +121,7 @@ def test_changed_step_is_read(four_bar: Path, cache: Path, stepbot: Stepbot, ask
 
 
 def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """How the STEP is to be read is part of what is kept."""
+    """Read options are part of the cache key."""
     with four_bar.open("a", encoding="utf-8") as file:
         file.write("\nmesh: {tolerance: 0.01 mm}\n")
     assert stepbot("convert", four_bar.name, *FAST).code == 0
@@ -129,7 +129,7 @@ def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, 
 
 
 def test_spoilt_entries_harm_nobody(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """With every entry overwritten by rubbish, the same files come out."""
+    """Corrupt entries are ignored and the output is identical."""
     assert stepbot("convert", four_bar.name, "-o", "one", *FAST).code == 0
     assert asked == []
     for path in cache.rglob("*"):
@@ -141,7 +141,7 @@ def test_spoilt_entries_harm_nobody(four_bar: Path, cache: Path, stepbot: Stepbo
 
 
 def test_errors_are_not_kept(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """A conversion that fails is tried again."""
+    """A failed conversion is not cached."""
     edit(four_bar, "links:", "links:\n  ghost: {parts: [nowhere]}")
     first = stepbot("convert", four_bar.name, *FAST)
     second = stepbot("convert", four_bar.name, *FAST)
@@ -153,7 +153,7 @@ def test_errors_are_not_kept(four_bar: Path, cache: Path, stepbot: Stepbot, aske
 def test_check_says_the_same_again(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], options: tuple[str, ...]
 ) -> None:
-    """Cached diagnostics are identical, including remedies; the kernel does not run."""
+    """Cached diagnostics are identical, including remedies, and the kernel does not run."""
     edit(four_bar, "version: 1", "version: 1\nmass: exact")
     runs = [stepbot("check", *options, four_bar.name) for _ in range(3)]
     assert runs[0] == runs[1] == runs[2]
@@ -161,7 +161,7 @@ def test_check_says_the_same_again(
 
 
 def test_unchanged_check_loads_nothing_heavy(tmp_path: Path, four_bar: Path, cache: Path) -> None:
-    """Not even numpy, and no YAML reader: the second check only hashes."""
+    """A second check imports neither numpy nor a YAML reader."""
     for options in ([], ["--step"]):
         code, modules = loaded_by(["check", *options, four_bar.name], tmp_path)
         assert code == 0
@@ -169,7 +169,7 @@ def test_unchanged_check_loads_nothing_heavy(tmp_path: Path, four_bar: Path, cac
 
 
 def test_edited_sidecar_loads_no_kernel(tmp_path: Path, four_bar: Path, cache: Path) -> None:
-    """After an edit the program itself imports neither kernel nor trimesh."""
+    """After an edit of the sidecar the main process imports neither kernel nor trimesh."""
     edit(four_bar, "version: 1", "version: 1 # a word")
     code, modules = loaded_by(["convert", four_bar.name, *FAST], tmp_path)
     assert code == 0
@@ -177,7 +177,7 @@ def test_edited_sidecar_loads_no_kernel(tmp_path: Path, four_bar: Path, cache: P
 
 
 def test_info_and_clear(cache: Path, stepbot: Stepbot) -> None:
-    """What is kept can be seen and removed."""
+    """`cache info` reports size and entries; `cache clear` removes them."""
     told = json.loads(stepbot("cache", "info", "--json").out)
     assert Path(told["folder"]) == cache
     assert told["entries"] > 0
@@ -188,7 +188,7 @@ def test_info_and_clear(cache: Path, stepbot: Stepbot) -> None:
 
 
 def test_limit_from_the_environment(cache: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """``STEPBOT_CACHE_SIZE`` bounds it; nonsense is refused."""
+    """``STEPBOT_CACHE_SIZE`` limits the size; an invalid value is rejected."""
     monkeypatch.setenv("STEPBOT_CACHE_SIZE", "3M")
     assert json.loads(stepbot("cache", "info", "--json").out)["limit"] == 3 * 2**20
     monkeypatch.setenv("STEPBOT_CACHE_SIZE", "plenty")
@@ -196,7 +196,7 @@ def test_limit_from_the_environment(cache: Path, stepbot: Stepbot, monkeypatch: 
 
 
 def test_unwritable_cache_is_a_note(four_bar: Path, stepbot: Stepbot, tmp_path: Path, cache: Path) -> None:
-    """An unusable cache causes no failure, and the user is informed."""
+    """An unwritable cache is a note; the command succeeds."""
     shutil.rmtree(cache)
     cache.write_text("a file, no folder", encoding="utf-8")
     run = stepbot("convert", four_bar.name, *FAST)
@@ -208,7 +208,7 @@ def test_unwritable_cache_is_a_note(four_bar: Path, stepbot: Stepbot, tmp_path: 
 def test_other_code_finds_nothing(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What another stepbot kept is not used."""
+    """Entries of another version of stepbot's code are not used."""
     import stepbot.runtime.cache.keys as keys
 
     original: Callable[[], str] = own_code

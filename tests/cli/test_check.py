@@ -1,4 +1,4 @@
-"""``stepbot check``: findings to standard output, in three forms, with and without the STEP."""
+"""``stepbot check``: findings on standard output as text, concise text and JSON, with and without the STEP."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ def spoil(sidecar: Path, old: str, new: str) -> None:
 
 
 def test_clean_sidecar_is_ok(arm: Path, stepbot: Stepbot) -> None:
-    """No findings: how many links and joints there are, with -q nothing; and the STEP is not even looked for."""
+    """A sidecar without findings prints its counts of links and joints, nothing with -q, and needs no STEP."""
     (arm / "arm2.step").unlink()
     run = stepbot("check", "arm2.robot.yaml")
     assert (run.code, run.out, run.err) == (0, "ok: 5 links, 4 joints\n", "")
@@ -25,7 +25,7 @@ def test_clean_sidecar_is_ok(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> None:
-    """Of several, those without errors are named."""
+    """With several sidecars, those without errors are listed."""
     bad = arm / "bad.robot.yaml"
     bad.write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
     spoil(bad, "child: forearm", "child: forarm")
@@ -35,7 +35,7 @@ def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> N
 
 
 def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
-    """Two errors in one file are reported together, each with its line, and counted."""
+    """Two errors in one file are reported together, each with its code frame, and counted."""
     spoil(arm / "arm2.robot.yaml", "base: fixed", "base: fixxed")
     spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "arm2.robot.yaml")
@@ -47,7 +47,7 @@ def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_concise_is_one_line_each(arm: Path, stepbot: Stepbot) -> None:
-    """One greppable line per finding, and nothing else."""
+    """`--concise` prints one line per finding."""
     spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "--concise", "arm2.robot.yaml")
     assert len(run.out.splitlines()) == 1
@@ -56,7 +56,7 @@ def test_concise_is_one_line_each(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_json_is_one_document(arm: Path, stepbot: Stepbot) -> None:
-    """Scripts get files, findings and exit code."""
+    """`--json` prints one document with files, findings and exit code."""
     spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "--json", "arm2.robot.yaml")
     document = json.loads(run.out)
@@ -66,7 +66,7 @@ def test_json_is_one_document(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_several_files(arm: Path, stepbot: Stepbot) -> None:
-    """Findings of all files, in the order of the arguments; a missing file does not hide the others."""
+    """Findings of several files are in the order of the arguments; a missing file does not hide the others."""
     bad = arm / "bad.robot.yaml"
     bad.write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
     spoil(bad, "child: forearm", "child: forarm")
@@ -77,7 +77,7 @@ def test_several_files(arm: Path, stepbot: Stepbot) -> None:
 
 @pytest.mark.parametrize("arguments", [["--step", "arm2.robot.yaml"], ["arm2.robot.yaml", "--step", "arm2.step"]])
 def test_against_the_step(arm: Path, stepbot: Stepbot, arguments: list[str]) -> None:
-    """With --step, alone or with a file, a name that is not in the CAD is found."""
+    """`--step`, alone or with a file, finds component names that are not in the CAD."""
     spoil(arm / "arm2.robot.yaml", "{parts: [forearm]}", "{parts: [forarm]}")
     assert stepbot("check", "arm2.robot.yaml").code == 0
     run = stepbot("check", *arguments)

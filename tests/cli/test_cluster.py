@@ -1,4 +1,4 @@
-"""A real cluster: a scheduler and two workers on this machine, one of them killed in the middle."""
+"""A Dask cluster on this machine: a scheduler and two workers, one of them killed during a batch."""
 
 import importlib.util
 import json
@@ -23,14 +23,14 @@ COPIES = 6
 
 
 def start(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
-    """A process of Dask, what it prints in a file."""
+    """Start a Dask process whose output goes to a file."""
     command = [sys.executable, "-P", "-m", *arguments]
     with log.open("wb") as file:
         return subprocess.Popen(command, stdout=file, stderr=file, env=environment(), cwd=log.parent)
 
 
 def wait_for(log: Path, pattern: str) -> str:
-    """The first group of a pattern, once a process has printed it."""
+    """The first group of a pattern in the output of a process, once it is printed."""
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
         match = re.search(pattern, log.read_text(encoding="utf-8", errors="replace"))
@@ -42,7 +42,7 @@ def wait_for(log: Path, pattern: str) -> str:
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """Address of a scheduler, and its two workers."""
+    """Address of a scheduler, and the processes of its two workers."""
     scheduler_log = tmp_path / "scheduler.log"
     options = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard")
     processes = [start("distributed.cli.dask_scheduler", *options, log=scheduler_log)]
@@ -67,7 +67,7 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
 def test_killed_worker_loses_nothing(
     tmp_path: Path, robot_library: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:
-    """Six robots on two workers, one of which is killed: each is converted once, with the bytes of `convert`."""
+    """Six robots on two workers, one of them killed, are each converted once, with the bytes of `convert`."""
     address, workers = cluster
     source = robot_library / "stepbot_four_bar"
     for number in range(COPIES):
@@ -104,7 +104,7 @@ def test_killed_worker_loses_nothing(
 
 @pytest.fixture
 def marker(tmp_path: Path) -> Path:
-    """What files named like modules write, in the folder of the scheduler and the workers."""
+    """The file that modules in the folder of scheduler and workers write to when they are imported."""
     set_traps(tmp_path, tmp_path / "marker.txt")
     return tmp_path / "marker.txt"
 
@@ -112,7 +112,7 @@ def marker(tmp_path: Path) -> Path:
 def test_workers_import_nothing_of_their_folder(
     tmp_path: Path, robot_library: Path, marker: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
 ) -> None:
-    """Their child processes do not run files named like modules either."""
+    """Child processes of workers do not import modules of the workers' folder."""
     address, _ = cluster
     shutil.copytree(robot_library / "stepbot_four_bar", tmp_path / "lib")
     command = [*INSTALLED, "batch", "lib", "-o", "out", "--json", "--scheduler", address]
@@ -123,7 +123,7 @@ def test_workers_import_nothing_of_their_folder(
 
 
 def test_no_scheduler(tmp_path: Path, robot_library: Path) -> None:
-    """An unreachable address is reported in one line."""
+    """An unreachable scheduler is reported in one line."""
     run = stepbot("batch", robot_library, "-o", "out", "--scheduler", "tcp://127.0.0.1:9", cwd=tmp_path)
     assert run.code == 2
     assert "SB009" in run.err

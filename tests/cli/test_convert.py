@@ -1,4 +1,4 @@
-"""``stepbot convert``: what is written, what is printed, and that errors leave the former output alone."""
+"""``stepbot convert``: files, printed output, and that an error leaves the former output unchanged."""
 
 import json
 import os
@@ -21,12 +21,12 @@ def snapshot(folder: Path) -> dict[str, bytes]:
 
 
 def replaced(old: str, new: str) -> list[tuple[str, str]]:
-    """One replacement in the sidecar."""
+    """Replace a text in the sidecar."""
     return [(old, new)]
 
 
 def spoil(folder: Path, replacements: list[tuple[str, str]]) -> None:
-    """Put faults into the sidecar."""
+    """Put errors into the sidecar."""
     sidecar = folder / "arm2.robot.yaml"
     text = sidecar.read_text(encoding="utf-8")
     for old, new in replacements:
@@ -37,7 +37,7 @@ def spoil(folder: Path, replacements: list[tuple[str, str]]) -> None:
 
 @pytest.mark.slow
 def test_three_formats_and_a_proof(arm: Path, stepbot: Stepbot) -> None:
-    """All formats are written and verified; the table has a line for each file and engine without failures."""
+    """All formats are written and verified; the table has a line without failures for each file and engine."""
     run = stepbot("convert", "arm2.robot.yaml")
     assert run.code == 0, run.err
     assert {file.name for file in (arm / "arm2").iterdir()} >= FILES
@@ -54,7 +54,7 @@ def test_three_formats_and_a_proof(arm: Path, stepbot: Stepbot) -> None:
 
 @pytest.mark.slow
 def test_json_is_the_whole_story(arm: Path, stepbot: Stepbot) -> None:
-    """One document: the robot, the files, the report, the findings; the checks are cases of JUnit as well."""
+    """`--json` prints the robot, files, report and findings; JUnit has the checks as test cases."""
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--json", "--junit", "out.xml")
     document = json.loads(run.out)
     assert document["exit_code"] == run.code == 0
@@ -69,14 +69,14 @@ def test_json_is_the_whole_story(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
-    """-f by an alias, twice, writes that format once; --no-verify starts no engine."""
+    """`-f` by an alias, given twice, writes one format; `--no-verify` starts no engine."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "sdformat", "-f", "sdf", "--no-verify", "-o", "out")
     assert run.code == 0, run.err
     assert [name for name in snapshot(arm / "out") if name.endswith((".urdf", ".sdf", ".xml"))] == ["arm2.sdf"]
 
 
 def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
-    """What a format has no place for is a warning; with --strict it is an error, and nothing is written."""
+    """A feature that a format lacks is a warning, and with `--strict` an error without output."""
     spoil(arm, replaced("friction: 0.02}", "friction: 0.02, armature: 0.01}"))
     run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "sdf")
     assert run.code == 1
@@ -89,14 +89,14 @@ def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_other_step(arm: Path, stepbot: Stepbot) -> None:
-    """--step takes the place of the file that the sidecar names."""
+    """`--step` replaces the file named in the sidecar."""
     (arm / "arm2.step").rename(arm / "revision_b.step")
     assert stepbot("convert", "arm2.robot.yaml", "--no-verify").code == 2
     assert stepbot("convert", "arm2.robot.yaml", "--no-verify", "--step", "revision_b.step").code == 0
 
 
 def test_unknown_format(stepbot: Stepbot) -> None:
-    """A format that is not there is wrong usage, with the near one."""
+    """An unknown format is a usage error that suggests a similar name."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "udrf")
     assert run.code == 2
     assert "unknown format 'udrf'; did you mean 'urdf'?" in run.err
@@ -107,7 +107,7 @@ def test_unknown_format(stepbot: Stepbot) -> None:
     [("arm.robot.yaml", "arm"), ("a/b/arm.robot.yml", "arm"), ("robot.yaml", "robot"), ("arm.v2.robot.yaml", "arm.v2")],
 )
 def test_default_output(name: str, folder: str) -> None:
-    """The folder is named like the sidecar, in the current folder."""
+    """The default output folder has the sidecar's name and is in the current folder."""
     assert default_output(Path(name)) == Path(folder)
 
 
@@ -126,7 +126,7 @@ def test_default_output(name: str, folder: str) -> None:
 def test_error_leaves_the_former_output(
     arm: Path, stepbot: Stepbot, replacements: list[tuple[str, str]], message: str
 ) -> None:
-    """An error in the sidecar is reported with its place and a remedy; the previous files are unchanged."""
+    """An error in the sidecar is reported with place and remedy; the former files are unchanged."""
     out = arm / "out"
     out.mkdir()
     (out / "arm2.urdf").write_text("former", encoding="utf-8")
@@ -146,7 +146,7 @@ def test_error_leaves_the_former_output(
     "content", [b"", b"solid x\n", b"ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"]
 )
 def test_bad_step_leaves_the_former_output(arm: Path, stepbot: Stepbot, content: bytes) -> None:
-    """A STEP that is empty, invalid, or without a product is reported."""
+    """An empty or invalid STEP, or one without a product, is reported; the former files are unchanged."""
     out = arm / "out"
     out.mkdir()
     (out / "arm2.urdf").write_text("former", encoding="utf-8")
@@ -161,7 +161,7 @@ def test_bad_step_leaves_the_former_output(arm: Path, stepbot: Stepbot, content:
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 def test_kernel_that_dies(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A worker that is killed while it reads is a diagnostic that names the signal; nothing is written."""
+    """A killed kernel is reported with the signal; nothing is written."""
     from stepbot.runtime.worker import Worker
 
     submit = Worker.submit
@@ -188,7 +188,7 @@ def test_external_references_only(arm: Path, stepbot: Stepbot, corpus: Path) -> 
 
 
 def test_output_that_cannot_be_written(arm: Path, stepbot: Stepbot) -> None:
-    """A file in place of the folder is reported before anything is lost."""
+    """A file at the path of the output folder is reported and left unchanged."""
     (arm / "out").write_text("a file", encoding="utf-8")
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify")
     assert run.code == 2
@@ -202,7 +202,7 @@ def test_output_that_cannot_be_written(arm: Path, stepbot: Stepbot) -> None:
 def test_unwritable_output_is_found_before_the_work(
     arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch, how: str, output: str
 ) -> None:
-    """A file in the way, or a missing right, is reported before anything is read: the sidecar need not even exist."""
+    """A file in the way or missing permission is reported before any input is read."""
     if how == "file":
         (arm / "out").write_text("a file", encoding="utf-8")
     else:
@@ -219,7 +219,7 @@ def test_unwritable_output_is_found_before_the_work(
 
 @pytest.mark.slow
 def test_same_bytes_wherever_and_however(arm: Path, stepbot: Stepbot) -> None:
-    """Another hash seed, locale, time zone and working directory give the same bytes, report included."""
+    """Hash seed, locale, time zone and working directory do not change the bytes, report included."""
     import subprocess
     import sys
 

@@ -1,4 +1,4 @@
-"""The current folder may be anybody's: no module in it is imported, by no command and no worker."""
+"""No command and no worker imports a module from the current folder."""
 
 import importlib.metadata
 import json
@@ -16,17 +16,17 @@ from tests.command_line import LONGEST, convert_once
 
 ARM = ("arm2.robot.yaml", "arm2.step")
 INSTALLED = (sys.executable, "-P", "-m", "stepbot_cli")
-"""As the installed command starts: its own folder is first on the path, not the current one."""
+"""The start of the installed command: its own folder is first on the path."""
 
 
 def module_names() -> set[str]:
-    """Names of modules: the standard library's, all packages', and those that Python looks for at its start."""
+    """Module names: the standard library, all packages, and those that Python imports at its start."""
     packages = {name for name in importlib.metadata.packages_distributions() if name.isidentifier()}
     return {*sys.stdlib_module_names, *packages, "stepbot", "stepbot_cli", "sitecustomize", "usercustomize", "tests"}
 
 
 def loaded_at_start(folder: Path) -> set[str]:
-    """Names of modules that Python itself imports for `python -m`, before stepbot's first line."""
+    """Modules that Python imports for `python -m` before the first line of stepbot."""
     (folder / "names_at_start.py").write_text("import sys; print(*(name.partition('.')[0] for name in sys.modules))")
     command = [sys.executable, "-m", "names_at_start"]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
@@ -34,14 +34,14 @@ def loaded_at_start(folder: Path) -> set[str]:
 
 
 def set_traps(folder: Path, marker: Path, spared: Collection[str] = ()) -> None:
-    """Write files named like modules, each of which records in ``marker`` that it was run."""
+    """Write files named like modules, each of which records in ``marker`` that it ran."""
     code = f"with open({str(marker)!r}, 'a') as file: file.write(__name__ + ' ')\n"
     for name in module_names().difference(spared):
         (folder / f"{name}.py").write_text(code)
 
 
 class Trap:
-    """A folder with a robot and files named like modules, each of which records that it was run."""
+    """A folder with a robot and files named like modules, each of which records that it ran."""
 
     def __init__(self, folder: Path, robots: Path, spared: set[str]) -> None:
         self.folder, self.marker = folder / "trap", folder / "marker"
@@ -51,7 +51,7 @@ class Trap:
         set_traps(self.folder, self.marker, spared)
 
     def run(self, command: tuple[str, ...], *arguments: str, **variables: str) -> str:
-        """Run a command in the folder; returns its standard output. It must be clean and run no file of the folder."""
+        """Run a command in the folder; it must succeed and import no file there; returns its standard output."""
         environment = {**os.environ, "PYTHONIOENCODING": "utf-8", **variables}
         run = subprocess.run(
             [*command, *arguments],
@@ -68,7 +68,7 @@ class Trap:
         return run.stdout
 
     def robot_files(self, folder: str) -> dict[str, bytes]:
-        """The files of the robot, without the report, which notes times."""
+        """The files of the robot without the report, which has times."""
         found = (self.folder / folder).rglob("*")
         files = {path.relative_to(self.folder / folder).as_posix(): path for path in found if path.is_file()}
         return {name: path.read_bytes() for name, path in files.items() if not name.endswith(".json")}
@@ -78,7 +78,7 @@ class Trap:
 def test_no_command_imports_from_the_current_folder(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """Workers and servers included; the results are those of another folder."""
+    """No command, worker or server imports a file of the folder, and the output is that of another folder."""
     trap = Trap(tmp_path, robot_library, set())
     trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out")
     elsewhere = convert_once(tmp_path_factory, "stepbot_arm2", robot_library / "stepbot_arm2" / "arm2.robot.yaml")
@@ -102,7 +102,7 @@ def test_no_command_imports_from_the_current_folder(
 def test_no_import_from_the_current_folder_where_python_begins_with_it(
     tmp_path: Path, robot_library: Path, python_path: str
 ) -> None:
-    """`python -m` and an empty entry of PYTHONPATH put it first: stepbot takes it off before it imports anything."""
+    """stepbot removes the current folder from the path, where `python -m` or PYTHONPATH put it first."""
     trap = Trap(
         tmp_path,
         robot_library,
@@ -125,7 +125,7 @@ PROGRAMS = (
     "cc",
     "lscpu",
 )
-"""What stepbot looks for, and what Python and packages are known to look for by name when they are imported."""
+"""Names that stepbot, Python and packages look for when they are imported."""
 RUNS_PROGRAMS = (sys.executable, "-P", "-c")
 
 
@@ -133,7 +133,7 @@ RUNS_PROGRAMS = (sys.executable, "-P", "-c")
 @pytest.mark.skipif(os.name == "nt", reason="the program is a script of a Unix shell here")
 @pytest.mark.parametrize("path", ["", "."], ids=["empty entry", "relative entry"])
 def test_no_program_of_the_current_folder_is_run(path: str, tmp_path: Path, robot_library: Path) -> None:
-    """Not even where PATH begins with that folder: `gz` and `ign` are looked for in absolute entries only."""
+    """No program of the current folder runs, even first in PATH: `gz` and `ign` are found in absolute entries only."""
     trap = Trap(tmp_path, robot_library, module_names())
     for name in PROGRAMS:
         (trap.folder / name).write_text(f"#!/bin/sh\necho {name} >> {trap.marker}\necho 12.0\n")

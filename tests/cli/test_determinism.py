@@ -1,4 +1,4 @@
-"""Same input, same bytes: independent of hash seed, locale, folder, cores, and previous output."""
+"""Output bytes do not depend on hash seed, locale, folder, number of cores or previous output."""
 
 import os
 import shutil
@@ -15,12 +15,12 @@ pytestmark = pytest.mark.slow
 
 
 def first_run(temporary: pytest.TempPathFactory, library: Path, robot: str) -> Conversion:
-    """The conversion that others are compared with: the sidecar by its absolute path, the output by a relative one."""
+    """The reference conversion: the sidecar by an absolute path, the output by a relative one."""
     return convert_once(temporary, robot, next((library / robot).glob("*.robot.yaml")))
 
 
 def assert_same_bytes(one: Path, other: Path) -> None:
-    """Two folders hold the same files."""
+    """Assert that two folders have the same files."""
     expected, found = snapshot(one), snapshot(other)
     assert "report.json" in expected
     assert list(found) == list(expected)
@@ -30,7 +30,7 @@ def assert_same_bytes(one: Path, other: Path) -> None:
 def test_other_seed_core_folder_and_paths(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """On one core, in ASCII, with other hash seed, time zone and home, elsewhere, by absolute paths: the same bytes."""
+    """One core, ASCII, another hash seed, time zone, home and folder do not change the bytes."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_arm2")
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     one_core = "import os, runpy, sys\n" + (
@@ -81,7 +81,7 @@ def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def test_other_locale_and_relative_paths(
     german: dict[str, str], tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """With decimal commas, from a copy in another folder that is named by a relative path: the same bytes."""
+    """A locale with decimal commas and relative paths do not change the bytes."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_four_bar")
     (tmp_path / "a" / "b").mkdir(parents=True)
     for file in ("four_bar.robot.yaml", "four_bar.step"):
@@ -99,7 +99,7 @@ def test_other_locale_and_relative_paths(
 
 
 def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> None:
-    """Every process a new interpreter, as on macOS and Windows: the same bytes, proof included."""
+    """Processes started as new interpreters, as on macOS and Windows, do not change the bytes or the proof."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_four_bar")
     sidecar = robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
     run = stepbot("convert", sidecar, "-o", "out", cwd=tmp_path, changes={NO_FORK: "1"})
@@ -110,7 +110,7 @@ def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, 
 @pytest.mark.parametrize("times", [2, pytest.param(6, marks=pytest.mark.long)])
 @pytest.mark.parametrize("robot", ["stepbot_diff_drive", "stepbot_upper_body"])
 def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, times: int) -> None:
-    """Several processes, without a cache: the same bytes, those of large hulls too."""
+    """Repeated conversions in new processes without a cache have the same bytes, including large hulls."""
     (sidecar,) = (robot_library / robot).glob("*.robot.yaml")
     runs = [convert(sidecar, tmp_path / str(i), "--no-verify") for i in range(times)]
     assert any(name.endswith("_hull.obj") for name in snapshot(runs[0].folder))
@@ -121,7 +121,7 @@ def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, t
 def test_one_format_alone_has_the_same_bytes(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """A file does not depend on which others are written with it, nor on whether it is verified."""
+    """The bytes of a format do not depend on other formats or on verification."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_arm2")
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     alone = convert(sidecar, tmp_path / "alone", "-f", "mjcf", "--no-verify")
@@ -134,7 +134,7 @@ def test_one_format_alone_has_the_same_bytes(
 def test_again_into_the_same_folder(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """A second run over its own output touches no file but its stamp: nothing that watches them wakes up."""
+    """A second run into the same folder writes no file but its stamp."""
     sidecar = robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
     convert(sidecar, tmp_path / "out", "-f", "urdf", "--no-verify")
     before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in (tmp_path / "out").rglob("*.*")}

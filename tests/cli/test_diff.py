@@ -31,7 +31,7 @@ def differences(stepbot: Stepbot, old: str, new: str, code: int) -> list[dict[st
 
 
 def test_every_kind_of_change_in_a_step(lever: Revision, stepbot: Stepbot) -> None:
-    """One row for each: renamed, moved, reshaped, removed, added; two exports of one assembly have none."""
+    """Each change is one row: renamed, moved, reshaped, removed, added; two exports of one assembly have none."""
     lever.write(Path("same.step"))
     assert differences(stepbot, "old.step", "same.step", 0) == []
     lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).move("beam:1", pose((0, 5.0, 0)))
@@ -52,7 +52,7 @@ def test_every_kind_of_change_in_a_step(lever: Revision, stepbot: Stepbot) -> No
 
 
 def test_sidecars_are_compared_by_their_robots(lever: Revision, stepbot: Stepbot) -> None:
-    """Limits, masses and frames that differ; another order of the same is no difference."""
+    """Sidecars are compared by their robots: limits, masses and frames differ, the order of keys does not."""
     shutil.copy("old.step", "lever.step")
     Path("a.robot.yaml").write_text(LEVER, encoding="utf-8")
     Path("b.robot.yaml").write_text("# the same\n" + LEVER.replace("[beam, motor]", "[motor, beam]"), encoding="utf-8")
@@ -79,7 +79,7 @@ URDF = """<robot name="arm">
 
 @pytest.mark.mujoco
 def test_robots_are_compared_as_engines_load_them(tmp_path: Path, stepbot: Stepbot) -> None:
-    """Two files, or the folders that hold them: the same, and different in a mass and a limit."""
+    """Robot files, or folders of them, are compared as engines load them: equal, or with another mass and limit."""
     for name, text in (
         ("old", URDF),
         ("new", URDF.replace('value="2"', 'value="2.5"').replace('upper="1"', 'upper="2"')),
@@ -110,7 +110,7 @@ def test_robots_are_compared_as_engines_load_them(tmp_path: Path, stepbot: Stepb
 def test_what_cannot_be_read_ends_in_code_2(
     arguments: tuple[str, str], words: str, lever: Revision, stepbot: Stepbot
 ) -> None:
-    """A file that is not there or not readable is neither the same nor different."""
+    """A missing or unreadable file ends in exit code 2."""
     Path("empty").mkdir()
     Path("a.robot.yaml").write_text("# nothing\n", encoding="utf-8")
     Path("broken.urdf").write_text("<robot", encoding="utf-8")

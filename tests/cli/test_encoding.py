@@ -37,12 +37,12 @@ def crate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def write_sidecar(folder: Path, encoding: str = "") -> None:
-    """The sidecar, with its line about the encoding."""
+    """Write the sidecar, with its line about the encoding."""
     (folder / "crate.robot.yaml").write_text(SIDECAR.format(encoding=encoding), encoding="utf-8")
 
 
 def test_inspect(crate: Path, stepbot: Stepbot) -> None:
-    """Paths and names are decoded as drawn; without the option a warning suggests code pages."""
+    """`inspect --encoding` decodes paths and names; without the option a warning suggests code pages."""
     run = stepbot("inspect", "crate.step", "--encoding", "GBK")
     assert (run.code, run.err) == (0, "")
     assert "encoding: gbk, as declared" in run.out
@@ -55,7 +55,7 @@ def test_inspect(crate: Path, stepbot: Stepbot) -> None:
 
 
 def test_the_sidecar_declares_it(crate: Path, stepbot: Stepbot) -> None:
-    """Names in the sidecar bind to those in the STEP, in the report too; no warning is left."""
+    """Names in the sidecar bind to decoded names of the STEP, without warnings."""
     write_sidecar(crate, "step_encoding: gbk")
     run = stepbot("convert", "crate.robot.yaml", "--no-verify", "-o", "out", "--json")
     document = json.loads(run.out)
@@ -66,7 +66,7 @@ def test_the_sidecar_declares_it(crate: Path, stepbot: Stepbot) -> None:
 
 
 def test_the_command_line_overrules_the_sidecar(crate: Path, stepbot: Stepbot) -> None:
-    """What is declared last counts; a name that binds to nothing in a wrong code page is an error."""
+    """`--encoding` overrides the sidecar; with a wrong code page, names that match nothing are errors."""
     write_sidecar(crate, "step_encoding: cp949")
     assert stepbot("check", "--step", "crate.robot.yaml").code == 1
     assert stepbot("check", "--encoding", "gbk", "--step", "crate.robot.yaml").code == 0
@@ -78,7 +78,7 @@ def test_the_command_line_overrules_the_sidecar(crate: Path, stepbot: Stepbot) -
 
 @pytest.mark.parametrize("command", [["inspect", "crate.step"], ["check", "x.yaml"], ["convert", "x.yaml"]])
 def test_no_such_code_page(command: list[str], crate: Path, stepbot: Stepbot) -> None:
-    """A code page that there is not is wrong usage, with near names."""
+    """An unknown code page is a usage error with similar names."""
     run = stepbot(*command, "--encoding", "cp1521")
     assert run.code == 2
     assert "unknown code page 'cp1521'; did you mean" in run.err
@@ -86,7 +86,7 @@ def test_no_such_code_page(command: list[str], crate: Path, stepbot: Stepbot) ->
 
 
 def test_no_such_code_page_in_the_sidecar(crate: Path, stepbot: Stepbot) -> None:
-    """It is a finding at its place."""
+    """An unknown code page in the sidecar is reported at its line."""
     write_sidecar(crate, "step_encoding: utf-16")
     run = stepbot("check", "crate.robot.yaml", "--concise")
     assert run.code == 1

@@ -1,4 +1,4 @@
-"""Commands on an assembly whose parts are in files of their own: every one of them is an input."""
+"""Commands on an assembly whose parts are in separate files: every file is an input."""
 
 import hashlib
 import json
@@ -49,7 +49,7 @@ def machine(thickness: float = 10.0) -> Assembly:
 
 @pytest.fixture
 def lever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder, with ``lever.robot.yaml`` and the four files of its assembly; a cache is switched on."""
+    """The current folder, with ``lever.robot.yaml``, the four files of its assembly, and a cache."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(tmp_path / "kept"))
@@ -59,7 +59,7 @@ def lever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def replace_part(folder: Path) -> None:
-    """Make the bar, two files below the one that the sidecar names, twice as thick."""
+    """Double the thickness of the bar, which is two references below the STEP that the sidecar names."""
     (folder / "new").mkdir()
     write_separately(folder / "new", machine(thickness=20.0))
     shutil.copy(folder / "new" / "bar.step", folder)
@@ -73,7 +73,7 @@ def mass_of(report: Path, link: str) -> float:
 
 
 def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
-    """`convert`, `check` and `uptodate` see that a file changed to which the STEP only refers over another one."""
+    """`convert`, `check` and `uptodate` detect a change of a file that the STEP refers to indirectly."""
     assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
     assert mass_of(Path("out/report.json"), "lever") == pytest.approx(2 * STEEL * 0.08 * 0.01 * 0.01)
     assert stepbot("check", "--step", "lever.robot.yaml").code == 0
@@ -95,7 +95,7 @@ def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
 
 
 def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
-    """The cached assembly is not used if one of its files is missing; it is used again when the file is back."""
+    """The cached assembly is not used while one of its files is missing, and is used again afterwards."""
     assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
     assert stepbot("check", "--step", "lever.robot.yaml").code == 0
     Path("bar.step").rename("aside.step")
@@ -109,7 +109,7 @@ def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
 
 
 def test_diagnostics_name_a_part_from_the_cache_too(lever: Path, stepbot: Stepbot) -> None:
-    """A diagnostic about a part's file refers to that file, by the path from the current folder."""
+    """A diagnostic about a part names the part's file, relative to the current folder, also from the cache."""
     bar = parts.draw(lever / "bar.step", drawn("bar", box(80, 10, 10), "", STEEL)).path
     bar.write_bytes(bar.read_bytes().replace(b"'bar'", b"'b\xe4r'"))
     expected = stepbot("inspect", "machine.step").err
@@ -124,7 +124,7 @@ def test_diagnostics_name_a_part_from_the_cache_too(lever: Path, stepbot: Stepbo
 
 
 def test_inspect_lists_the_files(lever: Path, stepbot: Stepbot) -> None:
-    """Tree and mass are those of one file, and the other files are listed."""
+    """`inspect` has the tree and masses of a single file, and lists the referenced files."""
     run = stepbot("inspect", "machine.step")
     assert run.code == 0
     assert "foot.step, arm.step, bar.step" in run.out
@@ -135,7 +135,7 @@ def test_inspect_lists_the_files(lever: Path, stepbot: Stepbot) -> None:
 
 @pytest.mark.parametrize("as_bytes", [False, True], ids=["same machine", "other machine"])
 def test_batch(as_bytes: bool, lever: Path) -> None:
-    """Every file goes to the machine that converts; a changed part makes the robot run anew."""
+    """A batch sends every file to the executor; a changed part is converted again."""
     found = Diagnostics()
     tasks = plan([Path("lever.robot.yaml")], Path("all"), found)
     options = Options(Path("all"), formats=("urdf",), verify=False)

@@ -1,4 +1,4 @@
-"""Names that are not UTF-8: of the sidecar, the STEP file, folders, the output and files to verify."""
+"""File names that are not UTF-8: of the sidecar, the STEP, folders, the output and files to verify."""
 
 import json
 import os
@@ -20,7 +20,7 @@ pytestmark = [
 
 @pytest.fixture
 def folder(tmp_path: Path, robot_library: Path) -> Path:
-    """A folder with the four-bar, where every name but that in the sidecar is Latin-1."""
+    """A folder with the four-bar; every name except that in the sidecar is Latin-1."""
     folder = tmp_path / os.fsdecode(b"caf\xe9") / "robots"
     folder.mkdir(parents=True)
     for number in range(2):
@@ -33,7 +33,7 @@ def folder(tmp_path: Path, robot_library: Path) -> Path:
 
 
 def run(folder: Path, *arguments: str) -> Run:
-    """Run a command that must succeed; that what it prints is UTF-8 is checked as it is read."""
+    """Run a command that must succeed; its output is read as UTF-8."""
     done = stepbot(*arguments, cwd=folder)
     assert done.code == 0, done.err
     assert "Traceback" not in done.err
@@ -43,7 +43,7 @@ def run(folder: Path, *arguments: str) -> Run:
 def test_convert_proves_what_it_writes(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """All formats, bytes and checks of all engines are those of another folder; names and lists are UTF-8."""
+    """Files in all formats and all checks are those of a folder with UTF-8 names."""
     elsewhere = convert_once(
         tmp_path_factory, "stepbot_four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
     )
@@ -62,7 +62,7 @@ def test_convert_proves_what_it_writes(
 
 
 def test_batch_and_inspect(folder: Path) -> None:
-    """Every robot is converted and up to date; JUnit and JSON can be read."""
+    """`batch` and `inspect` handle such names; their JUnit and JSON are valid."""
     told = json.loads(run(folder, "batch", ".", "-o", BAR, "--json", "--no-verify", "--junit", "tests.xml").out)
     assert told["summary"]["converted"] == 2
     ET.parse(folder / "tests.xml")
@@ -76,7 +76,7 @@ def test_batch_and_inspect(folder: Path) -> None:
 def test_verify_gives_engines_names_that_they_can_open(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """Files and folders of files are verified with their meshes, by the checks of names that are UTF-8."""
+    """`verify` passes files and meshes to engines by names that they can open."""
     elsewhere = convert_once(
         tmp_path_factory, "stepbot_four_bar", robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
     )

@@ -1,4 +1,4 @@
-"""The hooks, run by the real pre-commit in a scratch repository."""
+"""The pre-commit hooks, run by pre-commit in a temporary repository."""
 
 import importlib.util
 import os
@@ -21,7 +21,7 @@ pytestmark = [
 
 
 class Repository:
-    """A git repository with a robot in it and our hooks configured."""
+    """A git repository with a robot and the hooks."""
 
     def __init__(self, folder: Path, robot: Path) -> None:
         self.folder = folder
@@ -61,13 +61,13 @@ class Repository:
         )
 
     def convert(self) -> None:
-        """Write the files that one commits."""
+        """Write the files to commit."""
         run = self.run(*COMMAND, "convert", "robots/four_bar.robot.yaml", "-o", "robots/four_bar", "--no-verify")
         assert run.returncode == 0, run.stderr
         (self.folder / "robots" / "four_bar" / "report.json").unlink()
 
     def hooks(self, *options: str) -> dict[str, str]:
-        """The output of pre-commit for each hook."""
+        """The output of each hook."""
         run = self.run(sys.executable, "-P", "-m", "pre_commit", "run", "--color", "never", "--verbose", *options)
         lines = [line for line in run.stdout.splitlines() if line.startswith("stepbot ") and "..." in line]
         assert lines, run.stdout + run.stderr
@@ -76,7 +76,7 @@ class Repository:
 
 
 def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> None:
-    """Fresh files pass; an edited file, an edited sidecar and a STEP that changed alone do not."""
+    """Current files pass; an edited output, an edited sidecar and a changed STEP fail."""
     repository = Repository(tmp_path / "repository", robot_library / "stepbot_four_bar")
     robots = repository.folder / "robots"
     assert repository.hooks() == {"stepbot check": "Passed", "stepbot uptodate": "Passed"}
@@ -107,7 +107,7 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
 
 
 def test_hooks_import_nothing_of_a_repository(tmp_path: Path, robot_library: Path) -> None:
-    """A repository may contain `random.py` and `lxml.py`: the hooks work, and run none of them."""
+    """The hooks do not import `random.py` or `lxml.py` of the repository."""
     repository = Repository(tmp_path / "repository", robot_library / "stepbot_four_bar")
     marker = tmp_path / "marker"
     set_traps(repository.folder, marker)

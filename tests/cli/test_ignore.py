@@ -1,4 +1,4 @@
-"""Warnings and notes suppressed by the sidecar or by --ignore: never errors, never silently."""
+"""Warnings and notes are suppressed by the sidecar or `--ignore` and counted; errors are never suppressed."""
 
 import json
 import re
@@ -24,7 +24,7 @@ def write_also(arm: Path, text: str) -> None:
 
 
 def with_losses(arm: Path) -> None:
-    """Give a joint what SDFormat leaves out: warning SB703."""
+    """Give a joint an armature, which SDFormat lacks: warning SB703."""
     text = (arm / SIDECAR).read_text(encoding="utf-8")
     assert "friction: 0.02}" in text
     (arm / SIDECAR).write_text(text.replace("friction: 0.02}", "friction: 0.02, armature: 0.01}"), encoding="utf-8")
@@ -34,7 +34,7 @@ CONVERT = ("convert", SIDECAR, "--no-verify", "-f", "sdf")
 
 
 def test_ignored_by_the_sidecar_and_on_the_command_line(arm: Path, stepbot: Stepbot) -> None:
-    """Both leave the finding out, count it on the screen and in the report, and hold under --strict too."""
+    """Ignored findings are omitted, counted on the screen and in the report, and accepted by `--strict`."""
     with_losses(arm)
     assert "warning[SB703]" in stepbot(*CONVERT).err
     run = stepbot(*CONVERT, "--ignore", "sb703,SB505")
@@ -52,7 +52,7 @@ def test_ignored_by_the_sidecar_and_on_the_command_line(arm: Path, stepbot: Step
 def test_results_in_the_cache_know_what_was_ignored(
     arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is ignored is in the key of what is kept, and its count comes back with it."""
+    """Ignored codes are part of the cache key, and their counts are cached."""
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(arm.parent / "kept"))
     check = ("check", "--step", SIDECAR)
@@ -66,7 +66,7 @@ def test_results_in_the_cache_know_what_was_ignored(
 
 @pytest.mark.parametrize(("code", "message"), [("SB130", "SB130 is an error"), ("SB50", "unknown code 'SB50'")])
 def test_errors_cannot_be_ignored(arm: Path, stepbot: Stepbot, code: str, message: str) -> None:
-    """An error's code, or no code at all, is a fault of the sidecar with its place, and wrong usage of --ignore."""
+    """The code of an error, or an unknown code, is an error in the sidecar and a usage error in `--ignore`."""
     run = stepbot("check", SIDECAR, "--ignore", code)
     assert run.code == 2
     assert message in run.err
@@ -79,7 +79,7 @@ def test_errors_cannot_be_ignored(arm: Path, stepbot: Stepbot, code: str, messag
 
 
 def test_unused_entries_are_reported(arm: Path, stepbot: Stepbot) -> None:
-    """An entry that ignores nothing is a note at its place, once everything that it could be about was looked for."""
+    """An entry that ignores nothing is a note at its line if all related checks ran."""
     write_also(arm, "ignore_findings: [SB305, SB139, SB810]\n")
     only_text = stepbot("check", "--concise", SIDECAR).out
     assert only_text.count("note[SB142]") == 1
@@ -90,7 +90,7 @@ def test_unused_entries_are_reported(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_entry_of_a_joint_holds_for_that_joint(arm: Path, stepbot: Stepbot) -> None:
-    """Of two joints with the same warning, one is ignored and one reported."""
+    """An entry of a joint ignores the warning for that joint only."""
     text = (arm / SIDECAR).read_text(encoding="utf-8")
     text, changed = re.subn(r"(lower: -\d+ deg, upper: \d+) deg", r"\1", text, count=2)
     assert changed == 2
@@ -118,7 +118,7 @@ def test_entry_of_a_joint_holds_for_that_joint(arm: Path, stepbot: Stepbot) -> N
 def test_what_an_entry_covers(
     rule: dict[str, object], message: str, line: int, notes: tuple[str, ...], covered: bool
 ) -> None:
-    """Diagnostics about its subject or at its lines; summaries of several places only by a rule at the top level."""
+    """An entry covers diagnostics about its subject or at its lines; only a top-level entry covers summaries."""
     found = Diagnostics()
     found.ignore([Ignore("SB602", Span("a.yaml", 4, 3), **rule)])  # type: ignore[arg-type]
     found.add("SB602", message, Span("a.yaml", line), notes=notes)
@@ -149,7 +149,7 @@ joints:
 def test_entry_of_a_link_takes_its_path_out_of_a_summary(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
 ) -> None:
-    """SB305 is one warning for all links: one that ignores it is left out, and the others are reported."""
+    """An entry of a link removes its paths from the summary SB305."""
     monkeypatch.chdir(tmp_path)
     write_same_names(Path("robot.step"))
     Path(SIDECAR).write_text(NUMBERED, encoding="utf-8")
@@ -166,7 +166,7 @@ def test_entry_of_a_link_takes_its_path_out_of_a_summary(
 def test_entry_of_a_link_holds_for_its_overlapping_solids(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
 ) -> None:
-    """SB512 is ignored for one link and reported for the other."""
+    """An entry of a link ignores SB512 for that link only."""
     monkeypatch.chdir(tmp_path)
     blocks = [drawn(name, box(40, 10, 10)) for name in "abcd"]
     places = [(20.0 * i, 0.0, 0.0) for i in range(2)] + [(20.0 * i, 50.0, 0.0) for i in range(2)]

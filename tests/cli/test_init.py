@@ -1,4 +1,4 @@
-"""``stepbot init``: a drafted sidecar, what is printed of it, and what it does not overwrite."""
+"""``stepbot init``: the drafted sidecar, its summary, and overwriting."""
 
 import json
 from pathlib import Path
@@ -21,7 +21,7 @@ def slider(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_draft_passes_the_check_and_converts(slider: Path, stepbot: Stepbot) -> None:
-    """A pair that the STEP states becomes a joint; the sidecar passes `check --step` and converts as it is."""
+    """A pair in the STEP becomes a joint; the sidecar passes `check --step` and converts unchanged."""
     run = stepbot("init", "slider.step")
     assert run.code == 0, run.err
     assert run.out.startswith("slider.robot.yaml: 2 links, 1 joint; root link 'holder'\n")
@@ -34,7 +34,7 @@ def test_draft_passes_the_check_and_converts(slider: Path, stepbot: Stepbot) -> 
 
 
 def test_nothing_is_overwritten_without_force(slider: Path, stepbot: Stepbot) -> None:
-    """A sidecar that is there stays, with SB012 and exit code 1, unless --force is given; a schema always stays."""
+    """An existing sidecar is SB012 and exit code 1 without `--force`; an existing schema is never overwritten."""
     sidecar, schema = slider / "slider.robot.yaml", slider / "robot-1.schema.json"
     for mine in (sidecar, schema):
         mine.write_text("mine", encoding="utf-8")
@@ -48,7 +48,7 @@ def test_nothing_is_overwritten_without_force(slider: Path, stepbot: Stepbot) ->
 
 
 def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Stepbot) -> None:
-    """-o makes its folder, and `step` is relative to it; the same input gives the same bytes."""
+    """`-o` creates its folder and writes `step` relative to it; the bytes are deterministic."""
     for name in ("first", "second"):
         assert stepbot("init", "slider.step", "-o", f"{name}/a.robot.yaml").code == 0
     text = (slider / "first" / "a.robot.yaml").read_bytes()
@@ -58,7 +58,7 @@ def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Step
 
 
 def test_joints_of_a_plain_step_are_inferred(arm: Path, stepbot: Stepbot) -> None:
-    """Without stated pairs, joints are inferred from shapes, with evidence: shoulder, elbow and both fingers."""
+    """Without stated pairs, joints are inferred from shapes with evidence: shoulder, elbow and both fingers."""
     (arm / "arm2.robot.yaml").unlink()
     run = stepbot("init", "arm2.step", "--json")
     assert run.code == 0, run.err
@@ -85,7 +85,7 @@ def test_json_has_links_joints_and_what_is_left_to_do(stepbot: Stepbot) -> None:
 def test_file_that_is_no_step_writes_nothing(
     step: str, tmp_path: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A missing file and a text are findings, and no sidecar is left behind."""
+    """A missing or invalid STEP is a finding, and no sidecar is written."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "notes.step").write_text("hello", encoding="utf-8")
     run = stepbot("init", step)
@@ -95,7 +95,7 @@ def test_file_that_is_no_step_writes_nothing(
 
 
 def test_folder_that_cannot_be_written_is_a_finding(slider: Path, stepbot: Stepbot) -> None:
-    """A file in place of the folder is reported as SB004."""
+    """A file at the path of the folder is SB004."""
     (slider / "file").write_text("", encoding="utf-8")
     run = stepbot("init", "slider.step", "-o", "file/a.robot.yaml")
     assert run.code in (1, 2)
@@ -103,7 +103,7 @@ def test_folder_that_cannot_be_written_is_a_finding(slider: Path, stepbot: Stepb
 
 
 def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The answer turns the tree round; questions go to standard error and Enter keeps the draft."""
+    """`--interactive` changes the root link; questions go to standard error; Enter keeps the draft."""
     import io
 
     monkeypatch.setattr("sys.stdin", io.StringIO("2\n"))

@@ -1,4 +1,4 @@
-"""``stepbot inspect``: what it prints can be pasted, and is right."""
+"""``stepbot inspect``: component paths for the sidecar, measures, axis lines."""
 
 import json
 import math
@@ -32,7 +32,7 @@ def test_components_with_paths_to_paste(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_names_of_an_occurrence(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An occurrence with a name of its own is listed; on a narrow screen names only where the path lacks them."""
+    """An occurrence with its own name is listed; a narrow screen omits names that the path contains."""
     text = Path("arm2.step").read_text(encoding="utf-8")
     assert "'turntable:1'" in text
     Path("arm2.step").write_text(text.replace("'turntable:1'", "'disc'"), encoding="utf-8")
@@ -45,7 +45,7 @@ def test_names_of_an_occurrence(arm: Path, stepbot: Stepbot, monkeypatch: pytest
 
 
 def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:
-    """Line breaks, escapes of the terminal and marks of direction in names leave one line per component."""
+    """Line breaks, terminal escapes and bidi marks in names do not break the listing."""
     from robot_library.moments import pose
     from robot_library.step_file import Assembly, Occurrence
 
@@ -65,7 +65,7 @@ def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:
     assert all(line.isprintable() for line in run.out.split("\n"))
     table = run.out.partition("\n\n")[2].splitlines()
     assert len(table) == 1 + 1 + len(names)
-    assert len({line.index("  1 ") for line in table[2:]}) == 1  # columns are still columns
+    assert len({line.index("  1 ") for line in table[2:]}) == 1  # columns are still aligned
     pasted = [str(YAML(typ="safe").load(line.split("  ")[0])) for line in table[2:]]
     assert pasted == list(names.values())
     document = json.loads(stepbot("inspect", str(path), "--json").out)
@@ -73,7 +73,7 @@ def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:
 
 
 def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> None:
-    """The header counts closed meshes and lists materials; an open solid has the reason on its line."""
+    """The header counts closed meshes and lists materials; an open solid has the reason in its row."""
     out = stepbot("inspect", str(parts.write_nested(tmp_path / "nested.step").path)).out
     assert re.search(r"\d+ solids \(watertight\)", out)
     (line,) = [line for line in out.splitlines() if line.startswith("materials: ")]
@@ -85,7 +85,7 @@ def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> Non
 
 
 def test_every_path_means_one_component(arm: Path, stepbot: Stepbot) -> None:
-    """A path that inspect prints is found again, as itself."""
+    """Each printed path selects exactly its component."""
     from stepbot.pipeline.stages import Options, inspect
     from stepbot.step.structure.paths import ComponentPaths
 
@@ -97,7 +97,7 @@ def test_every_path_means_one_component(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_volumes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
-    """A rod of the gripper is a cylinder of 8 mm by 120 mm; its volume is known."""
+    """The volume of a rod is that of its cylinder, 8 mm by 120 mm."""
     document = json.loads(stepbot("inspect", "arm2.step", "--json").out)
     (rod,) = [c for c in document["components"] if c["path"] == "forearm/gripper/rod:1"]
     assert rod["volume"] == pytest.approx(math.pi * 0.004**2 * 0.120, rel=1e-9)
@@ -108,7 +108,7 @@ def test_volumes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_sizes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
-    """The base plate is 120 by 120 by 12 mm, a rod 8 by 120 by 8: mm in the text, m in JSON."""
+    """Sizes of the base plate (120 by 120 by 12 mm) and a rod (8 by 120 by 8) are mm in the text and m in JSON."""
     out = stepbot("inspect", "arm2.step").out
     (plate,) = [line for line in out.splitlines() if line.startswith('"base/base plate"')]
     assert "  120 x 120 x 12  " in plate
@@ -120,12 +120,12 @@ def test_sizes_are_those_of_the_drawing(arm: Path, stepbot: Stepbot) -> None:
 
 
 def listed_paths(out: str) -> list[str]:
-    """The paths that begin the lines of a listing."""
+    """The paths at the start of the lines of a listing."""
     return [str(YAML(typ="safe").load(match[0])) for match in re.finditer(r'^"[^"]*"', out, re.MULTILINE)]
 
 
 def test_repeated_parts_share_a_line(arm: Path, stepbot: Stepbot) -> None:
-    """Four screws are one line with their count and the last of them; --unfold and --features list each."""
+    """Four identical screws are one line with a count; `--unfold` and `--features` list each."""
     out = stepbot("inspect", "arm2.step").out
     (line,) = [line for line in out.splitlines() if "screw M6x12" in line]
     assert re.match(r'"base/screw M6x12:1" +4 +1 +0\.751626 cm\^3 ', line)
@@ -139,7 +139,7 @@ def test_repeated_parts_share_a_line(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_depth_and_filter(arm: Path, stepbot: Stepbot) -> None:
-    """What is listed, and how much is not; JSON has everything all the same."""
+    """`--depth` and filters limit the text and count the rest; JSON has all components."""
     out = stepbot("inspect", "arm2.step", "--depth", "1").out
     assert listed_paths(out) == [".", "base", "shoulder", "forearm"]
     assert out.endswith("\n17 components below depth 1 not shown\n")
@@ -158,7 +158,7 @@ def test_depth_and_filter(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 60 columns a path has its own line, with its properties below; in a pipe all is on one line."""
+    """At 60 columns a path has its own line; in a pipe all is on one line."""
     monkeypatch.setenv("COLUMNS", "60")
     out = stepbot("inspect", "arm2.step").out
     assert max(map(len, out.splitlines())) <= 60
@@ -174,7 +174,7 @@ def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPa
 
 
 def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
-    """Validation properties of the file are listed with the measured values, as text and as JSON."""
+    """Stated validation properties are listed with the measured values, as text and JSON."""
     file = Stating(parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path)
     block = file.definition("block")
     file.measure(block, Quantity.VOLUME, 0.240, "cm", power=3)
@@ -195,7 +195,7 @@ def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
 
 
 def test_features_are_origins_to_paste(arm: Path, stepbot: Stepbot) -> None:
-    """Each axis line comes with the origin that means just it; pasted into a sidecar it gives that line."""
+    """Each axis line is listed with an origin that, used in a sidecar, selects that line."""
     run = stepbot("inspect", "arm2.step", "--features")
     (line,) = [line for line in run.out.splitlines() if "at [86.603, 0, 200] mm" in line]
     origin = line.partition("origin: ")[2]
@@ -209,7 +209,7 @@ def test_features_are_origins_to_paste(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_between_components(arm: Path, stepbot: Stepbot) -> None:
-    """The line that a pin and its bore share, as text and as JSON."""
+    """The axis line of a pin and its bore, as text and JSON."""
     run = stepbot("inspect", "arm2.step", "--between", "base", "shoulder")
     assert run.out.startswith("'base' and 'shoulder' share 1 axis\n")
     assert 'origin: {mate: ["base", "shoulder"]}' in run.out
@@ -217,8 +217,8 @@ def test_between_components(arm: Path, stepbot: Stepbot) -> None:
     (line,) = document["between"]["lines"]
     assert line["direction"] == pytest.approx([0, 0, 1])
     assert line["chosen"]
-    # The pivot on the post is in the bore of the turntable for all of its height; the faces that are wider, of the post
-    # and of the turntable's outside, only touch in a plane. The weight is the smaller radius of those that meet.
+    # The pivot of the post is in the bore of the turntable over its whole height. The wider faces, of the post and of
+    # the outside of the turntable, touch in a plane only. The weight is the smaller radius of the faces in contact.
     pivot_begins = BASE_PLATE[2] + COLUMN.height
     pivot_ends = pivot_begins + COLUMN.pivot
     turntable_begins = float(turntable_place()[2, 3])
@@ -228,21 +228,21 @@ def test_between_components(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_between_links_of_a_sidecar(arm: Path, stepbot: Stepbot) -> None:
-    """Given the sidecar, links can be compared by name."""
+    """With a sidecar, `--between` compares links by name."""
     run = stepbot("inspect", "arm2.robot.yaml", "--between", "upper_arm", "forearm")
     assert re.match(r"link 'upper_arm' and link 'forearm' share \d+ ax", run.out)
     assert "origin: {auto: true" in run.out
 
 
 def test_between_unknown_names(arm: Path, stepbot: Stepbot) -> None:
-    """A wrong name is wrong usage, with near ones."""
+    """An unknown name is a usage error with similar names."""
     run = stepbot("inspect", "arm2.step", "--between", "base", "shulder")
     assert run.code == 2
     assert "did you mean 'shoulder'" in run.err
 
 
 def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
-    """A file that is not STEP is a finding, in JSON too, and nothing but JSON is printed."""
+    """A file that is not STEP is a finding; with `--json` only JSON is printed."""
     (arm / "no.step").write_text("hello\n", encoding="utf-8")
     run = stepbot("inspect", "no.step")
     assert run.code in (1, 2)
@@ -254,7 +254,7 @@ def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
 
 
 def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
-    """The kernel prints errors to standard output; the command's still has one JSON document."""
+    """Kernel errors on standard output do not break the JSON document."""
     path = parts.write_colored_faces(tmp_path / "block.step").path
     text = path.read_text(encoding="utf-8")
     text, lost = re.subn(r"#\d+\s*=\s*(COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR)[^;]*;", "", text)

@@ -11,12 +11,12 @@ from stepbot_cli.interrupts import interruptible
 
 
 def press_ctrl_c() -> None:
-    """What the terminal does."""
+    """Send SIGINT, as a terminal does."""
     signal.raise_signal(signal.SIGINT)
 
 
 def test_interrupt_ends_the_block() -> None:
-    """The block ends where Ctrl-C was pressed, and the handler is as before."""
+    """The block ends at Ctrl-C, and the former handler is restored."""
     before = signal.getsignal(signal.SIGINT)
     reached = []
 
@@ -32,7 +32,7 @@ def test_interrupt_ends_the_block() -> None:
 
 
 def test_swallowed_interrupt_is_not_lost() -> None:
-    """What a library swallowed comes again at the end of the block."""
+    """An interrupt swallowed by a library is raised at the end of the block."""
     reached = []
 
     def swallowed() -> None:
@@ -47,7 +47,7 @@ def test_swallowed_interrupt_is_not_lost() -> None:
 
 
 def test_swallowed_request_to_end_comes_again_at_the_next_occasion() -> None:
-    """As an exit code that names the signal, as shells do."""
+    """A swallowed SIGTERM is raised at the next check, with the exit code of the signal."""
     reached = []
 
     def swallowed() -> None:
@@ -67,7 +67,7 @@ def test_swallowed_request_to_end_comes_again_at_the_next_occasion() -> None:
 
 
 def test_nothing_pressed_nothing_raised() -> None:
-    """Without Ctrl-C nothing happens, in other threads neither."""
+    """Without Ctrl-C the block has no effect, and other threads can use it."""
     with interruptible():
         pass
     done = []

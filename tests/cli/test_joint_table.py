@@ -1,4 +1,4 @@
-"""The joint table shows what a person must check, on any screen."""
+"""The joint table fits any screen and shows type, links, axis, origin and evidence of each joint."""
 
 import json
 from dataclasses import replace
@@ -20,7 +20,7 @@ ARM2 = Path(__file__).parents[2] / "robot_library" / "stepbot_arm2" / "arm2.robo
 
 
 def test_a_joint_in_words() -> None:
-    """Type, both links, axis and origin, and the faces with their radii and their length in common."""
+    """A row has type, both links, axis and origin, the faces with their radii, and their common length."""
     assert joint_lines([SHOULDER], 80) == [
         "Joints, as modelled in CAD, in the STEP frame:",
         "  shoulder: revolute, base -> arm, axis -z through [0, 0, 102] mm",
@@ -29,7 +29,7 @@ def test_a_joint_in_words() -> None:
 
 
 def test_verbose_names_components_and_rivals() -> None:
-    """With `--verbose` the components and the other lines are listed, with how far these are behind."""
+    """`--verbose` lists components and the other candidate lines, with their width relative to the chosen one."""
     lines = joint_lines([SHOULDER], 200, verbose=True)
     assert lines[4:] == [
         "    shaft of radius 10 mm: base/pin",
@@ -39,7 +39,7 @@ def test_verbose_names_components_and_rivals() -> None:
 
 
 def test_weak_evidence_is_marked() -> None:
-    """A joint on weak evidence has a mark, the reason, and a place in the last line."""
+    """A joint on weak evidence is marked, with the reason, and counted in the last line."""
     doubted = replace(FIT, basis=Basis.TOUCH, overlap=-0.2 * MM, doubt="they do not fit")
     lines = joint_lines([SHOULDER, replace(SHOULDER, name="elbow", evidence=doubted)], 80)
     assert lines[3:] == [
@@ -64,12 +64,12 @@ def test_weak_evidence_is_marked() -> None:
     ],
 )
 def test_every_basis_has_words(evidence: Evidence, words: str) -> None:
-    """Every form of origin is described."""
+    """Each form of origin has a description."""
     assert joint_lines([replace(SHOULDER, evidence=evidence)], 120)[-1] == f"    {words}"
 
 
 def test_joints_without_axis_and_closures() -> None:
-    """A ball has a centre and no axis, a universal joint two axes; closures are called so."""
+    """A ball joint has a centre and no axis, a universal joint two axes; closures are labelled."""
     ball = replace(SHOULDER, kind="ball", axis=None, is_closure=True)
     universal = replace(SHOULDER, kind="universal", axis2=(1.0, 0.0, 0.0))
     lines = joint_lines([ball, universal], 80)
@@ -81,7 +81,7 @@ def test_joints_without_axis_and_closures() -> None:
 
 @pytest.mark.parametrize("width", [20, 60, 61, 79])
 def test_fits_the_screen(width: int) -> None:
-    """No line exceeds the screen, nor 60 columns; control characters in names steer nothing."""
+    """No line exceeds the screen, at 60 columns and more; control characters in names are escaped."""
     row = replace(SHOULDER, name="left front upper shoulder joint", parent="left front upper plate of the base \x1b[2J")
     lines = joint_lines([row, replace(row, evidence=replace(FIT, doubt="nothing fits " * 9))], width, verbose=True)
     assert max(map(len, lines)) <= max(width, 60)
@@ -90,9 +90,9 @@ def test_fits_the_screen(width: int) -> None:
 
 @pytest.mark.slow
 def test_check_convert_and_verify_agree(stepbot: Stepbot, tmp_path: Path) -> None:
-    """`check --step`, `convert` and its `report.json` show one table; `verify` reads the same axes from the files."""
+    """`check --step`, `convert` and `report.json` have the same table; `verify` reads the same axes from the files."""
     lines = ARM2.read_text(encoding="utf-8").splitlines()
-    at_zero = tmp_path / "arm2.robot.yaml"  # drawn at q = 0, where `verify` looks
+    at_zero = tmp_path / "arm2.robot.yaml"  # drawn at q = 0, the position of `verify`
     at_zero.write_text("\n".join(line for line in lines if "zero:" not in line), encoding="utf-8")
     step = str(ARM2.with_name("arm2.step"))
     checked = stepbot("check", f"--step={step}", "--json", str(at_zero))

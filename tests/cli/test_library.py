@@ -11,7 +11,7 @@ from .conftest import Stepbot
 
 
 def test_list_names_every_robot(stepbot: Stepbot, robot_library: Path) -> None:
-    """One line per robot, and the same as JSON."""
+    """`library list` has one line per robot; JSON has the same."""
     run = stepbot("library", "list")
     assert run.code == 0
     folders = sorted(path.parent.name for path in robot_library.glob("*/*.robot.yaml"))
@@ -22,7 +22,7 @@ def test_list_names_every_robot(stepbot: Stepbot, robot_library: Path) -> None:
 
 
 def test_show_tells_joints_links_and_files(stepbot: Stepbot, robot_library: Path) -> None:
-    """A robot's page is summarized; the maker's name may be omitted."""
+    """`library show` summarizes a robot's page; the maker's name is optional."""
     run = stepbot("library", "show", "ur5e")
     assert run.code == 0
     assert run.out == stepbot("library", "show", "universal_robots_ur5e").out
@@ -37,7 +37,7 @@ def test_show_tells_joints_links_and_files(stepbot: Stepbot, robot_library: Path
     ("name", "remedy"), [("ur5", "did you mean 'ur5e'?"), ("x", "list all robots with `stepbot library list`")]
 )
 def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) -> None:
-    """A near name is offered, or the list of names."""
+    """An unknown robot is a usage error with similar names or all names."""
     run = stepbot("library", "show", name)
     assert (run.code, run.out) == (2, "")
     assert remedy in " ".join(run.err.split())
@@ -46,7 +46,7 @@ def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) 
 def test_export_of_the_source(
     stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
 ) -> None:
-    """The STEP and the sidecar, which converts and refers to a schema next to it; changed files are kept."""
+    """`library export` writes STEP, sidecar and schema; the sidecar converts; changed files are kept."""
     monkeypatch.chdir(tmp_path)
     run = stepbot("library", "export", "arm2", "--source")
     assert (run.code, run.err) == (0, "")
@@ -74,7 +74,7 @@ def test_export_of_the_source(
 
 
 def test_settings_of_an_editor_point_to_the_schema(stepbot: Stepbot) -> None:
-    """`schema --vscode` refers to an existing file with the schema, and patterns that match sidecars."""
+    """`schema --vscode` refers to the exported schema, with patterns that match sidecars."""
     settings = json.loads(stepbot("schema", "--vscode").out)["yaml.schemas"]
     ((uri, patterns),) = settings.items()
     path = Path(url2pathname(uri.removeprefix("file://")))
@@ -83,7 +83,7 @@ def test_settings_of_an_editor_point_to_the_schema(stepbot: Stepbot) -> None:
 
 
 def test_export_writes_what_was_asked_for(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The file of one format with its meshes and the report, in the current folder unless another is named."""
+    """`export -f` writes one format with meshes and report to the current folder."""
     monkeypatch.chdir(tmp_path)
     run = stepbot("library", "export", "four_bar", "-f", "mjcf", "--no-verify")
     assert run.code == 0, run.err

@@ -10,7 +10,7 @@ from .conftest import Stepbot
 
 
 def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
-    """Every writer is listed, with its file, its aliases and its limitations."""
+    """`formats` lists every writer with its file, aliases and limitations."""
     run = stepbot("formats")
     assert run.code == 0
     assert [line.split()[0] for line in run.out.splitlines() if not line.startswith(" ")] == list(FORMATS)
@@ -19,7 +19,7 @@ def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
 
 
 def test_formats_as_json(stepbot: Stepbot) -> None:
-    """Scripts get every feature with its level."""
+    """`formats --json` has every feature with its level."""
     document = json.loads(stepbot("formats", "--json").out)
     (urdf,) = [one for one in document["formats"] if one["name"] == "urdf"]
     assert urdf["suffix"] == ".urdf"
@@ -27,7 +27,7 @@ def test_formats_as_json(stepbot: Stepbot) -> None:
 
 
 def test_schema_is_a_schema(stepbot: Stepbot) -> None:
-    """What is printed is a valid JSON Schema that accepts a small sidecar and refuses an unknown key."""
+    """`schema` prints a valid JSON Schema that accepts a small sidecar and rejects an unknown key."""
     schema = json.loads(stepbot("schema").out)
     jsonschema.Draft202012Validator.check_schema(schema)
     validator = jsonschema.Draft202012Validator(schema)

@@ -18,7 +18,7 @@ from .conftest import Stepbot
 
 SCHEMA = Path(__file__).parents[2] / "schemas" / "lock-1.schema.json"
 OTHERS = ("SB505", "SB512", "SB513")
-"""Findings about the lever that no revision causes."""
+"""Findings about the lever that do not depend on a revision."""
 
 
 @pytest.fixture(scope="module")
@@ -40,14 +40,14 @@ def lever(locked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Revi
 
 
 def findings(stepbot: Stepbot, *arguments: str) -> list[tuple[str, str]]:
-    """Code and message of all that is reported about the revision."""
+    """Code and message of all findings about the revision."""
     run = stepbot("check", "--step", "--json", "lever.robot.yaml", *arguments)
     found = [(one["code"], one["message"]) for one in json.loads(run.out)["diagnostics"]]
     return [one for one in found if one[0] not in OTHERS]
 
 
 def rewrite(**replaced: str) -> None:
-    """Write the sidecar anew with some texts replaced, and its lock for the STEP as it is."""
+    """Rewrite the sidecar with some texts replaced, and its lock for the current STEP."""
     text = LEVER
     for old, new in replaced.items():
         assert old in text
@@ -57,7 +57,7 @@ def rewrite(**replaced: str) -> None:
 
 
 def test_lock_is_valid_and_deterministic(lever: Revision, stepbot: Stepbot) -> None:
-    """The command writes what the schema allows, the same bytes each time, with every component and joint."""
+    """`lock` writes a valid file with every component and joint; the bytes are deterministic."""
     before = Path("lever.lock.json").read_bytes()
     run = stepbot("lock", "lever.robot.yaml", "--no-cache")
     assert (run.code, run.err) == (0, "")
@@ -73,17 +73,17 @@ def test_lock_is_valid_and_deterministic(lever: Revision, stepbot: Stepbot) -> N
 
 
 def test_nothing_changes_without_a_lock(lever: Revision, stepbot: Stepbot) -> None:
-    """Without a lock a renamed part is an unknown component, as ever."""
+    """Without a lock, a renamed part is an unknown component."""
     lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).write(Path("lever.step"))
     Path("lever.lock.json").unlink()
     assert {code for code, _ in findings(stepbot)} == {"SB301", "SB304"}
 
 
 def test_export_anew_changes_nothing(lever: Revision, stepbot: Stepbot) -> None:
-    """Another export of the same assembly, with other entity numbers and faces in another order, has no findings."""
+    """Another export of the same assembly, with other entity numbers and order of faces, has no findings."""
     lever.write(Path("lever.step"))
     with Path("lever.step").open("ab") as file:
-        file.write(b"\n")  # the kernel may well write the same bytes again
+        file.write(b"\n")  # the kernel may write the same bytes again
     assert findings(stepbot) == []
 
 
@@ -118,7 +118,7 @@ SENTENCES: dict[str, tuple[Any, list[tuple[str, str]]]] = {
 
 @pytest.mark.parametrize("name", SENTENCES)
 def test_one_change_is_one_sentence(name: str, lever: Revision, stepbot: Stepbot) -> None:
-    """Each kind of change ends in the one right finding, and in no other."""
+    """Each kind of change causes exactly one finding, with the expected code."""
     change, expected = SENTENCES[name]
     change(lever).write(Path("lever.step"))
     found = findings(stepbot)
@@ -126,13 +126,13 @@ def test_one_change_is_one_sentence(name: str, lever: Revision, stepbot: Stepbot
 
 
 def test_whole_assembly_moved(lever: Revision, stepbot: Stepbot) -> None:
-    """An assembly that is drawn elsewhere is one finding; no part and no axis has moved within it."""
+    """An assembly moved as a whole is one finding; its parts and axes have none."""
     write_lever(Path("lever.step"), shift=7.0)
     assert findings(stepbot) == [("SB318", "step: the whole assembly moved by 7 mm")]
 
 
 def test_three_changes_at_once(lever: Revision, stepbot: Stepbot) -> None:
-    """A renamed part, a moved one and a removed one are three findings, and the axis that moved is one."""
+    """A renamed, a moved and a removed part are three findings, and the moved axis is one."""
     lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).remove_number("M3", 4)
     lever.move("plate:1", pose((5.0, 0, 0))).move("beam:1", pose((5.0, 0, 0))).write(Path("lever.step"))
     assert findings(stepbot) == [
@@ -145,7 +145,7 @@ def test_three_changes_at_once(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_removed_reshaped_and_added(lever: Revision, stepbot: Stepbot) -> None:
-    """A removed part of a path, a changed shape and a new part are each reported as such."""
+    """A removed part of a path, a changed shape and an added part are each reported."""
     lever.remove("motor:1").copy("plate:1", "cover:1", pose((0, 0, 100.0)))
     lever.reshape("M3", box(3, 3, 10).at(0, 0, 5).shape).write(Path("lever.step"))
     codes = [(code, message.partition(" changed")[0]) for code, message in findings(stepbot)]
@@ -174,7 +174,7 @@ def test_changes_can_be_ignored_before_they_come(lever: Revision, stepbot: Stepb
 
 
 def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
-    """`convert` compares with the lock too: a moved part is a warning, and with a renamed one nothing is written."""
+    """`convert` compares with the lock: a moved part is a warning; with a renamed part nothing is written."""
     arguments = ("convert", "--no-verify", "--concise", str(Path("lever.robot.yaml").resolve()), "-o", "out")
     assert "SB31" not in stepbot(*arguments).err
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
@@ -193,7 +193,7 @@ def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_a_new_lock_counts_at_once(lever: Revision, stepbot: Stepbot) -> None:
-    """A cached result is not used once the lock is another one."""
+    """A new lock invalidates cached results."""
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
     cache = ("--cache", "kept")
     assert [code for code, _ in findings(stepbot, *cache)] == ["SB318"]
@@ -203,7 +203,7 @@ def test_a_new_lock_counts_at_once(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_robot_with_errors_is_not_locked(lever: Revision, stepbot: Stepbot) -> None:
-    """A sidecar that does not bind is an error, and the former lock stays."""
+    """`lock` of a sidecar with errors fails and keeps the former lock."""
     before = Path("lever.lock.json").read_bytes()
     Path("lever.robot.yaml").write_text(LEVER.replace("motor]", "moter]"), encoding="utf-8")
     run = stepbot("lock", "lever.robot.yaml")
@@ -213,7 +213,7 @@ def test_robot_with_errors_is_not_locked(lever: Revision, stepbot: Stepbot) -> N
 
 
 def test_lock_in_json(lever: Revision, stepbot: Stepbot) -> None:
-    """Scripts get the files, counts and exit code."""
+    """`lock --json` has files, counts and exit code."""
     run = stepbot("lock", "--json", "lever.robot.yaml")
     document = json.loads(run.out)
     assert document["files"] == [{"lock": "lever.lock.json", "components": 7, "joints": 1}]
@@ -221,7 +221,7 @@ def test_lock_in_json(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_fix_rewrites_names_alone(lever: Revision, stepbot: Stepbot) -> None:
-    """Comments, layout, line ends and a byte order mark stay; every occurrence of the path is replaced."""
+    """`--fix` replaces every occurrence of a path and keeps comments, layout, line ends and byte order mark."""
     text = LEVER.replace("motor]}", "  'motor' ]}   # drives it, motor").replace("\n", "\r\n")
     text += 'parts:\r\n  motor:   {mass: 50 g}\r\nframes: {tip: {link: arm, origin: {center: "arm/motor"}}}\r\n'
     Path("lever.robot.yaml").write_bytes(b"\xef\xbb\xbf" + text.encode())
@@ -239,7 +239,7 @@ def test_fix_rewrites_names_alone(lever: Revision, stepbot: Stepbot) -> None:
 
 
 def test_fix_leaves_probable_renamings_alone(lever: Revision, stepbot: Stepbot) -> None:
-    """A part that was renamed and moved is not certain, so nothing is written."""
+    """A part that was renamed and moved is not certain, so `--fix` writes nothing."""
     lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).move("XL430:1", pose((0, 5.0, 0)))
     lever.write(Path("lever.step"))
     before = Path("lever.robot.yaml").read_bytes()
@@ -250,7 +250,7 @@ def test_fix_leaves_probable_renamings_alone(lever: Revision, stepbot: Stepbot) 
 
 
 def test_fix_follows_shifted_numbers(lever: Revision, stepbot: Stepbot) -> None:
-    """Of four nameless screws the first is removed: paths with #n follow their screws, one past the other."""
+    """After the first of four nameless screws is removed, paths with #n follow the remaining screws."""
     rewrite(**{"[base]": "[plate, 'M3#1', 'M3#2', 'M3#3']", "motor]": 'motor, "M3#4"]'})
     lever.remove_number("M3", 1).write(Path("lever.step"))
     run = stepbot("check", "--fix", "--json", "lever.robot.yaml")
@@ -266,7 +266,7 @@ def test_fix_follows_shifted_numbers(lever: Revision, stepbot: Stepbot) -> None:
     [("**/mot*", "arm/XL430"), ("**/M*", None)],
 )
 def test_fix_rewrites_only_globs_of_one(glob: str, becomes: str | None, lever: Revision, stepbot: Stepbot) -> None:
-    """A glob that matched the renamed part alone is replaced by its path; one that matched more never is."""
+    """A glob that matched only the renamed part is replaced by its path; one with several matches is kept."""
     names = {"motor": "XL430", "motor:1": "XL430:1"}
     if becomes is None:
         rewrite(**{"[base]": f'[plate, "{glob}"]'})
@@ -286,7 +286,7 @@ def test_fix_rewrites_only_globs_of_one(glob: str, becomes: str | None, lever: R
 
 
 def test_fix_follows_a_link(lever: Revision, stepbot: Stepbot) -> None:
-    """A sidecar that is a symbolic link stays one; the file behind it is rewritten."""
+    """A symbolic link to a sidecar remains a link; its target is rewritten."""
     if not hasattr(os, "symlink"):
         pytest.skip("no symbolic links here")
     Path("real").mkdir()

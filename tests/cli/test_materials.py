@@ -1,4 +1,4 @@
-"""Materials by name, from the STEP through the sidecar's table to the report, which states the source of each mass."""
+"""Materials by name: the density comes from the sidecar's table, and the report has the source of each mass."""
 
 import json
 from pathlib import Path
@@ -27,7 +27,7 @@ TABLE = 'materials: {"Aluminium 6061": {density: 2.7 g/cm^3}, ABS: {density: 104
 
 @pytest.fixture
 def cart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A STEP that names materials without their densities, as many CAD programs write it, in the current folder."""
+    """The current folder, with a STEP that names materials without densities, as many CAD programs write it."""
     products = [parts.drawn(name, solids.box(100, 20, 30)) for name in ("frame", "axle", "cover", "wheel")]
     children = [Occurrence(p, f"{p.name}:1", pose((0, 50 * i, 0))) for i, p in enumerate(products)]
     parts.draw(tmp_path / "cart.step", Assembly("root", children))
@@ -40,7 +40,7 @@ def cart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def name_material(file: Stating, product: str, item: str) -> None:
-    """State what a product is made of."""
+    """Set the material of a product."""
     subject = file.definition(product)
     meaning = file.add(f"PROPERTY_DEFINITION('material property','material name',#{subject})")
     context = file.context(file.representation(subject))
@@ -49,7 +49,7 @@ def name_material(file: Stating, product: str, item: str) -> None:
 
 
 def test_each_gram_says_where_it_came_from(cart: Path, stepbot: Stepbot) -> None:
-    """The density is the material's from the table, else the default; a measured mass takes precedence."""
+    """The density comes from the material table, else from the default; a measured mass takes precedence."""
     (cart / "cart.robot.yaml").write_text(SIDECAR.format(materials=TABLE), encoding="utf-8")
     run = stepbot("convert", "cart.robot.yaml", "--no-verify", "-o", "out", "--json")
     document = json.loads(run.out)
@@ -71,7 +71,7 @@ def test_each_gram_says_where_it_came_from(cart: Path, stepbot: Stepbot) -> None
 
 
 def test_a_material_that_nothing_gives_a_density(cart: Path, stepbot: Stepbot) -> None:
-    """Without a density an error names parts and materials, with the line to add."""
+    """Materials without a density are an error that names parts and materials, with the line to add."""
     (cart / "cart.robot.yaml").write_text(SIDECAR.format(materials=""), encoding="utf-8")
     run = stepbot("convert", "cart.robot.yaml", "--no-verify", "-o", "out")
     assert run.code == 1
@@ -80,6 +80,6 @@ def test_a_material_that_nothing_gives_a_density(cart: Path, stepbot: Stepbot) -
 
 
 def test_inspect_lists_materials(cart: Path, stepbot: Stepbot) -> None:
-    """The head counts solids by material."""
+    """The header counts solids by material."""
     run = stepbot("inspect", "cart.step")
     assert "materials: 'Aluminium 6061' without density (1), 'Unobtainium' without density (1), none (2)" in run.out

@@ -1,4 +1,4 @@
-"""A STEP file that describes a kinematic mechanism beside its shapes, from file to proof."""
+"""Conversion of a STEP that describes a kinematic mechanism in addition to its shapes."""
 
 import json
 import shutil
@@ -14,7 +14,7 @@ from tests.unit.step.exchange.test_mechanisms import add_mechanism
 def test_convert_a_step_with_a_mechanism(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """The joints are those of the sidecar: the same files, and every check of every engine, as without it."""
+    """The mechanism in the STEP does not change the joints of the sidecar: equal files and checks as without it."""
     source = robot_library / "stepbot_four_bar"
     for file in ("four_bar.step", "four_bar.robot.yaml"):
         shutil.copy(source / file, tmp_path)

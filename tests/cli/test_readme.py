@@ -1,4 +1,4 @@
-"""The README is right: its example runs, and prints what it shows."""
+"""The commands of the README run and print what it shows."""
 
 import json
 import os
@@ -26,7 +26,7 @@ def blocks(language: str) -> list[str]:
 
 @pytest.fixture
 def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path) -> Path:
-    """The example's folder: the STEP that it names, and the sidecar that it shows."""
+    """A folder with the STEP of the example and the sidecar that the README shows."""
     (sidecar,) = blocks("yaml")
     (tmp_path / "arm.robot.yaml").write_text(sidecar, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -36,13 +36,13 @@ def example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
 
 
 def test_opens_with_two_commands() -> None:
-    """The first thing to read is how to see it work."""
+    """The README starts with two commands that show a conversion."""
     assert blocks("sh")[0].splitlines()[0].startswith("make demo")
     assert blocks("sh")[0].splitlines()[1].startswith("make test")
 
 
 def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Every command of the example succeeds and prints what the page shows, and the files that it names exist."""
+    """Every command of the example succeeds, prints what the page shows, and writes the files it names."""
     commands = re.findall(r"^(?:\$ )?(stepbot .*)$", "\n".join(blocks("(?:sh|console)")), re.MULTILINE)
     names = [command.split()[1] for command in commands]
     assert names == ["library", "inspect", "check", "convert", "library", "library", "library", "batch", "uptodate"]
@@ -64,7 +64,7 @@ def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
 
 @pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 def test_rule_in_a_makefile(example: Path) -> None:
-    """The rule converts where its stamp is older than the input, also from the cache, and then no more."""
+    """The Makefile rule converts if its stamp is older than the input, also from the cache, and only once."""
     shutil.copy(library_robot("arm2").step, example)
     (rule,) = blocks("make")
     command = f"{shlex.quote(sys.executable)} -m stepbot_cli convert --no-verify"
@@ -76,7 +76,7 @@ def test_rule_in_a_makefile(example: Path) -> None:
 
     assert is_made()
     assert not is_made()
-    os.utime(example / "arm" / ".stepbot.json", (1e9, 1e9))  # older than all input: nothing else has changed
+    os.utime(example / "arm" / ".stepbot.json", (1e9, 1e9))  # older than all input, which is otherwise unchanged
     assert is_made()
     assert not is_made()
 
@@ -91,13 +91,13 @@ def test_what_a_core_install_does_not_prove_of_sdformat(example: Path, capsys: p
         if check["format"] == "sdf" and check["status"] == "passed":
             confirmed.setdefault(check["engine"], set()).add(check["quantity"])
     apart = {"inertia", "mass matrix", "mimic", "frames", "actuators"}
-    assert {"inertia", "mass matrix"} <= confirmed["reader"]  # this arm has no mimics, frames and actuators
+    assert {"inertia", "mass matrix"} <= confirmed["reader"]  # this arm has no mimics, frames or actuators
     assert confirmed.get("pybullet", set()).isdisjoint(apart)
     assert set(confirmed) <= {"reader", "pybullet", "drake", "libsdformat"}
 
 
 def test_fault_looks_as_shown(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The error in the README is reported in exactly these words."""
+    """The error in the README is printed literally."""
     (shown,) = [block for block in blocks("text") if "error[" in block]
     sidecar = example / "arm.robot.yaml"
     text = sidecar.read_text(encoding="utf-8")
@@ -119,7 +119,7 @@ def test_links_lead_somewhere() -> None:
 
 
 def test_sidecar_page_is_valid(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The sidecar that docs/sidecar.md begins with is one."""
+    """The first sidecar in docs/sidecar.md is valid."""
     page = (ROOT / "docs" / "sidecar.md").read_text(encoding="utf-8")
     sidecar = tmp_path / "arm.robot.yaml"
     sidecar.write_text(re.findall(r"^```yaml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[0], encoding="utf-8")

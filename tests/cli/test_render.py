@@ -1,4 +1,4 @@
-"""How a diagnostic looks."""
+"""The text and JSON form of a diagnostic."""
 
 import json
 from dataclasses import replace
@@ -24,18 +24,18 @@ def sidecar(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def diagnostic(span: Span, **texts: tuple[str, ...]) -> Diagnostic:
-    """An error at a place."""
+    """An error with a place."""
     return Diagnostic("SB301", "error", "joint 'elbow': no component 'forarm' in arm.step", span, **texts)
 
 
 def warning(span: Span) -> Diagnostic:
-    """A warning without help, so that nothing is below its code frame."""
+    """A warning without help, which ends with its code frame."""
     return replace(diagnostic(span), severity="warning")
 
 
 @pytest.mark.usefixtures("sidecar")
 def test_full_shows_the_line_and_the_remedy() -> None:
-    """The code frame marks the place; notes and help stand below."""
+    """The code frame marks the place; notes and help are below it."""
     found = diagnostic(Span("arm.robot.yaml", 6, 12, 18), help=("did you mean 'forearm'?",), notes=("one\ntwo",))
     assert render.full([found]).splitlines() == [
         "arm.robot.yaml:6:12: error[SB301]: joint 'elbow': no component 'forarm' in arm.step",
@@ -49,7 +49,7 @@ def test_full_shows_the_line_and_the_remedy() -> None:
 
 
 def test_error_without_help_shows_the_advice_of_its_code() -> None:
-    """No error is without a remedy, in text and in JSON; warnings and notes may be."""
+    """Every error has a remedy, in text and JSON; warnings and notes may lack one."""
     bare, fix = diagnostic(Span("arm.robot.yaml")), CODES["SB301"].fix
     assert render.full([bare]).splitlines()[1:] == [f"  = help: {fix}"]
     assert render.plain(bare)["help"] == [fix]
@@ -58,24 +58,24 @@ def test_error_without_help_shows_the_advice_of_its_code() -> None:
 
 @pytest.mark.usefixtures("sidecar")
 def test_mark_without_extent_is_one_character() -> None:
-    """Where the end is unknown, one mark shows the beginning."""
+    """Without an end, one mark shows the start."""
     assert render.full([warning(Span("arm.robot.yaml", 6, 12))]).splitlines()[-1] == "  |            ^"
 
 
 @pytest.mark.usefixtures("sidecar")
 def test_place_beyond_the_file_has_no_frame() -> None:
-    """A line that is not there gives no frame, and a column behind the end stays on the line."""
+    """A line beyond the end of the file has no frame; a column beyond the end of a line stays on that line."""
     assert len(render.full([warning(Span("arm.robot.yaml", 99, 1))]).splitlines()) == 1
     assert render.full([warning(Span("arm.robot.yaml", 6, 18))]).splitlines()[-1] == "  |" + " " * 18 + "^"
 
 
 def test_file_that_is_gone_has_no_frame() -> None:
-    """The headline is printed alone if the file cannot be read."""
+    """If the file cannot be read, only the headline is printed."""
     assert render.full([warning(Span("gone.yaml", 6, 12))]) == render.concise([warning(Span("gone.yaml", 6, 12))])
 
 
 def test_wide_characters_keep_the_mark_in_place(tmp_path: Path) -> None:
-    """A mark below Chinese names is as wide as they are."""
+    """The mark below Chinese names is as wide as the names."""
     file = tmp_path / "a.yaml"
     file.write_text("\ufeff机器人: 手臂 x\n", encoding="utf-8")
     line, mark = render.full([warning(Span(str(file), 1, 6, 8))]).splitlines()[-2:]
@@ -84,7 +84,7 @@ def test_wide_characters_keep_the_mark_in_place(tmp_path: Path) -> None:
 
 
 def test_long_line_is_cut_around_the_place(tmp_path: Path) -> None:
-    """Of a line of a megabyte only the part around the place is shown."""
+    """Of a line of a megabyte, only the part around the place is shown."""
     file = tmp_path / "a.yaml"
     file.write_text("x" * 500_000 + "HERE" + "y" * 500_000, encoding="utf-8")
     line, mark = render.full([warning(Span(str(file), 1, 500_001, 500_005))]).splitlines()[-2:]
@@ -97,7 +97,7 @@ def test_long_line_is_cut_around_the_place(tmp_path: Path) -> None:
 @pytest.mark.parametrize("width", [60, 80, 120])
 @pytest.mark.parametrize("line", ["x" * 40 + "HERE" + "y" * 200, "手" * 70 + "HERE" + "臂" * 70, "HERE" + "z" * 90])
 def test_frame_fits_the_screen(tmp_path: Path, line: str, width: int) -> None:
-    """No line of a frame is wider than the screen, and the mark is below its place, in wide characters too."""
+    """No line of a frame exceeds the screen, and the mark is below its place, with wide characters too."""
     file = tmp_path / "a.yaml"
     file.write_text(line, encoding="utf-8")
     column = line.index("HERE") + 1
@@ -112,14 +112,14 @@ def test_frame_fits_the_screen(tmp_path: Path, line: str, width: int) -> None:
     "content", [b"PK\x03\x04\x14\x00\x08\x08arm.step", bytes(range(128, 256)), "манипулятор".encode("cp1251")]
 )
 def test_binary_content_has_no_frame(tmp_path: Path, content: bytes) -> None:
-    """Content that is not text, or in another encoding, is not displayed: the headline has the position."""
+    """Binary content, or text in another encoding, is not printed; the headline has the position."""
     file = tmp_path / "a.yaml"
     file.write_bytes(content)
     assert len(render.full([warning(Span(str(file), 1, 1))]).splitlines()) == 1
 
 
 def test_footer_explains_the_first_error() -> None:
-    """The code to look up is the first error's, else the first warning's, and never a note's."""
+    """The footer names the code of the first error, else of the first warning, never of a note."""
     found = [Diagnostic(c, s, "m", Span("a")) for c, s in (("SB505", "note"), ("SB305", "warning"), ("SB130", "error"))]
     assert render.summary(found) == "1 error, 1 warning, 1 note (more: stepbot explain SB130)"
     assert render.summary(found[:2]) == "1 warning, 1 note (more: stepbot explain SB305)"
@@ -127,7 +127,7 @@ def test_footer_explains_the_first_error() -> None:
 
 
 def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
-    """Escape sequences in names and in source lines are shown, not obeyed."""
+    """Escape sequences in names and source lines are printed as text."""
     file = tmp_path / "a.yaml"
     file.write_text("a: \x1b[2Jb\n", encoding="utf-8")
     text = render.full([Diagnostic("SB301", "error", "no '\x1b[31mred'", Span(str(file), 1, 1), help=("\x07",))])
@@ -137,7 +137,7 @@ def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
 
 
 def test_color_only_when_asked_for() -> None:
-    """Colours surround the text and change none of it."""
+    """Colours surround the text without changing it."""
     found = [diagnostic(Span("gone.yaml", 6, 12), help=("h",))]
     colored = render.full(found, color=True)
     assert "\x1b[1;31merror[SB301]\x1b[0m" in colored
@@ -145,13 +145,13 @@ def test_color_only_when_asked_for() -> None:
 
 
 def test_concise_is_one_line_each() -> None:
-    """One greppable line per finding."""
+    """The concise form has one line per finding."""
     found = [diagnostic(Span("a.yaml", 1, 2), help=("h",)), diagnostic(Span("b.yaml"))]
     assert [line.split(": ")[0] for line in render.concise(found).splitlines()] == ["a.yaml:1:2", "b.yaml"]
 
 
 def test_plain_is_json() -> None:
-    """The JSON form round-trips and is complete."""
+    """The JSON form is complete and can be read back."""
     plain = render.plain(diagnostic(Span("a.yaml", 1, 2, 3), help=("h",), notes=("n",)))
     assert (
         json.loads(json.dumps(plain))
@@ -171,7 +171,7 @@ def test_plain_is_json() -> None:
 
 
 def test_summary_counts_and_leads_on() -> None:
-    """How many of each kind, and where to read more."""
+    """The summary counts findings by severity and names the command that explains them."""
     error, note = diagnostic(Span("a")), Diagnostic("SB102", "note", "n", Span("a"))
     assert render.summary([error, error, note]) == "2 errors, 1 note (more: stepbot explain SB301)"
     assert render.summary([note]) == "1 note"

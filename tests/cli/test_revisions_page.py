@@ -22,7 +22,7 @@ COLUMNS = 100
 
 
 def session(page: str, folder: Path) -> Iterator[str]:
-    """Type the page's commands in a folder with both revisions; yields what each prints."""
+    """Run the commands of the page in a folder with both revisions; yields the output of each."""
     for name in ("arm2.step", "arm2.robot.yaml"):
         shutil.copy(ROOT / "robot_library" / "stepbot_arm2" / name, folder)
     revision = Revision(folder / "arm2.step").rename({"gripper": "Greifer", "gripper:1": "Greifer:1"})
@@ -47,13 +47,13 @@ def session(page: str, folder: Path) -> Iterator[str]:
 
 
 def test_session(tmp_path: Path) -> None:
-    """The commands print the lines of the page."""
+    """The commands print the output shown on the page."""
     page = PAGE.read_text(encoding="utf-8")
     assert list(session(page, tmp_path)) == [output for _, output in CONSOLE.findall(page)]
 
 
 def refresh() -> None:
-    """Write what the commands print into the page."""
+    """Write the output of the commands into the page."""
     page = PAGE.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         outputs = session(page, Path(folder))

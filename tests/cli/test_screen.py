@@ -1,4 +1,4 @@
-"""How much is printed: a screen by default, all with -v, findings alone with -q."""
+"""The amount of output: one screen by default, everything with -v, findings only with -q."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ NEVER = Check("a.xml", "mjcf", "drake", "mass", Status.NOT_RUN, why="drake is no
 
 
 def test_one_line_per_file() -> None:
-    """Each line has the engines that compared something and the worst deviation; a failure is the file's result."""
+    """A line has the engines that compared the file, the worst deviation and the result; one failure fails the file."""
     lines = proof_lines(
         Report(checks=(LOADED, MASS, MESHES, NOT_TOLD, OWN, FAILED, NEVER), own_parsers=("reader",)), None
     )
@@ -44,7 +44,7 @@ def test_proof_fits_the_screen(width: int) -> None:
 
 
 def test_colour_is_the_results() -> None:
-    """Colours change no text, even where a file has the name of a result."""
+    """Colours do not change the text, even if a file is named like a result."""
     report = Report(checks=(Check("passed", "urdf", "mujoco", "mass", Status.PASSED), FAILED))
     coloured = proof_lines(report, 80, color=True)
     assert "passed  \x1b[32mpassed\x1b[0m" in coloured[1]
@@ -61,14 +61,14 @@ def finding(severity: str, code: str, number: int) -> Diagnostic:
 
 
 def test_repeated_notes_are_one_line() -> None:
-    """All notes of a code are one line with their number; a single one is its message; the rest is a -v away."""
+    """Notes of a code are one line with their count; a single note is its message; -v prints all."""
     text = render.screen([finding("note", "SB706", 1), finding("note", "SB708", 2), finding("note", "SB706", 3)])
     title = "initial pose not written"
     assert text == f"note[SB706]: 2 x {title}\nnote[SB708]: subject 2: wrong\n3 notes (-v shows all)"
 
 
 def test_repeated_warnings_are_counted() -> None:
-    """Some warnings of a code are shown in full, the others counted; errors are never omitted."""
+    """Some warnings of a code are printed in full and the others counted; errors are all printed."""
     warnings = [finding("warning", "SB305", number) for number in range(5)]
     errors = [finding("error", "SB130", number) for number in range(9)]
     text = render.screen([*warnings, *errors])
@@ -80,7 +80,7 @@ def test_repeated_warnings_are_counted() -> None:
 
 
 def test_folded_notes_are_cut_at_the_screen() -> None:
-    """A folded line is one line of the screen; in a pipe it is whole."""
+    """A line of folded notes is cut to the screen, and whole in a pipe."""
     long = Diagnostic("SB708", "note", "x" * 300, Span("a"))
     assert cells(render.screen([long], width=60).splitlines()[0]) == 60
     assert "x" * 300 in render.screen([long])
@@ -88,7 +88,7 @@ def test_folded_notes_are_cut_at_the_screen() -> None:
 
 @pytest.mark.parametrize("width", ["60", "80", "120"])
 def test_success_is_one_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch, width: str) -> None:
-    """Converting a small arm, everything that is printed fits a terminal of 50 lines and of any width."""
+    """A successful conversion of a small arm prints at most 50 lines, at any width."""
     monkeypatch.setenv("COLUMNS", width)
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(arm.parent / "kept"))
@@ -101,7 +101,7 @@ def test_success_is_one_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.
 
 
 def test_verbose_and_quiet(arm: Path, stepbot: Stepbot) -> None:
-    """-v lists every note in full, -q prints nothing on success; both together are a usage error."""
+    """-v prints every note, -q prints nothing on success; together they are a usage error."""
     command = ("convert", "arm2.robot.yaml", "--no-verify", "-f", "urdf,sdf")
     usual, verbose = stepbot(*command), stepbot(*command, "-v")
     assert "note[SB706]: 2 x initial pose" in usual.err

@@ -1,4 +1,4 @@
-"""An arm that is drawn straight: a horn and a bracket lie on one line, 228 mm apart, and are no joint."""
+"""An arm drawn straight: a horn and a bracket are coaxial, 228 mm apart, and no joint."""
 
 import json
 from math import pi
@@ -35,7 +35,7 @@ def _elbow(file: Path) -> tuple[list[float], list[float]]:
 
 
 def test_the_elbow_is_found(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The pin in its bore makes the joint, in the files and in the table, although the other line is wider."""
+    """The pin in its bore is the joint, in files and table, although the other line is wider."""
     monkeypatch.chdir(tmp_path)
     (line,) = write_straight_arm(Path("straight.step")).lines
     run = stepbot("convert", str(_write()), "-f", "urdf")
@@ -50,7 +50,7 @@ def test_the_elbow_is_found(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytes
 
 
 def test_the_wrong_line_is_refused(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where that line is all that both links share, it is listed with its gap and radii; pasted, it is honoured."""
+    """If links share that line only, it is listed with gap and radii; written into the sidecar, it is accepted."""
     monkeypatch.chdir(tmp_path)
     write_straight_arm(Path("straight.step"), pin=False)
     for origin in ("auto", '{mate: ["upper", "lower"]}'):

@@ -1,4 +1,4 @@
-"""The proof as a table."""
+"""The table of engine checks."""
 
 import re
 
@@ -16,13 +16,13 @@ ABSENT = Check("a.xml", "mjcf", "pybullet", "mass", Status.NOT_RUN, why="pybulle
 
 
 def table(capsys: pytest.CaptureFixture[str], *checks: Check) -> list[str]:
-    """Lines of the table of some checks."""
+    """Lines of the table for some checks."""
     show_table(Report(checks=checks, own_parsers=("reader", "extensions")))
     return capsys.readouterr().out.splitlines()
 
 
 def test_one_line_per_file_and_engine(capsys: pytest.CaptureFixture[str]) -> None:
-    """Each line has the number of comparisons, the worst deviation, and the result."""
+    """A row has the number of comparisons, the worst deviation and the result."""
     lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
     assert [re.split(r"  +", line) for line in lines[:4]] == [
         ["format", "file", "engine", "result", "quantities", "worst deviation"],
@@ -33,7 +33,7 @@ def test_one_line_per_file_and_engine(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_reasons_and_counts(capsys: pytest.CaptureFixture[str]) -> None:
-    """Below stand what failed, what did not run and why, and the counts; not run is never counted as passed."""
+    """Below the table are failures, reasons for not run, and counts; not run is never counted as passed."""
     lines = table(capsys, LINKS, PASSED, NOT_TOLD, FAILED, ABSENT)
     assert "a.urdf in mujoco: meshes not run: mujoco does not report it" in lines
     assert "a.sdf in pybullet: mass: 0.5 kg too heavy" in lines
@@ -41,7 +41,7 @@ def test_reasons_and_counts(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_what_own_parsers_say_is_counted_apart(capsys: pytest.CaptureFixture[str]) -> None:
-    """Checks that passed in stepbot's own parser only have a line before the counts."""
+    """Checks passed only by stepbot's own parser are counted in a separate line."""
     own = Check("a.urdf", "urdf", "extensions", "sensors", Status.PASSED)
     lines = table(capsys, PASSED, own)
     assert lines[-2].startswith("1 passed by stepbot's parsers only")
@@ -60,7 +60,7 @@ def test_what_files_are_compared_with(capsys: pytest.CaptureFixture[str]) -> Non
 def test_columns_wrap_each_on_its_own(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, width: int
 ) -> None:
-    """On a narrow screen a cell goes on below itself, in its own column; no word is lost."""
+    """On a narrow screen each cell wraps within its column; no word is lost."""
     monkeypatch.setenv("COLUMNS", str(width))
     where = "colour of visual 'forearm_visual_3' of link 'forearm' at configuration 31"
     far = Check("机器人.urdf", "urdf", "mujoco", "mass", Status.PASSED, 2.5e-16, 1e-9, "kg", where)
@@ -72,7 +72,7 @@ def test_columns_wrap_each_on_its_own(
 
 
 def test_columns_are_straight_for_wide_names() -> None:
-    """A Chinese letter takes two columns, a combining accent none."""
+    """A Chinese character takes two columns, a combining accent none."""
     assert cells("机器人") == 6
     assert cells("e\u0301") == 1
     assert aligned([("机", "x"), ("abc", "y")]) == ["机   x", "abc  y"]

@@ -1,4 +1,4 @@
-"""Colours and progress: on a terminal only."""
+"""Colours and progress are for terminals only."""
 
 import io
 import json
@@ -11,12 +11,12 @@ from stepbot_cli.terminal import wants_color, write_json
 
 
 class Terminal(io.StringIO):
-    """A stream that claims to be a terminal."""
+    """A stream that is a terminal."""
 
     encoding = "utf-8"
 
     def isatty(self) -> bool:
-        """Yes."""
+        """Return True."""
         return True
 
 
@@ -34,7 +34,7 @@ def test_color_on_a_terminal_only() -> None:
 
 
 def test_no_color_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """NO_COLOR, if it is not empty, and a dumb terminal get no colours."""
+    """A non-empty NO_COLOR or a dumb terminal switches colours off."""
     monkeypatch.setenv("NO_COLOR", "")
     assert wants_color(Terminal())
     monkeypatch.setenv("NO_COLOR", "1")
@@ -45,7 +45,7 @@ def test_no_color_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A terminal sees the stage that runs."""
+    """A terminal shows the current stage."""
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress_bar() as progress:
@@ -55,7 +55,7 @@ def test_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_bar_without_color_is_not_blank(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With NO_COLOR the bar shows what is done and what is left by characters."""
+    """With NO_COLOR the progress bar distinguishes done and remaining by characters."""
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("NO_COLOR", "1")
@@ -66,7 +66,7 @@ def test_bar_without_color_is_not_blank(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_no_progress_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pipe sees nothing of it."""
+    """A pipe gets no progress."""
     pipe = io.StringIO()
     monkeypatch.setattr(sys, "stderr", pipe)
     with progress_bar() as progress:
@@ -75,7 +75,7 @@ def test_no_progress_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_json_cannot_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    """Control and bidi characters in names are escapes in JSON too, and come back as they were."""
+    """Control and bidi characters in names are escaped in JSON and can be read back."""
     name = "a\x1b[31m\x9b2J\x7f\u202eb\U000e0001 Ж"
     write_json({"name": name})
     out = capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""A robot drawn with another axis up, from the STEP to all formats: the same robot as the one drawn upright."""
+"""A robot drawn with another axis up equals the one drawn upright, in all formats."""
 
 from math import pi
 from pathlib import Path
@@ -34,7 +34,7 @@ TURNED = {
     "{up: -y, forward: -z}": turn("x", pi / 2) @ turn("z", -pi / 2),
     "{up: x}": turn("z", pi / 2) @ turn("x", pi / 2),
 }
-"""Rotations (3, 3) that take the upright drawing to one with those directions; checked by the test itself."""
+"""Rotations (3, 3) from the upright drawing to one with these directions; checked by the test."""
 
 
 def numbers_of(folder: Path) -> dict[str, Array]:
@@ -77,7 +77,7 @@ def test_against_the_upright_drawing(
 
 
 def test_the_warning_and_its_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot) -> None:
-    """`check --step` suggests the axis; with the line that it gives there is nothing to report."""
+    """`check --step` suggests the axis; with the suggested line there are no findings."""
     monkeypatch.chdir(tmp_path)
     parts.write_turntable(tmp_path / "turntable.step", pose((0, 0, 0), turn("x", -pi / 2)))
     sidecar = tmp_path / "turntable.robot.yaml"

@@ -1,4 +1,4 @@
-"""``stepbot uptodate``: byte by byte what would be written now, wherever it was written."""
+"""``stepbot uptodate``: written files against those that would be written now, byte by byte."""
 
 import json
 import os
@@ -15,7 +15,7 @@ UPTODATE = ("uptodate", "-o", "out/{name}", "--concise")
 
 @pytest.fixture
 def written(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Output of a robot, without its report, as one would commit it; results are kept from now on."""
+    """The output of a robot without its report, as in a repository, with the cache switched on."""
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(arm / ".kept"))
     assert stepbot(*CONVERT, "--no-verify").code == 0
@@ -41,7 +41,7 @@ def test_what_changed_is_told(written: Path, stepbot: Stepbot) -> None:
 
 
 def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> None:
-    """The current sidecar is compared, and files of an earlier run are found."""
+    """The current sidecar is compared, and files of an earlier run are reported."""
     sidecar = Path("arm2.robot.yaml")
     text = sidecar.read_text(encoding="utf-8")
     sidecar.write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
@@ -52,7 +52,7 @@ def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> N
 
 
 def test_faulty_sidecar_is_told_as_such(written: Path, stepbot: Stepbot) -> None:
-    """Where nothing could be written, the reason is what counts."""
+    """An invalid sidecar is reported instead of the missing files."""
     Path("arm2.robot.yaml").write_text("version: 1\n", encoding="utf-8")
     run = stepbot(*UPTODATE)
     assert run.code == 1
@@ -61,7 +61,7 @@ def test_faulty_sidecar_is_told_as_such(written: Path, stepbot: Stepbot) -> None
 
 
 def test_nothing_to_compare(tmp_path: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder without sidecars is no success."""
+    """A folder without sidecars is an error."""
     monkeypatch.chdir(tmp_path)
     assert stepbot("uptodate").code == 2
     assert stepbot("uptodate", "-o", "{robot}", "x.robot.yaml").code == 2
@@ -79,14 +79,14 @@ def test_missing_folder_is_one_error(written: Path, stepbot: Stepbot) -> None:
 
 @pytest.mark.parametrize("output", ["out/{name}", "elsewhere/{name}"], ids=["folder", "no folder"])
 def test_step_instead_of_a_sidecar_is_one_error(output: str, written: Path, stepbot: Stepbot) -> None:
-    """SB109 says what was meant, whether there is an output folder or not."""
+    """A STEP instead of a sidecar is SB109, with or without an output folder."""
     run = stepbot("uptodate", "-o", output, "--concise", "arm2.step")
     assert run.code == 1
     assert [line.partition("[")[2][:5] for line in run.out.splitlines()] == ["SB109"]
 
 
 def test_ignored_warnings_are_those_of_convert(written: Path, stepbot: Stepbot) -> None:
-    """What `convert --strict --ignore CODE` writes is up to date for `uptodate` with the same options alone."""
+    """Output of `convert --strict --ignore CODE` is up to date for `uptodate` with the same options only."""
     sidecar = Path("arm2.robot.yaml")
     text = sidecar.read_text(encoding="utf-8")
     assert "friction: 0.02}" in text
@@ -101,7 +101,7 @@ def test_ignored_warnings_are_those_of_convert(written: Path, stepbot: Stepbot) 
 
 
 def test_folder_is_found_by_its_list(written: Path, stepbot: Stepbot) -> None:
-    """Wherever below the current folder a robot was written, there it is compared, in every such folder."""
+    """Output folders below the current folder are found by their file lists, and each is compared."""
     assert stepbot("uptodate", "--concise").code == 0
     assert stepbot("convert", "arm2.robot.yaml", "--no-verify").code == 0
     assert stepbot("uptodate", "--concise").code == 0
@@ -115,7 +115,7 @@ def test_folder_is_found_by_its_list(written: Path, stepbot: Stepbot) -> None:
 
 
 def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
-    """What `batch . -o build` writes is found by `uptodate` alone, also for robots of one name in several folders."""
+    """Output of `batch . -o build` is found without arguments, also for robots of one name in several folders."""
     shutil.rmtree("out")
     for folder in ("left", "right"):
         Path(folder).mkdir()
@@ -132,7 +132,7 @@ def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
 
 
 def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
-    """The files of another robot in the same folder are not reported as obsolete."""
+    """Files of another robot in the same folder are not obsolete."""
     text = Path("arm2.robot.yaml").read_text(encoding="utf-8")
     Path("arm3.robot.yaml").write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
     assert stepbot("convert", "arm3.robot.yaml", "-o", "out/arm2", "--no-verify").code == 0
@@ -144,7 +144,7 @@ def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
 def test_paths_outside_of_the_project_stay_outside(
     written: Path, stepbot: Stepbot, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """The list of a folder elsewhere does not name the sidecar: files contain no local paths."""
+    """The file list in a folder elsewhere does not name the sidecar: files contain no local paths."""
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     assert stepbot("convert", "arm2.robot.yaml", "-o", str(elsewhere), "--no-verify").code == 0
     assert "sidecars" not in json.loads((elsewhere / ".stepbot.json").read_bytes())
@@ -152,7 +152,7 @@ def test_paths_outside_of_the_project_stay_outside(
 
 
 def test_stamp_is_newer_than_the_input(written: Path, stepbot: Stepbot) -> None:
-    """After a conversion from the cache the list is newer than the input; files that did not change keep their time."""
+    """After a conversion from the cache the file list is newer than the input; unchanged files keep their time."""
     for file in (*written.rglob("*"), written / ".stepbot.json"):
         os.utime(file, (1e9, 1e9))
     assert stepbot(*CONVERT, "--no-verify").code == 0
@@ -161,7 +161,7 @@ def test_stamp_is_newer_than_the_input(written: Path, stepbot: Stepbot) -> None:
 
 
 def test_stamp_of_an_unchanged_robot_of_a_batch(written: Path, stepbot: Stepbot) -> None:
-    """A robot that a batch finds unchanged is stamped all the same."""
+    """A robot that a batch finds unchanged gets a new stamp, too."""
     assert stepbot("batch", ".", "-o", "build", "--no-verify").code == 0
     listed = Path("build", "arm2", ".stepbot.json")
     os.utime(listed, (1e9, 1e9))
@@ -171,7 +171,7 @@ def test_stamp_of_an_unchanged_robot_of_a_batch(written: Path, stepbot: Stepbot)
 
 @pytest.mark.slow
 def test_other_engines_make_no_difference(written: Path, stepbot: Stepbot) -> None:
-    """Of a report the robot is compared, not the proof: that is of the engines that were installed there."""
+    """The robot of a report is compared, not the proof, which depends on the installed engines."""
     assert stepbot(*CONVERT).code == 0
     shutil.rmtree(".kept")
     assert stepbot("uptodate").code == 0

@@ -1,4 +1,4 @@
-"""Invalid arguments: the message, in text and in JSON, and the remedy."""
+"""Invalid arguments: message and remedy, in text and JSON."""
 
 import json
 import sys
@@ -29,7 +29,7 @@ from .conftest import Stepbot
 def test_usage_errors_are_json_where_json_was_asked_for(
     stepbot: Stepbot, arguments: list[str], command: str, words: str
 ) -> None:
-    """Bad option, missing argument, unknown command: one document with SB010 and the command, or text; exit code 2."""
+    """A bad option, missing argument or unknown command is SB010, in JSON if requested; exit code 2."""
     run = stepbot(*arguments)
     assert (run.code, run.out) == (2, "")
     assert run.err.startswith(f"Usage: {command} ")
@@ -41,18 +41,18 @@ def test_usage_errors_are_json_where_json_was_asked_for(
     assert run.err == ""
     (found,) = document["diagnostics"]
     assert (found["code"], found["file"], found["help"]) == ("SB010", command, [f"`{command} --help`"])
-    if command != "stepbot explain":  # has no --json of its own, which is the fault then
+    if command != "stepbot explain":  # the command has no --json, which is the error here
         assert words in found["message"]
 
 
 def test_unknown_command_without_neighbours_lists_all(stepbot: Stepbot) -> None:
-    """A word unlike any command gets the list of commands."""
+    """An unknown command without similar names lists all commands."""
     assert "choose from init, convert, batch, inspect" in stepbot("xyzzy").err
 
 
 @pytest.mark.parametrize("value", ["abc", "0", "-1", "nan", "inf", "5 min"])
 def test_timeout_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
-    """A time limit is a number of seconds."""
+    """An invalid time limit is rejected with the accepted form."""
     run = stepbot("convert", "a.yaml", "--timeout", value)
     assert run.code == 2
     assert f"'{value}' is not a positive number of seconds, such as 600" in run.err
@@ -60,7 +60,7 @@ def test_timeout_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
 
 @pytest.mark.parametrize("value", ["abc", "0", "1.5"])
 def test_jobs_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
-    """Cores are counted."""
+    """An invalid number of cores is rejected with the accepted form."""
     run = stepbot("batch", ".", "-o", "out", "-j", value)
     assert run.code == 2
     assert f"'{value}' is not a positive number of cores" in run.err
@@ -76,7 +76,7 @@ def test_formats_in_a_list(arm: Path, stepbot: Stepbot, given: tuple[str, ...]) 
 
 
 def test_unknown_format_in_a_list(stepbot: Stepbot) -> None:
-    """The one that is not there is named, not the list."""
+    """An unknown format in a list is reported by its name alone."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "urdf,udrf")
     assert run.code == 2
     assert "unknown format 'udrf'; did you mean 'urdf'?" in run.err
@@ -113,7 +113,7 @@ def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -
     ],
 )
 def test_draft_of_any_file_name(name: str) -> None:
-    """Whatever the STEP is called, the sidecar is valid and names it."""
+    """A drafted sidecar is valid and names its STEP, whatever the file name."""
     found = Diagnostics()
     draft = Draft(Path(name).stem, "base", (DraftLink("base", (), Confidence(1.0), rest=True),))
     sidecar = parse_sidecar(sidecar_text(draft, name), Path(starter_name(Path(name))), found)
@@ -123,7 +123,7 @@ def test_draft_of_any_file_name(name: str) -> None:
 
 
 def test_missing_dask_names_the_extra(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """--scheduler without Dask reports what to install, with stepbot's version bounds."""
+    """`--scheduler` without Dask reports what to install, with stepbot's version bounds."""
     monkeypatch.setitem(sys.modules, "distributed", None)
     run = stepbot("batch", str(arm), "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
     assert run.code == 2

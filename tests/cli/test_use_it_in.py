@@ -1,4 +1,4 @@
-"""docs/use-it-in.md is right: its snippets run where the engine is installed, and are parsed where it is not."""
+"""Snippets of docs/use-it-in.md run if the engine is installed, and are parsed if not."""
 
 import importlib.util
 import re
@@ -20,7 +20,7 @@ PAGE = (ROOT / "docs" / "use-it-in.md").read_text(encoding="utf-8")
 
 
 def block(heading: str, language: str) -> str:
-    """The code block in a language below a heading of the page."""
+    """The code block of a language below a heading of the page."""
     section = PAGE.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
     (found,) = re.findall(rf"^```{language}\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
     return str(found)
@@ -47,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ],
 )
 def test_snippet_runs(heading: str, module: str, printed: str, folder: Path) -> None:
-    """The Python of an engine loads the file and prints what the robot has."""
+    """The Python snippet of an engine loads the file and prints the robot."""
     if importlib.util.find_spec(module) is None:
         pytest.skip(f"{module} is not installed")
     command = [sys.executable, "-c", block(heading, "python")]
@@ -58,7 +58,7 @@ def test_snippet_runs(heading: str, module: str, printed: str, folder: Path) -> 
 
 
 def test_world_for_gazebo_includes_the_model(folder: Path) -> None:
-    """The world is well-formed SDFormat of the version that stepbot writes, and what it includes is there."""
+    """The world is well-formed SDFormat of stepbot's version, and the included model exists."""
     world = ET.fromstring(block("Gazebo", "xml"))
     model = ET.parse(folder / "arm" / "arm.sdf").getroot()
     assert (world.tag, world.attrib["version"]) == (model.tag, model.attrib["version"])
@@ -67,7 +67,7 @@ def test_world_for_gazebo_includes_the_model(folder: Path) -> None:
 
 
 def test_launch_file_for_rviz_finds_every_mesh(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run with stand-ins for ROS, the launch file starts three nodes and gives them a URDF whose meshes exist."""
+    """With stand-ins for ROS, the launch file starts three nodes and passes them a URDF whose meshes exist."""
     launch, ros, actions = (types.ModuleType(name) for name in ("launch", "launch_ros", "launch_ros.actions"))
     vars(launch)["LaunchDescription"] = list
     vars(actions)["Node"] = dict

@@ -1,4 +1,4 @@
-"""``stepbot verify``: files of anyone's."""
+"""``stepbot verify`` on files of any origin."""
 
 import json
 from pathlib import Path
@@ -27,7 +27,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.slow
 def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
-    """The formats agree; the table names the reference of each comparison."""
+    """Files of all formats agree; the table names the reference of each comparison."""
     run = stepbot("verify", *files)
     assert run.code == 0, run.err
     assert " 0 failed" in run.out.splitlines()[-1]
@@ -38,7 +38,7 @@ def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
 
 @pytest.mark.slow
 def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:
-    """A file that is another robot is found out, with exit code 1, in JSON and JUnit too."""
+    """A file with another mass is reported, with exit code 1, in JSON and JUnit too."""
     urdf = Path(files[0])
     text = urdf.read_text(encoding="utf-8")
     urdf.write_text(text.replace('<mass value="', '<mass value="1'), encoding="utf-8")
@@ -54,14 +54,14 @@ def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:
 
 
 def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:
-    """A file that is not there cannot be verified."""
+    """A missing file is exit code 2."""
     run = stepbot("verify", str(tmp_path / "gone.urdf"))
     assert run.code == 2
     assert "error[SB001]" in run.err
 
 
 def test_required_engine_that_is_not_there(files: list[str], stepbot: Stepbot) -> None:
-    """Requiring an engine that is not installed is an error: not run is not passed."""
+    """A required engine that is not installed is an error: not run is not passed."""
     run = stepbot("verify", "--require", "nosuchengine", files[0])
     assert run.code == 2
     assert "error[SB005]" in run.err
