@@ -14,12 +14,12 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, format_names, no_verify_option, strict_option
+from .diagnostic_text import paint, printable
 from .engines import require_option
 from .interrupts import interruptible
 from .junit import junit_option, write_junit
 from .progress import bar_column
 from .reading import reading_options
-from .render import paint, printable
 from .terminal import Display, show_diagnostics, wants_color, write_json, write_result
 
 if TYPE_CHECKING:

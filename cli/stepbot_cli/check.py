@@ -12,11 +12,11 @@ from stepbot.diagnostics import Diagnostics
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
+from .diagnostic_text import printable
 from .fixing import fix_paths
 from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
-from .render import printable
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:

@@ -15,13 +15,13 @@ from stepbot.formats import FORMATS, default_formats, format_named
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
+from .diagnostic_text import printable
 from .engines import require_option
 from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
 from .progress import progress_bar
 from .proof import show_proof
 from .reading import reading_options
-from .render import printable
 from .table import filled, show_table
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 

@@ -14,9 +14,9 @@ from .caching import say_trouble
 from .columns import wrapped_rows
 from .command import Command, display_options, json_option
 from .counts import counted
+from .diagnostic_text import paint, printable
 from .progress import progress_bar
 from .reading import reading_options
-from .render import paint, printable
 from .terminal import Display, screen_width, show_diagnostics, wants_color, write_json, write_result
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .counts import counted
-from .render import printable
+from .diagnostic_text import printable
 
 if TYPE_CHECKING:
     from stepbot.authoring.draft import Draft, DraftClosure, DraftJoint

@@ -7,7 +7,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics, ExitCode, Span, StepbotError
 
-from .render import printable
+from .diagnostic_text import printable
 from .terminal import show_diagnostics, write_error, write_json
 
 _OURS = ("stepbot", "stepbot_cli")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepbot.diagnostics import Diagnostics
 
-from .render import printable
+from .diagnostic_text import printable
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options

@@ -15,8 +15,8 @@ from stepbot.step.structure.paths import plain_name, quoted
 from .columns import aligned, cells
 from .contents import Contents, contents
 from .counts import counted
+from .diagnostic_text import printable
 from .inspection_rows import Choice, Row, Rows, listed
-from .render import printable
 from .shared_axes import SharedAxes
 
 _VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")

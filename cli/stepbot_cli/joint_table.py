@@ -7,7 +7,7 @@ from shutil import get_terminal_size
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
 from .columns import cells
-from .render import printable
+from .diagnostic_text import printable
 from .terminal import write_result
 
 _NARROWEST = 60

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .render import printable
+from .diagnostic_text import printable
 from .table import RESULT, absent_engines, driven_words, filled, status_lines
 from .terminal import screen_width, wants_color, write_result
 

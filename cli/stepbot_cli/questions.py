@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .render import printable
+from .diagnostic_text import printable
 
 if TYPE_CHECKING:
     from stepbot.authoring.draft import Draft, DraftJoint

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .columns import wrapped_rows
 from .counts import counted
-from .render import FRAME_WIDTH, paint, printable
+from .diagnostic_text import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:

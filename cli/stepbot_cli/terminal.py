@@ -12,7 +12,7 @@ from typing import Any, TextIO
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 
-from . import render
+from . import diagnostic_text
 
 NARROWEST = 40
 """Minimum width of the screen for layouts."""
@@ -79,14 +79,14 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), 
     color = wants_color(stream)
     width = screen_width(stream)
     if display.concise:
-        _write(stream, render.concise(diagnostics, color=color))
+        _write(stream, diagnostic_text.concise(diagnostics, color=color))
         return
     if display.verbose or display.quiet:
-        text = render.full(diagnostics, color=color, width=width or render.FRAME_WIDTH)
-        counts = "" if display.quiet else render.summary(diagnostics, ignored=ignored)
+        text = diagnostic_text.full(diagnostics, color=color, width=width or diagnostic_text.FRAME_WIDTH)
+        counts = "" if display.quiet else diagnostic_text.summary(diagnostics, ignored=ignored)
         _write(stream, "\n\n".join(filter(None, (text, counts))))
     else:
-        _write(stream, render.screen(diagnostics, ignored=ignored, color=color, width=width))
+        _write(stream, diagnostic_text.screen(diagnostics, ignored=ignored, color=color, width=width))
 
 
 def _write(stream: TextIO, text: str) -> None:
@@ -96,5 +96,5 @@ def _write(stream: TextIO, text: str) -> None:
 
 def _plain(value: object) -> Any:
     if isinstance(value, Diagnostics):
-        return [render.plain(diagnostic) for diagnostic in value]
+        return [diagnostic_text.plain(diagnostic) for diagnostic in value]
     raise TypeError(f"{type(value).__name__} has no JSON form")

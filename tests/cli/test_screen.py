@@ -6,7 +6,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.report.record import Check, Report, Status
-from stepbot_cli import render
+from stepbot_cli import diagnostic_text
 from stepbot_cli.columns import cells
 from stepbot_cli.proof import proof_lines
 
@@ -62,7 +62,9 @@ def finding(severity: str, code: str, number: int) -> Diagnostic:
 
 def test_repeated_notes_are_one_line() -> None:
     """Notes of a code are one line with their count; a single note is its message; -v prints all."""
-    text = render.screen([finding("note", "SB706", 1), finding("note", "SB708", 2), finding("note", "SB706", 3)])
+    text = diagnostic_text.screen(
+        [finding("note", "SB706", 1), finding("note", "SB708", 2), finding("note", "SB706", 3)]
+    )
     title = "initial pose not written"
     assert text == f"note[SB706]: 2 x {title}\nnote[SB708]: subject 2: wrong\n3 notes (-v shows all)"
 
@@ -71,7 +73,7 @@ def test_repeated_warnings_are_counted() -> None:
     """Some warnings of a code are printed in full and the others counted; errors are all printed."""
     warnings = [finding("warning", "SB305", number) for number in range(5)]
     errors = [finding("error", "SB130", number) for number in range(9)]
-    text = render.screen([*warnings, *errors])
+    text = diagnostic_text.screen([*warnings, *errors])
     assert [f"subject {n}: wrong" in text for n in range(5)].count(True) == 5
     assert text.count("warning[SB305]: subject") == 3
     assert text.count("error[SB130]: subject") == 9
@@ -82,8 +84,8 @@ def test_repeated_warnings_are_counted() -> None:
 def test_folded_notes_are_cut_at_the_screen() -> None:
     """A line of folded notes is cut to the screen, and whole in a pipe."""
     long = Diagnostic("SB708", "note", "x" * 300, Span("a"))
-    assert cells(render.screen([long], width=60).splitlines()[0]) == 60
-    assert "x" * 300 in render.screen([long])
+    assert cells(diagnostic_text.screen([long], width=60).splitlines()[0]) == 60
+    assert "x" * 300 in diagnostic_text.screen([long])
 
 
 @pytest.mark.parametrize("width", ["60", "80", "120"])

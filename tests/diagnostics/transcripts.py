@@ -38,7 +38,7 @@ from stepbot.runtime import worker
 from stepbot.runtime.fork_server import ForkServer, can_serve
 from stepbot.verification import files
 from stepbot_cli import main
-from stepbot_cli.render import full, plain
+from stepbot_cli.diagnostic_text import full, plain
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

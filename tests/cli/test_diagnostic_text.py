@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.diagnostics.codes import CODES
-from stepbot_cli import render
+from stepbot_cli import diagnostic_text
 from stepbot_cli.columns import cells
 
 SOURCE = "version: 1\nlinks:\n  base: {}\njoints:\n  elbow:\n    child: forarm\n"
@@ -37,7 +37,7 @@ def warning(span: Span) -> Diagnostic:
 def test_full_shows_the_line_and_the_remedy() -> None:
     """The code frame marks the place; notes and help are below it."""
     found = diagnostic(Span("arm.robot.yaml", 6, 12, 18), help=("did you mean 'forearm'?",), notes=("one\ntwo",))
-    assert render.full([found]).splitlines() == [
+    assert diagnostic_text.full([found]).splitlines() == [
         "arm.robot.yaml:6:12: error[SB301]: joint 'elbow': no component 'forarm' in arm.step",
         "  |",
         "6 |     child: forarm",
@@ -51,34 +51,36 @@ def test_full_shows_the_line_and_the_remedy() -> None:
 def test_error_without_help_shows_the_advice_of_its_code() -> None:
     """Every error has a remedy, in text and JSON; warnings and notes may lack one."""
     bare, fix = diagnostic(Span("arm.robot.yaml")), CODES["SB301"].fix
-    assert render.full([bare]).splitlines()[1:] == [f"  = help: {fix}"]
-    assert render.plain(bare)["help"] == [fix]
-    assert render.full([warning(Span("arm.robot.yaml"))]).count("\n") == 0
+    assert diagnostic_text.full([bare]).splitlines()[1:] == [f"  = help: {fix}"]
+    assert diagnostic_text.plain(bare)["help"] == [fix]
+    assert diagnostic_text.full([warning(Span("arm.robot.yaml"))]).count("\n") == 0
 
 
 @pytest.mark.usefixtures("sidecar")
 def test_mark_without_extent_is_one_character() -> None:
     """Without an end, one mark shows the start."""
-    assert render.full([warning(Span("arm.robot.yaml", 6, 12))]).splitlines()[-1] == "  |            ^"
+    assert diagnostic_text.full([warning(Span("arm.robot.yaml", 6, 12))]).splitlines()[-1] == "  |            ^"
 
 
 @pytest.mark.usefixtures("sidecar")
 def test_place_beyond_the_file_has_no_frame() -> None:
     """A line beyond the end of the file has no frame; a column beyond the end of a line stays on that line."""
-    assert len(render.full([warning(Span("arm.robot.yaml", 99, 1))]).splitlines()) == 1
-    assert render.full([warning(Span("arm.robot.yaml", 6, 18))]).splitlines()[-1] == "  |" + " " * 18 + "^"
+    assert len(diagnostic_text.full([warning(Span("arm.robot.yaml", 99, 1))]).splitlines()) == 1
+    assert diagnostic_text.full([warning(Span("arm.robot.yaml", 6, 18))]).splitlines()[-1] == "  |" + " " * 18 + "^"
 
 
 def test_file_that_is_gone_has_no_frame() -> None:
     """If the file cannot be read, only the headline is printed."""
-    assert render.full([warning(Span("gone.yaml", 6, 12))]) == render.concise([warning(Span("gone.yaml", 6, 12))])
+    assert diagnostic_text.full([warning(Span("gone.yaml", 6, 12))]) == diagnostic_text.concise(
+        [warning(Span("gone.yaml", 6, 12))]
+    )
 
 
 def test_wide_characters_keep_the_mark_in_place(tmp_path: Path) -> None:
     """The mark below Chinese names is as wide as the names."""
     file = tmp_path / "a.yaml"
     file.write_text("\ufeff机器人: 手臂 x\n", encoding="utf-8")
-    line, mark = render.full([warning(Span(str(file), 1, 6, 8))]).splitlines()[-2:]
+    line, mark = diagnostic_text.full([warning(Span(str(file), 1, 6, 8))]).splitlines()[-2:]
     assert line == "1 | 机器人: 手臂 x"
     assert mark == "  |" + " " * (1 + 8) + "^^^^"
 
@@ -87,7 +89,7 @@ def test_long_line_is_cut_around_the_place(tmp_path: Path) -> None:
     """Of a line of a megabyte, only the part around the place is shown."""
     file = tmp_path / "a.yaml"
     file.write_text("x" * 500_000 + "HERE" + "y" * 500_000, encoding="utf-8")
-    line, mark = render.full([warning(Span(str(file), 1, 500_001, 500_005))]).splitlines()[-2:]
+    line, mark = diagnostic_text.full([warning(Span(str(file), 1, 500_001, 500_005))]).splitlines()[-2:]
     assert len(line) < 140
     start = mark.index("^")
     assert line[start : start + 4] == "HERE"
@@ -101,7 +103,7 @@ def test_frame_fits_the_screen(tmp_path: Path, line: str, width: int) -> None:
     file = tmp_path / "a.yaml"
     file.write_text(line, encoding="utf-8")
     column = line.index("HERE") + 1
-    frame = render.full([warning(Span(str(file), 1, column, column + 4))], width=width).splitlines()[1:]
+    frame = diagnostic_text.full([warning(Span(str(file), 1, column, column + 4))], width=width).splitlines()[1:]
     assert max(map(cells, frame)) <= width
     shown, mark = frame[1:3]
     assert cells(shown.partition("HERE")[0]) == cells(mark.partition("^")[0])
@@ -115,22 +117,24 @@ def test_binary_content_has_no_frame(tmp_path: Path, content: bytes) -> None:
     """Binary content, or text in another encoding, is not printed; the headline has the position."""
     file = tmp_path / "a.yaml"
     file.write_bytes(content)
-    assert len(render.full([warning(Span(str(file), 1, 1))]).splitlines()) == 1
+    assert len(diagnostic_text.full([warning(Span(str(file), 1, 1))]).splitlines()) == 1
 
 
 def test_footer_explains_the_first_error() -> None:
     """The footer names the code of the first error, else of the first warning, never of a note."""
     found = [Diagnostic(c, s, "m", Span("a")) for c, s in (("SB505", "note"), ("SB305", "warning"), ("SB130", "error"))]
-    assert render.summary(found) == "1 error, 1 warning, 1 note (more: stepbot explain SB130)"
-    assert render.summary(found[:2]) == "1 warning, 1 note (more: stepbot explain SB305)"
-    assert render.summary(found[:1]) == "1 note"
+    assert diagnostic_text.summary(found) == "1 error, 1 warning, 1 note (more: stepbot explain SB130)"
+    assert diagnostic_text.summary(found[:2]) == "1 warning, 1 note (more: stepbot explain SB305)"
+    assert diagnostic_text.summary(found[:1]) == "1 note"
 
 
 def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
     """Escape sequences in names and source lines are printed as text."""
     file = tmp_path / "a.yaml"
     file.write_text("a: \x1b[2Jb\n", encoding="utf-8")
-    text = render.full([Diagnostic("SB301", "error", "no '\x1b[31mred'", Span(str(file), 1, 1), help=("\x07",))])
+    text = diagnostic_text.full(
+        [Diagnostic("SB301", "error", "no '\x1b[31mred'", Span(str(file), 1, 1), help=("\x07",))]
+    )
     assert "\x1b" not in text
     assert "\x07" not in text
     assert r"\x1b[31mred" in text
@@ -139,20 +143,20 @@ def test_names_cannot_steer_the_terminal(tmp_path: Path) -> None:
 def test_color_only_when_asked_for() -> None:
     """Colours surround the text without changing it."""
     found = [diagnostic(Span("gone.yaml", 6, 12), help=("h",))]
-    colored = render.full(found, color=True)
+    colored = diagnostic_text.full(found, color=True)
     assert "\x1b[1;31merror[SB301]\x1b[0m" in colored
-    assert "\x1b" not in render.full(found)
+    assert "\x1b" not in diagnostic_text.full(found)
 
 
 def test_concise_is_one_line_each() -> None:
     """The concise form has one line per finding."""
     found = [diagnostic(Span("a.yaml", 1, 2), help=("h",)), diagnostic(Span("b.yaml"))]
-    assert [line.split(": ")[0] for line in render.concise(found).splitlines()] == ["a.yaml:1:2", "b.yaml"]
+    assert [line.split(": ")[0] for line in diagnostic_text.concise(found).splitlines()] == ["a.yaml:1:2", "b.yaml"]
 
 
 def test_plain_is_json() -> None:
     """The JSON form is complete and can be read back."""
-    plain = render.plain(diagnostic(Span("a.yaml", 1, 2, 3), help=("h",), notes=("n",)))
+    plain = diagnostic_text.plain(diagnostic(Span("a.yaml", 1, 2, 3), help=("h",), notes=("n",)))
     assert (
         json.loads(json.dumps(plain))
         == plain
@@ -173,5 +177,5 @@ def test_plain_is_json() -> None:
 def test_summary_counts_and_leads_on() -> None:
     """The summary counts findings by severity and names the command that explains them."""
     error, note = diagnostic(Span("a")), Diagnostic("SB102", "note", "n", Span("a"))
-    assert render.summary([error, error, note]) == "2 errors, 1 note (more: stepbot explain SB301)"
-    assert render.summary([note]) == "1 note"
+    assert diagnostic_text.summary([error, error, note]) == "2 errors, 1 note (more: stepbot explain SB301)"
+    assert diagnostic_text.summary([note]) == "1 note"
