@@ -1,4 +1,4 @@
-"""Mechanisms with loops of every kind of closure, and what is known of them in closed form."""
+"""Mechanisms with loops of every kind of closure, and their motions in closed form."""
 
 import math
 from collections.abc import Callable
@@ -16,7 +16,7 @@ GROUND, CRANK, COUPLER, ROCKER = 0.3, 0.1, 0.28, 0.2
 
 
 def four_bar_angles(crank: float) -> tuple[float, float]:
-    """Angles [rad] of coupler and rocker from the ground line, for the angle of the crank; the open assembly."""
+    """Angles [rad] of coupler and rocker from the ground line for a crank angle; the open assembly."""
     x, y = GROUND - CRANK * math.cos(crank), -CRANK * math.sin(crank)
     diagonal = math.hypot(x, y)
     at_coupler = math.acos((COUPLER**2 + diagonal**2 - ROCKER**2) / (2 * COUPLER * diagonal))
@@ -31,7 +31,7 @@ THROW, ROD = 0.06, 0.2
 
 
 def closure(robot: Robot, name: str, kind: JointKind, link_a: str, link_b: str, X_WF: Pose, axis: Vector3) -> Robot:
-    """The robot with one closure more, which closes in the drawn pose."""
+    """The robot with one more closure, closed in the drawn pose."""
     X_W = link_poses(robot, initial_configuration(robot))
     X_AF, X_BF = X_W[link_a].inverse() @ X_WF, X_W[link_b].inverse() @ X_WF
     closures = (*robot.closures, LoopClosure(name, kind, link_a, X_AF, link_b, X_BF, axis))
@@ -46,7 +46,7 @@ def piston_position(crank: float) -> float:
 
 
 def _slider_crank(name: str, closing: JointKind) -> Robot:
-    """A crank at 60 degrees, a rod, a piston; the loop closes at the piston's pin, or at its cylinder."""
+    """A crank at 60 degrees, a rod and a piston; the loop is closed at the piston's pin, or at its cylinder."""
     shop = Workshop()
     drawn = math.pi / 3
     rod_angle = -math.asin(THROW * math.sin(drawn) / ROD)
@@ -79,17 +79,17 @@ def _slider_crank(name: str, closing: JointKind) -> Robot:
 
 
 def slider_crank() -> Robot:
-    """Closed at the pin of the piston."""
+    """A slider-crank closed at the pin of the piston."""
     return _slider_crank("slider_crank", JointKind.REVOLUTE)
 
 
 def sliding_closure() -> Robot:
-    """The same mechanism, closed where the piston slides."""
+    """A slider-crank closed at the cylinder of the piston."""
     return _slider_crank("sliding_closure", JointKind.PRISMATIC)
 
 
 def welded() -> Robot:
-    """A four-bar whose rocker is in two halves, welded by the closure."""
+    """A four-bar whose rocker consists of two halves, welded by the closure."""
     shop = Workshop()
     drawn = math.pi / 3
     coupler, rocker = four_bar_angles(drawn)
@@ -161,7 +161,7 @@ def stewart() -> Robot:
             links.append(shop.link("platform", [((0.3, 0.25, 0.02), at(z=0.05, x=0.01))], rgba=GLASS))
             X_RP = (X_WL @ at(z=length)).inverse() @ X_WP @ Pose.of(np.eye(3), head)
             joints.append(Joint("head_1", JointKind.BALL, "rod_1", "platform", X_RP))
-    # The platform's frame is that of the ball above it, at the first head, so its body is drawn from there.
+    # The platform's frame is that of the ball above it, at the first head; its body is relative to that frame.
     robot = Robot(
         "stewart", tuple(links), tuple(joints), actuators=tuple(drives), meshes=shop.sorted_meshes(), source="s.step"
     )
@@ -180,7 +180,7 @@ DELTA_DRAWN = 0.3
 
 
 def delta_height(angle: float) -> float:
-    """How far [m] the platform hangs below the base with all upper arms at the same angle."""
+    """Depth [m] of the platform below the base with all upper arms at the same angle."""
     gap = DELTA_BASE + UPPER * math.cos(angle) - DELTA_PLATFORM
     return UPPER * math.sin(angle) + math.sqrt(FORE**2 - gap**2)
 
@@ -196,7 +196,7 @@ def delta_angle(arm: int, position: Array) -> float:
 
 
 def delta() -> Robot:
-    """Three driven arms, six rods with universal and ball ends; the platform hangs on the first rod in the tree."""
+    """Three driven arms, six rods with universal and ball ends; in the tree the platform is on the first rod."""
     shop = Workshop()
     links = [shop.link("base", [((0.5, 0.5, 0.02), at(z=0.08))])]
     joints, drives, ends = [], [], []

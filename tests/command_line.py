@@ -1,4 +1,4 @@
-"""The ``stepbot`` command in a process of its own, as a user starts it, and what it leaves on disk."""
+"""The ``stepbot`` command in a separate process, and the files it writes."""
 
 import json
 import os
@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 
 LONGEST = 300.0
-"""Seconds that any command may take in a test."""
+"""Time limit [s] of a command in a test."""
 COMMAND = (sys.executable, "-m", "stepbot_cli")
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a command did."""
+    """Exit code and output of a command."""
 
     code: int
     out: str
@@ -28,7 +28,7 @@ class Run:
 
 
 def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
-    """This process's environment with some variables set; output is UTF-8 unless they override it."""
+    """This process's environment with some variables set; output is UTF-8 by default."""
     return {**os.environ, "PYTHONIOENCODING": "utf-8", **(changes or {})}
 
 
@@ -41,10 +41,10 @@ def stepbot(*arguments: str | Path, cwd: Path, changes: Mapping[str, str] | None
 
 @dataclass(frozen=True)
 class Conversion:
-    """A robot that was converted."""
+    """A converted robot."""
 
     folder: Path
-    """Where the files are."""
+    """Folder of the files."""
     run: Run
 
     @cached_property
@@ -60,12 +60,12 @@ class Conversion:
 
 
 def convert(sidecar: Path, folder: Path, *options: str | Path) -> Conversion:
-    """Convert a sidecar into a folder; the test fails where the command does."""
+    """Convert a sidecar into a folder; the test fails if the command does."""
     return assert_converted(Conversion(folder, stepbot("convert", sidecar, "-o", folder, *options, cwd=folder.parent)))
 
 
 def convert_once(temporary: pytest.TempPathFactory, name: str, sidecar: Path, *options: str | Path) -> Conversion:
-    """Convert a sidecar, once for all tests that use this name, in any process."""
+    """Convert a sidecar once for all tests that use this name, in any process."""
     root = temporary.getbasetemp()
     folder = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "converted" / name
     told = folder / "run.json"
@@ -86,13 +86,13 @@ def convert_once(temporary: pytest.TempPathFactory, name: str, sidecar: Path, *o
 
 
 def assert_converted(conversion: Conversion) -> Conversion:
-    """The same conversion; the test fails where the command did."""
+    """The conversion itself; the test fails if the command did."""
     assert conversion.run.code == 0, conversion.run.err
     return conversion
 
 
 def snapshot(folder: Path) -> dict[str, bytes]:
-    """The bytes of all files below a folder, hidden ones too; empty folders have a slash at the end."""
+    """The bytes of all files below a folder, including hidden ones; empty folders have a trailing slash."""
     found = {}
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()

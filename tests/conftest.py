@@ -1,4 +1,4 @@
-"""What every test may ask for: a collector that is read, the real assemblies, the robots of the library."""
+"""Fixtures for all tests: a collector that must be read, the corpus of real assemblies, the robot library."""
 
 import importlib.util
 import os
@@ -13,11 +13,11 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["STEPBOT_NO_CACHE"] = "1"
-"""No test finds what another one left; those of the cache name one of their own."""
+"""Tests do not share a cache; those of the cache use their own."""
 os.environ.pop("COLUMNS", None)
-"""No test is as wide as the terminal that it was started from, which readline hands to processes of pytest-xdist."""
+"""Tests do not depend on the size of the terminal, which readline passes to processes of pytest-xdist."""
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-"""Workers import functions of the tests, and nothing from the current folder unless it is named here."""
+"""Workers import functions of the tests, and nothing from the current folder unless it is listed here."""
 CORPUS = Path(os.environ.get("STEPBOT_CORPUS", ROOT.parent / "shared" / "corpus"))
 CORPUS_ABSENT = f"real STEP assemblies are absent: no folder {CORPUS} (set STEPBOT_CORPUS)"
 
@@ -40,15 +40,15 @@ PORTABLE = (
     "conformance/",
     "cli/test_application.py",
 )
-"""What `make wheels` runs in each Python: processes, types at run time, numbers, bytes, engines."""
+"""Tests run by `make wheels` in each Python: processes, types at run time, numbers, bytes, engines."""
 
-# How long an example takes depends on what else the machine does.
+# The duration of an example depends on the load of the machine.
 settings.register_profile("unhurried", settings(), deadline=None)
 settings.load_profile("unhurried")
 
 
 class ReadDiagnostics(Diagnostics):
-    """A collector that records how many of its diagnostics a test has inspected."""
+    """A collector that records how many of its diagnostics a test has read."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -59,13 +59,13 @@ class ReadDiagnostics(Diagnostics):
         return super().__iter__()
 
     def codes(self) -> list[str]:
-        """The codes found, in order; looking at them counts as reading."""
+        """The codes found, in order; reading them marks them as read."""
         return [diagnostic.code for diagnostic in self]
 
 
 @pytest.fixture
 def found() -> Iterator[ReadDiagnostics]:
-    """A collector of diagnostics; the test fails if it leaves one unread."""
+    """A collector of diagnostics; the test fails if one remains unread."""
     diagnostics = ReadDiagnostics()
     yield diagnostics
     unread = list(diagnostics)[diagnostics.read :] if diagnostics.read < len(diagnostics) else []
@@ -74,7 +74,7 @@ def found() -> Iterator[ReadDiagnostics]:
 
 @pytest.fixture(scope="session")
 def corpus() -> Path:
-    """Folder of real STEP assemblies; the test is skipped where it is absent."""
+    """Folder of real STEP assemblies; the test is skipped if it is missing."""
     if not CORPUS.is_dir():
         pytest.skip(CORPUS_ABSENT)
     return CORPUS
@@ -87,25 +87,25 @@ def robot_library() -> Path:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests that `make wheels` runs."""
+    """Mark the tests run by `make wheels`."""
     for item in items:
         if item.path.relative_to(ROOT / "tests").as_posix().startswith(PORTABLE):
             item.add_marker("portable")
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip what needs PyBullet where it is not installed."""
+    """Skip tests that require PyBullet if it is not installed."""
     if item.get_closest_marker("pybullet") and importlib.util.find_spec("pybullet") is None:
         pytest.skip(PYBULLET_ABSENT)
 
 
 def pytest_report_header() -> str:
-    """Say at the top whether the real assemblies are there."""
+    """Report in the header whether the corpus of real assemblies is available."""
     return f"corpus: {CORPUS}" if CORPUS.is_dir() else f"corpus: ABSENT, {CORPUS_ABSENT}"
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say once more at the end what was not tested for want of the corpus or of PyBullet."""
+    """Report in the summary what was skipped because the corpus or PyBullet is missing."""
     told = [
         str(report.longrepr[2])
         for report in terminalreporter.getreports("skipped")

@@ -1,4 +1,4 @@
-"""A robot that has every drive and every sensor, each away from where it would be by itself."""
+"""A robot with every kind of actuator and sensor, each at a pose that differs from the default."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Energies of a robot that PyBullet moves, by mass properties that come neither from the engine nor from its file."""
+"""Energies of a robot simulated by PyBullet, from mass properties of neither the engine nor its file."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -30,11 +30,11 @@ class Energies:
         self._start = self._weight_times_place()
 
     def given(self) -> float:
-        """Work [J] of the body's weight since the start."""
+        """Work [J] of gravity on the body since the start."""
         return self._weight_times_place() - self._start
 
     def kinetic(self) -> float:
-        """Energy of its motion [J]."""
+        """Kinetic energy [J]."""
         energy = 0.0
         for index, mass, com, inertia in self._links:
             R_WL, p_WC = self._place(index, com)
@@ -54,7 +54,7 @@ class Energies:
         if index >= 0:
             p_WL, q_WL = pybullet.getLinkState(self._body, index, computeForwardKinematics=1)[4:6]
         else:
-            # PyBullet gives the base by its inertial frame.
+            # PyBullet returns the base's pose as that of its inertial frame.
             X_WI = pybullet.getBasePositionAndOrientation(self._body)
             X_LI = pybullet.getDynamicsInfo(self._body, -1)[3:5]
             p_WL, q_WL = pybullet.multiplyTransforms(*X_WI, *pybullet.invertTransform(*X_LI))
@@ -62,7 +62,7 @@ class Energies:
         return R_WL, np.array(p_WL) + R_WL @ com
 
     def _velocity(self, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Where the engine has a link's centre of mass [m], its velocity [m/s], and the link's angular velocity."""
+        """A link's centre of mass [m], its velocity [m/s], and the link's angular velocity [rad/s], by the engine."""
         import pybullet
 
         if index < 0:

@@ -1,4 +1,4 @@
-"""Engines as anybody would use them, without stepbot's observers: each function runs in a process of its own."""
+"""Engines without stepbot's observers, as a user calls them; each function runs in a separate process."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -12,18 +12,18 @@ from stepbot.robot.pybullet_closures import add_constraints
 Json = Sequence[Mapping[str, Any]]
 
 ASLANT = (3.0, 4.0, -8.0)
-"""A gravity [m/s^2] that moves joints which a plumb one would not."""
+"""A gravity [m/s^2] that moves joints that a vertical one would not."""
 
 
 def _model(file: str) -> Any:
-    """A URDF or MJCF file, compiled; every complaint of the compiler is an error."""
+    """A compiled URDF or MJCF file; each warning of the compiler is an error."""
     import mujoco
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         spec = mujoco.MjSpec.from_file(file)
         if Path(file).suffix == ".urdf":
-            # MuJoCo takes a URDF for a thing that it may melt down: keep every link, and folders in names of meshes.
+            # By default MuJoCo fuses fixed links of a URDF and strips folders from mesh names.
             spec.compiler.fusestatic = False
             spec.compiler.discardvisual = False
             spec.strippath = False
@@ -67,7 +67,7 @@ def mujoco_links(file: str) -> dict[str, Any]:
 
 
 def mujoco_at_home(file: str) -> dict[str, dict[str, Any]]:
-    """An MJCF file as it was drawn: ``bodies`` by name as poses (4, 4) row by row [m], ``axes`` of joints by name."""
+    """An MJCF file in its drawn pose: ``bodies`` by name as poses (4, 4) by row [m], ``axes`` of joints by name."""
     import mujoco
 
     model = _model(file)
@@ -278,7 +278,7 @@ def energy_kept_in_pybullet(
 
 
 def _let_go(body: int) -> list[int]:
-    """Switch off the motors that PyBullet gives every joint; indices of the joints that move."""
+    """Switch off PyBullet's default joint motors; indices of the movable joints."""
     import pybullet
 
     joints = [i for i in range(pybullet.getNumJoints(body)) if pybullet.getJointInfo(body, i)[3] >= 0]
@@ -288,7 +288,7 @@ def _let_go(body: int) -> list[int]:
 
 
 def _in_pybullet(file: str, floating: bool, constraints: Json, joints: Json) -> int:
-    """A URDF as drawn, in a world with gravity and 1 ms steps, its base fixed or on a floor, its loops closed."""
+    """A URDF in its drawn pose, with gravity and steps of 1 ms, its base fixed or on a floor, its loops closed."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
@@ -352,7 +352,7 @@ def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, 
 
 
 def _drives(robot: Mapping[str, Any], moving: Mapping[str, int]) -> list[tuple[Mapping[str, Any], str]]:
-    """Joints with actuators, and what these control; for joints that URDF splits, only those that keep the name."""
+    """Joints with actuators and their control modes; of joints that URDF splits, only those that keep the name."""
     by_name = {joint["name"]: joint for joint in robot["joints"]}
     return [(by_name[a["joint"]], a["kind"]) for a in robot["actuators"] if a["joint"] in moving]
 
@@ -365,7 +365,7 @@ def _aim(
     share: float,
     joints: Sequence[Mapping[str, Any]],
 ) -> None:
-    """Set the motor of a joint, and of those that mimic it, to a share from -1 to 1 of what the joint may do."""
+    """Set the motor of a joint, and of its mimics, to a share from -1 to 1 of its range."""
     import pybullet
 
     limits = joint["limits"]
@@ -436,7 +436,7 @@ def closed_in_pybullet(file: str, closure: Mapping[str, Any], driven: str, speed
             body, joints[driven], pybullet.VELOCITY_CONTROL, targetVelocity=speed, force=100.0
         )
         widest = 0.0
-        steps = round(2.02 * np.pi / speed * 1000)  # the motor lags a little
+        steps = round(2.02 * np.pi / speed * 1000)  # the motor has a small lag
         for number in range(steps):
             pybullet.stepSimulation()
             ends = (_point(body, a, closure["p_A"]), _point(body, b, closure["p_B"]))
@@ -448,7 +448,7 @@ def closed_in_pybullet(file: str, closure: Mapping[str, Any], driven: str, speed
 
 
 def _from_com(body: int, link: int, p_L: Sequence[float]) -> Sequence[float]:
-    """A point of a link in the frame of its inertia, which is what constraints are given in."""
+    """A point of a link in the frame of its inertia, in which constraints are given."""
     import pybullet
 
     position, turn = pybullet.getDynamicsInfo(body, link)[3:5]
@@ -480,7 +480,7 @@ def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds
         mujoco.mj_step(model, data)
     for name, speed in speeds.items():
         data.actuator(name).ctrl[0] = speed
-    # An actuator needs a moment to come up to speed: what counts is what is driven from there on.
+    # Actuators need some time to reach their speed; the measurement starts after that.
     for _ in range(round(0.5 / model.opt.timestep)):
         mujoco.mj_step(model, data)
     X_WS, start = np.array(_pose_of(data.body(base))), data.actuator_length.copy()
@@ -493,7 +493,7 @@ def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds
 
 
 def _on_a_floor(file: str) -> tuple[Any, Any]:
-    """An MJCF file, at home on a plane that touches the lowest point of what can collide; model and data."""
+    """Model and data of an MJCF file, in its keyframe on a plane at the lowest point of collision geometry."""
     import mujoco
 
     model = _model(file)
@@ -507,7 +507,7 @@ def _on_a_floor(file: str) -> tuple[Any, Any]:
 
 
 def _lowest(model: Any, data: Any, geom: int) -> float:
-    """Height [m] of the lowest point of a mesh or a ball; of other shapes that of their box."""
+    """Height [m] of the lowest point of a mesh or a sphere; for other shapes, of their box."""
     import mujoco
 
     down = data.geom_xmat[geom].reshape(3, 3)[2]
@@ -522,7 +522,7 @@ def _lowest(model: Any, data: Any, geom: int) -> float:
 
 
 def solved_by_newton(file: str, given: Sequence[Mapping[str, float]], bodies: Sequence[str]) -> list[dict[str, Any]]:
-    """Lock some joints of a mechanism with loops at given positions, and solve the loops for all others."""
+    """Lock some joints of a mechanism with loops at given positions, and solve for all others."""
     import mujoco
 
     model = _model(file)
@@ -544,7 +544,7 @@ def solved_by_newton(file: str, given: Sequence[Mapping[str, float]], bodies: Se
 
 
 def _close(model: Any, data: Any, held: Mapping[str, float]) -> None:
-    """Newton's method over the rows of equality constraints, for all coordinates but the held ones."""
+    """Newton's method over the rows of equality constraints, for all coordinates except the locked ones."""
     import mujoco
 
     for name, q in held.items():

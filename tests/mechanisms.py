@@ -1,4 +1,4 @@
-"""One robot in memory for each kind of joint that has more to it than one axis, and for each way to couple joints."""
+"""A robot in memory for each kind of joint beyond one axis, and for each coupling of joints."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,7 @@ SLANT = vector3((0.6, 0.0, 0.8))
 
 
 def _robot(name: str, joint: Joint, base: Base = Base.FIXED) -> Robot:
-    """A post, a body on the joint, and an arm that turns on that body, so that all coordinates are coupled."""
+    """A post, a body on the joint, and an arm that turns on that body, which couples all coordinates."""
     shop = Workshop()
     post = shop.link("post", [((0.1, 0.1, 0.02), at(z=-0.4))])
     body = shop.link("body", [((0.12, 0.05, 0.03), at(0.15, 0.02, -0.07, (0.3, 0.2, 0.5)))], rgba=ORANGE)
@@ -31,7 +31,7 @@ def _joint(name: str, kind: JointKind, **more: object) -> Joint:
 
 
 def ball() -> Robot:
-    """A ball joint with damping and a drive's inertia."""
+    """A ball joint with damping and armature."""
     forces = JointDynamics(damping=0.02, friction=0.001, armature=1e-4)
     return _robot("ball", _joint("shoulder", JointKind.BALL, limit=Limit(velocity=4.0, effort=3.0), dynamics=forces))
 
@@ -47,12 +47,12 @@ def universal() -> Robot:
 
 
 def cylindrical() -> Robot:
-    """A body that slides along a slanted axis and turns about it."""
+    """A body on a cylindrical joint with a slanted axis."""
     return _robot("cylindrical", _joint("sleeve", JointKind.CYLINDRICAL, axis=TILTED))
 
 
 def screw() -> Robot:
-    """A screw with limits and friction, drawn away from 0, which the hinge behind it follows."""
+    """A screw with limits and friction, drawn away from 0, followed by the hinge behind it."""
     limit = Limit(-20.0, 30.0, velocity=50.0, effort=2.0)
     forces = JointDynamics(damping=0.001, friction=0.002)
     spindle = _joint(
@@ -79,17 +79,17 @@ def left_screw() -> Robot:
 
 
 def planar() -> Robot:
-    """A body that moves on a slanted plane."""
+    """A body on a planar joint with a slanted plane."""
     return _robot("planar", _joint("table", JointKind.PLANAR, axis=TILTED))
 
 
 def floating() -> Robot:
-    """A body that is held by nothing."""
+    """A free body."""
     return _robot("floating", _joint("free", JointKind.FLOATING))
 
 
 def one_sided() -> Robot:
-    """A hinge without an upper limit behind a slide without a lower one, both on springs, with the drives' inertia."""
+    """A hinge without upper limit behind a slide without lower limit, both with springs and armature."""
     slide = _joint(
         "slide",
         JointKind.PRISMATIC,
@@ -111,7 +111,7 @@ def one_sided() -> Robot:
 
 
 def gear() -> Robot:
-    """A pinion, a wheel that turns the other way at a third of its speed, and a hand that follows the wheel."""
+    """A pinion, a wheel that turns at minus a third of its speed, and a hand that follows the wheel."""
     shop = Workshop()
     links = (
         shop.link("frame", [((0.2, 0.1, 0.01), at(z=-0.02))]),

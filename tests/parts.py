@@ -28,13 +28,13 @@ class Drawn(Part):
 
 
 def drawn(name: str, solid: Solid, color: str = "", density: float = 0.0) -> Drawn:
-    """A product of one solid; a density also gives a material's name."""
+    """A product of one solid; with a density also a material name."""
     return Drawn(name, solid.shape, color, (), f"stuff of {density:g}" if density else "", density, (solid.moments,))
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One body at its place."""
+    """One body with its pose."""
 
     path: str
     """Canonical component path."""
@@ -43,7 +43,7 @@ class Piece:
     X_WC: Array
     """Pose of the component in the assembly, shape (4, 4) [m]."""
     body: Moments
-    """Integrals at density 1 [m], in the assembly's frame; nothing for a surface."""
+    """Integrals at density 1 [m], in the assembly's frame; None for a surface."""
     density: float
     """[kg/m^3] in the STEP; 0 for none."""
     color: str
@@ -57,12 +57,12 @@ class Line:
     point: tuple[float, float, float]
     """The middle of the overlap of both sides [m]."""
     direction: tuple[float, float, float]
-    """With the sign that the sidecar's rule gives it."""
+    """With the sign of the sidecar's rule."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A STEP file and what is in it."""
+    """A STEP file and its content."""
 
     path: Path
     unit: LengthUnit
@@ -110,7 +110,7 @@ def _below(parent: Assembly, above: str, X_WP: Array) -> Iterator[Piece]:
 
 
 def _segment(name: str) -> str:
-    """A name in a component path: without blanks around it and save counter, a backslash before `/`, `*` and `#`."""
+    """A name in a component path: stripped of blanks and save counter, a backslash before `/`, `*` and `#`."""
     return re.sub(r"([/*#])", r"\\\1", re.sub(r" v\d+(?=(:\d+)?$)", "", name.strip()))
 
 
@@ -148,12 +148,12 @@ def write_cone(path: Path, lower: float = 20.0, upper: float = 8.0, height: floa
 
 
 def write_sphere(path: Path, radius: float = 30.0, unit: LengthUnit = "mm") -> Drawing:
-    """A ball around the origin: of all bodies the one that a coarse mesh measures worst."""
+    """A sphere around the origin: of all bodies the one with the largest error of a coarse mesh."""
     return draw(path, drawn("ball", sphere(radius)), unit)
 
 
 def write_bored_plate(path: Path, unit: LengthUnit = "mm", density: float = 0.0) -> Drawing:
-    """A plate with a wide bore and four narrow ones, none of them in the middle."""
+    """A plate with a wide bore and four narrow ones, none in the middle."""
     plate = box(120, 80, 10) - cylinder(15, 10).at(20, 10, -5)
     for x, y in product((-50, 50), (-30, 30)):
         plate -= cylinder(3, 10).at(x, y, -5)
@@ -168,19 +168,19 @@ def write_two_solids(path: Path) -> Drawing:
 
 
 def write_surface_body(path: Path) -> Drawing:
-    """A block, and beside it a sheet: a face that encloses nothing and weighs nothing."""
+    """A block, and beside it a sheet: an open face without mass."""
     sheet = Drawn("sheet", faces(box(80, 50, 10).shape)[0], "#00aa00")
     block = drawn("block", box(10, 20, 30))
     return draw(path, Assembly("root", [Occurrence(block, "block:1"), Occurrence(sheet, "sheet:1", pose((60, 0, 0)))]))
 
 
 def write_open_solid(path: Path) -> Drawing:
-    """A box that calls itself a solid but lacks one face; its volume means nothing."""
+    """A box declared as a solid that lacks one face; its volume is undefined."""
     return draw(path, Drawn("open box", solid_of(faces(box(40, 40, 40).shape)[1:])))
 
 
 def write_tessellated(path: Path, closed: bool = True) -> Drawing:
-    """A box of twelve triangles without any exact geometry, or, not closed, of eleven: those enclose nothing."""
+    """A box of twelve triangles without exact geometry or, not closed, of eleven."""
     block = box(30, 40, 50)
     return draw(path, Drawn("scan", triangles(30, 40, 50, closed), bodies=(block.moments,) if closed else ()))
 
@@ -236,7 +236,7 @@ def write_nested(path: Path, unit: LengthUnit = "mm") -> Drawing:
 
 
 def write_mirrored(path: Path) -> Drawing:
-    """A bracket that is not its own mirror image, and an occurrence that mirrors it through x = 0."""
+    """A chiral bracket, and an occurrence of it mirrored through x = 0."""
     bracket = box(40, 10, 10).at(20, 0, 0) + box(10, 30, 10).at(35, 20, 0) + box(10, 10, 50).at(35, 30, 30)
     part = drawn("bracket", bracket, "#558855", ALUMINIUM)
     root = Assembly(
@@ -247,13 +247,13 @@ def write_mirrored(path: Path) -> Drawing:
 
 
 def write_many(path: Path, count: int = 100) -> Drawing:
-    """One pin, many times, in a row."""
+    """Many occurrences of one pin in a row."""
     pin = drawn("pin", cylinder(2, 10), density=STEEL)
     return draw(path, Assembly("row", [Occurrence(pin, f"pin:{i + 1}", pose((5 * i, 0, 0))) for i in range(count)]))
 
 
 def write_same_names(path: Path) -> Drawing:
-    """Three occurrences of one product with the same name: only their order distinguishes them."""
+    """Three occurrences of one product with the same name, distinguished only by their order."""
     pin = drawn("pin", cylinder(2, 10))
     children = [Occurrence(pin, "pin", pose((20 * i, 0, 0))) for i in range(3)]
     drawing = draw(path, Assembly("row", children))
@@ -262,18 +262,18 @@ def write_same_names(path: Path) -> Drawing:
 
 
 AWKWARD_NAMES = ("a/b", "x*y", "n#1", "back\\slash", "XL,XC-330", "it's", "Wälzlager Ø12", "трубка", "螺丝", " padded ")
-"""Product names that a path, a YAML file or an encoding may trip over."""
+"""Product names that are special in a path, in YAML or in an encoding."""
 
 
 def write_awkward_names(path: Path) -> Drawing:
-    """Products with awkward names, and one with the save counters of Fusion: ``Motor v3``, ``Motor v3:1``."""
+    """Products with special names, and one with the save counters of Fusion: ``Motor v3``, ``Motor v3:1``."""
     blocks = (drawn(name, box(10, 10, 10)) for name in (*AWKWARD_NAMES, "Motor v3"))
     children = [Occurrence(block, f"{block.name}:1", pose((0, 20 * i, 0))) for i, block in enumerate(blocks)]
     return draw(path, Assembly("names", children))
 
 
 def write_several_roots(path: Path) -> Drawing:
-    """A file without a common root: a block and a pin beside each other."""
+    """A file without a common root: a block and a pin side by side."""
     block, pin = drawn("block", box(10, 20, 30)), drawn("pin", cylinder(5, 40).at(50, 0, 0))
     write_step(path, block, pin)
     pieces = (_bodies(part, part.name, "", pose(), "") for part in (block, pin))
@@ -335,7 +335,7 @@ def write_hinge(path: Path, miss: float = 0.0, bolts: bool = False, unit: Length
 
 
 def write_turntable(path: Path, X: Array | None = None) -> Drawing:
-    """An arm on a pin of a foot, drawn upright or moved by a pose (4, 4) [mm]: a robot without a symmetry."""
+    """An arm on the pin of a foot, drawn upright or moved by a pose (4, 4) [mm]: a robot without symmetry."""
     X = pose() if X is None else X
     foot = box(120, 80, 10).at(0, 10, 5) + cylinder(10, 50).at(0, 0, 5)
     arm = box(40, 40, 20).at(0, 0, 50) - cylinder(10.05, 20).at(0, 0, 40) + box(30, 10, 140).at(30, 5, 130)
@@ -369,7 +369,7 @@ def write_slider(path: Path) -> Drawing:
 
 
 def write_empty(path: Path) -> Drawing:
-    """An assembly of nothing: valid STEP with one product and no shape."""
+    """An assembly without parts: valid STEP with one product and no shape."""
     _write_text(path, _PRODUCT)
     return Drawing(path, "mm")
 

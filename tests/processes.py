@@ -1,4 +1,4 @@
-"""Other processes, as ``/proc`` shows them."""
+"""Processes other than this one, read from ``/proc``."""
 
 import time
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A robot written by its own sidecar, drafted again from what was written, and both compared."""
+"""Robots converted from a sidecar, drafted again from the written description, and compared."""
 
 import shutil
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from stepbot.pipeline.stages import Options, convert, produce
 from stepbot.robot.model import JointKind, Robot
 
 MADE_OF_SEVERAL = ("universal", "ball", "cylindrical", "planar", "screw", "floating")
-"""Joints that URDF says by several links and joints."""
+"""Joints that URDF writes as several links and joints."""
 
 
 @dataclass(frozen=True)
 class Redrafted:
-    """What comes back."""
+    """The original robot and the drafted one."""
 
     drawn: Robot
-    """By the sidecar made by hand."""
+    """From the hand-made sidecar."""
     draft: Draft
     again: Robot
-    """By the drafted sidecar, as it is."""
+    """From the drafted sidecar, unedited."""
 
 
 def redrafted(sidecar: Path, step: Path, folder: Path, suffix: str, *, meshes: bool = True) -> Redrafted:

@@ -12,7 +12,7 @@ from robot_library.step_file import write_document
 
 
 class Revision:
-    """A STEP file to edit; products and occurrences are named as in the file, an occurrence of several is the first."""
+    """A STEP file to edit; products and occurrences are addressed by name, the first of several."""
 
     def __init__(self, source: Path) -> None:
         from OCP.STEPCAFControl import STEPCAFControl_Reader
@@ -44,7 +44,7 @@ class Revision:
         return self.rename({_name(label): name(_name(label)) for label in self._labels()})
 
     def move(self, occurrence: str, X_AA: Array) -> "Revision":
-        """Move an occurrence in the frame of the assembly A that it is in, by a pose [mm]."""
+        """Move an occurrence by a pose [mm] in the frame of its assembly A."""
         from OCP.TopLoc import TopLoc_Location
         from OCP.XCAFDoc import XCAFDoc_Location, XCAFDoc_ShapeTool
 
@@ -72,7 +72,7 @@ class Revision:
         return self
 
     def copy(self, occurrence: str, name: str, X_AA: Array) -> "Revision":
-        """Place the product of an occurrence once more beside it, moved by a pose [mm]."""
+        """Place the product of an occurrence again, moved by a pose [mm]."""
         from OCP.TDF import TDF_Label
         from OCP.TopLoc import TopLoc_Location
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -92,7 +92,7 @@ class Revision:
         return self
 
     def write(self, target: Path) -> Path:
-        """Export it."""
+        """Export the file."""
         self._shapes.UpdateAssemblies()
         write_document(target, self._document)
         return target
@@ -105,7 +105,7 @@ class Revision:
         XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
         self._shapes.RemoveComponent(label)
         if not _listed(lambda found: XCAFDoc_ShapeTool.GetUsers_s(product, found, False)):
-            self._shapes.RemoveShape(product, False)  # else it would be a root of its own
+            self._shapes.RemoveShape(product, False)  # otherwise it would become a root
 
     def _occurrence(self, name: str) -> Any:
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -115,7 +115,7 @@ class Revision:
         )
 
     def _labels(self) -> Iterator[Any]:
-        """Products and occurrences, each once, occurrences after the product that they are in."""
+        """Products and occurrences, each once, occurrences after the product that contains them."""
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
         for product in _listed(self._shapes.GetShapes):
@@ -134,7 +134,7 @@ def _listed(fill: Callable[[Any], Any]) -> list[Any]:
 def _name(label: Any) -> str:
     from OCP.TDataStd import TDataStd_Name
 
-    if not label.IsAttribute(TDataStd_Name.GetID_s()):  # to look for what is not there ends the process
+    if not label.IsAttribute(TDataStd_Name.GetID_s()):  # searching for a missing attribute aborts the process
         return ""
     found = TDataStd_Name()
     label.FindAttribute(TDataStd_Name.GetID_s(), found)

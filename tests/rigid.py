@@ -1,4 +1,4 @@
-"""Poses and rigid bodies for tests, written independently from the formats' specifications."""
+"""Poses and rigid bodies for tests, written from the formats' specifications, independent of stepbot's code."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 def pose(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
-    """X, shape (4, 4), from a position [m] and turns [rad] about the fixed axes x, then y, then z (URDF, SDFormat)."""
+    """X, shape (4, 4), from a position [m] and rotations [rad] about fixed x, then y, then z (URDF, SDFormat)."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
     X = np.eye(4)
     X[:3, :3] = [
@@ -24,7 +24,7 @@ def pose(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
 
 
 def numbers(text: str | None) -> list[float]:
-    """Numbers with blanks between them."""
+    """Numbers separated by blanks."""
     return [float(word) for word in (text or "").split()]
 
 
@@ -39,7 +39,7 @@ def sdf_pose(element: Any) -> Array:
 
 
 def reported_pose(given: Mapping[str, Sequence[float]]) -> Array:
-    """X from a pose in a report."""
+    """X of a pose in a report."""
     return pose(given["xyz"], given["rpy"])
 
 

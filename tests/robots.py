@@ -44,14 +44,14 @@ from tests.workshop import GLASS, ORANGE, STEEL, Workshop, at
 
 
 def one_link() -> Robot:
-    """A tilted box alone, without a joint."""
+    """A tilted box without a joint."""
     shop = Workshop()
     base = shop.link("base", [((0.2, 0.1, 1 / 30), at(1 / 30, 0, 0.05, (0.3, 0.2, 0.1)))])
     return Robot("one_link", (base,), meshes=shop.sorted_meshes(), source="one_link.step")
 
 
 def pendulum() -> Robot:
-    """A rod that turns without end about a horizontal axis."""
+    """A rod on a continuous joint with a horizontal axis."""
     shop = Workshop()
     base = shop.link("base", [((0.1, 0.1, 0.02), at(z=-0.06))])
     bob = shop.link(
@@ -191,7 +191,7 @@ def four_bar_with_zeros() -> Robot:
 
 
 def gripper_with_mimic() -> Robot:
-    """A wrist, a driven finger, a finger that follows it, and a thumb that follows the follower, geared and offset."""
+    """A wrist, a driven finger, a mimic of it, and a thumb that mimics the mimic, with a multiplier and an offset."""
     shop = Workshop()
     palm = shop.link("palm", [((0.1, 0.04, 0.05), at(z=-0.03))])
     size = (0.01, 0.03, 0.08)
@@ -233,7 +233,7 @@ def gripper_with_mimic() -> Robot:
 
 
 def slider() -> Robot:
-    """A carriage on a spring, bounded on one side only, and a ram with no effort or velocity limit."""
+    """A carriage on a spring, limited on one side only, and a ram without effort or velocity limit."""
     shop = Workshop()
     rail = shop.link("rail", [((0.5, 0.03, 0.02), at(rpy=(0.1, 0, 0)))])
     carriage = shop.link("carriage", [((0.08, 0.06, 0.03), at(z=0.04))], rgba=ORANGE)
@@ -256,7 +256,7 @@ def slider() -> Robot:
 
 
 def tree() -> Robot:
-    """Two branches with fixed joints between, turned through the gimbal poles, and a flange that weighs nothing."""
+    """Two branches with fixed joints, rotated through gimbal lock, and a massless flange."""
     shop = Workshop()
     base = shop.link("base", [((0.2, 0.2, 0.02), at())])
     post = shop.link("post", rods=[(0.02, 0.2, at(z=0.12, rpy=(0.02, 0, 0)))])
@@ -293,7 +293,7 @@ def tree() -> Robot:
 
 
 def floating_biped() -> Robot:
-    """A trunk that floats, with a leg of hip and knee on either side."""
+    """A floating trunk with a hip and a knee on either side."""
     shop = Workshop()
     links = [shop.link("trunk", [((0.1, 0.2, 0.15), at(z=0.1, rpy=(0, 0.1, 0)))])]
     joints = []
@@ -334,7 +334,7 @@ def floating_biped() -> Robot:
 
 
 def odd_names() -> Robot:
-    """Names with spaces, dots, commas and letters beyond ASCII, and a joint that is called like a link."""
+    """Names with spaces, dots, commas and non-ASCII letters, and a joint named like a link."""
     shop = Workshop()
     base = shop.link("Grundplatte groß", [((0.1, 0.1, 0.02), at())])
     middle = shop.link("звено 1,5", [((0.02, 0.02, 0.1), at(z=0.07, rpy=(0, 0.1, 0)))])
@@ -364,7 +364,7 @@ def odd_names() -> Robot:
 
 
 def primitives() -> Robot:
-    """Every kind of geometry, as visual and as collision, and a flat sheet that is only seen."""
+    """Every kind of geometry, as visual and as collision, and a flat sheet as a visual only."""
     shop = Workshop()
     base = shop.link("base", [((0.3, 0.3, 0.02), at())])
     shapes = {

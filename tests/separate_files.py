@@ -16,21 +16,21 @@ _UNITS: dict[LengthUnit, tuple[float, str]] = {
     "cm": (10.0, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.CENTI.,.METRE.))"),
     "m": (1000.0, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.))"),
 }
-"""Millimetres per unit, and its entity, for the files with the structure."""
+"""Millimetres per unit, and the unit's entity, for the files with the structure."""
 
 
 @dataclass(frozen=True)
 class Component:
-    """A product at its place in a file with the structure alone."""
+    """A product with its pose, in a file with the structure alone."""
 
     product: str
     file: str
-    """What the reference calls the other file."""
+    """The file name in the reference."""
     occurrence: str = ""
     X_AP: Array | None = None
     """Pose of the product in the assembly, shape (4, 4) [mm]; None for the identity."""
     folder: str = ""
-    """What the reference gives as its place."""
+    """The file location in the reference."""
 
 
 def write_separately(
@@ -67,7 +67,7 @@ def _component(child: Occurrence, suffix: str) -> Component:
 
 
 def write_structure(path: Path, name: str, components: Sequence[Component], unit: LengthUnit = "mm") -> Path:
-    """Write a file that places products whose shapes are in other files; products of one name and file are one."""
+    """Write a file that places products whose shapes are in other files; equal names and files are one product."""
     text = _Text(*_UNITS[unit])
     own = text.product(name)
     products: dict[tuple[str, str, str], tuple[int, int, int]] = {}
@@ -82,7 +82,7 @@ def write_structure(path: Path, name: str, components: Sequence[Component], unit
 
 
 class _Text:
-    """Statements of a STEP file, in millimetres but for what is written."""
+    """Statements of a STEP file, in millimetres unless stated otherwise."""
 
     def __init__(self, millimetres: float, length_unit: str) -> None:
         self._millimetres = millimetres
@@ -106,7 +106,7 @@ class _Text:
         return len(self._statements)
 
     def product(self, name: str) -> tuple[int, int, int]:
-        """Product definition, number of its shape representation, and an item of it."""
+        """Product definition, number of its shape representation, and one of its items."""
         product = self.add(f"PRODUCT('{_quoted(name)}','{_quoted(name)}','',(#{self._product_context}))")
         formation = self.add(f"PRODUCT_DEFINITION_FORMATION('','',#{product})")
         definition = self.add(f"PRODUCT_DEFINITION('design','',#{formation},#{self._definition_context})")

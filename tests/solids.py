@@ -22,13 +22,13 @@ class Solid:
     moments: Moments
 
     def __add__(self, other: "Solid") -> "Solid":
-        """Both as one solid; they touch, and do not overlap."""
+        """Both as one solid; they must touch and not overlap."""
         from OCP.BRepAlgoAPI import BRepAlgoAPI_Fuse
 
         return Solid(_one_solid(BRepAlgoAPI_Fuse(self.shape, other.shape).Shape()), self.moments + other.moments)
 
     def __sub__(self, other: "Solid") -> "Solid":
-        """The difference of this solid and ``other``, which is inside."""
+        """This solid without ``other``, which must be inside it."""
         from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 
         return Solid(_one_solid(BRepAlgoAPI_Cut(self.shape, other.shape).Shape()), self.moments - other.moments)
@@ -66,21 +66,21 @@ def cone(lower: float, upper: float, height: float) -> Solid:
 
 
 def sphere(radius: float) -> Solid:
-    """A ball around the origin."""
+    """A sphere around the origin."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeSphere
 
     return Solid(BRepPrimAPI_MakeSphere(radius).Solid(), moments.sphere(radius))
 
 
 def joined(first: Solid, *others: Solid) -> Solid:
-    """Several solids, each touching what is before it, as one."""
+    """Several solids as one, each touching those before it."""
     for other in others:
         first += other
     return first
 
 
 def triangles(x: float, y: float, z: float, closed: bool = True) -> Any:
-    """A box around the origin as a solid of triangles, without surfaces; not closed, it lacks one."""
+    """A box around the origin as a solid of triangles, without surfaces; an open one lacks one triangle."""
     from OCP.BRep import BRep_Builder
     from OCP.gp import gp_Pnt
     from OCP.Poly import Poly_Triangle, Poly_Triangulation
@@ -104,7 +104,7 @@ def triangles(x: float, y: float, z: float, closed: bool = True) -> Any:
 
 
 def compound(*shapes: Any) -> Any:
-    """Several shapes as one, without joining them."""
+    """Several shapes as a compound, not joined."""
     from OCP.BRep import BRep_Builder
     from OCP.TopoDS import TopoDS_Compound
 
@@ -116,7 +116,7 @@ def compound(*shapes: Any) -> Any:
 
 
 def solid_of(*shells: Sequence[Any]) -> Any:
-    """A solid bounded by shells of these faces, as they are: nothing checks whether they close, or cross."""
+    """A solid bounded by shells of these faces, without any check that they close or intersect."""
     from OCP.BRep import BRep_Builder
     from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
 
@@ -132,7 +132,7 @@ def solid_of(*shells: Sequence[Any]) -> Any:
 
 
 def unsewn(shape: Any, gap: float = 0.0) -> Any:
-    """A solid of copies of a shape's faces, which share no edges, each of them off by a gap [mm]."""
+    """A solid of copies of a shape's faces, which share no edges, each displaced by a gap [mm]."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 
     copies = (BRepBuilderAPI_Copy(face).Shape() for face in faces(shape))
@@ -147,7 +147,7 @@ def faces(shape: Any) -> list[Any]:
 
 
 def _one_solid(shape: Any) -> Any:
-    """The only solid of what a Boolean operation returns, with faces merged that lie in one surface."""
+    """The only solid in the result of a Boolean operation, with faces on one surface merged."""
     from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
     from OCP.TopAbs import TopAbs_ShapeEnum
 

@@ -1,4 +1,4 @@
-"""Adds validation properties to STEP files: volumes, areas and centroids that a CAD program would state."""
+"""Adds validation properties to STEP files: volumes, areas and centroids, as a CAD program states them."""
 
 import re
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ _MEASURES = {
 
 
 class Stating:
-    """A STEP file to which statements are added."""
+    """A STEP file with added statements."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -50,7 +50,7 @@ class Stating:
         return int(number)
 
     def add(self, statement: str) -> int:
-        """Add a statement; its number."""
+        """Add a statement; returns its number."""
         self._added.append(f"#{self._next}={statement};")
         self._next += 1
         return self._next - 1
@@ -65,12 +65,12 @@ class Stating:
         self._relate(subject, name, measure, self._any_context())
 
     def centroid(self, subject: int, point: Sequence[float], context: int) -> None:
-        """State the centroid of a subject, in the lengths of a context."""
+        """State the centroid of a subject, in the length unit of a context."""
         coordinates = ",".join(repr(float(value)) for value in point)
         self._relate(subject, "centroid", self.add(f"CARTESIAN_POINT('centre point',({coordinates}))"), context)
 
     def write(self) -> Path:
-        """The file with all that was added."""
+        """Write the file with all added statements."""
         end = self._text.rindex("ENDSEC;")
         text = self._text[:end] + "\n".join(self._added) + "\n" + self._text[end:]
         self.path.write_text(text, encoding="utf-8", newline="\n")

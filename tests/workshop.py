@@ -33,7 +33,7 @@ def _rod_mesh(radius: float, length: float, X_LG: Pose) -> TriMesh:
 
 
 def box_mass(size: tuple[float, float, float], X_LG: Pose = IDENTITY) -> MassProperties:
-    """Closed form of a homogeneous box with its middle at the origin of G."""
+    """Closed form of a homogeneous box centred at the origin of G."""
     x, y, z = size
     mass = DENSITY * x * y * z
     inertia = np.diag([y * y + z * z, x * x + z * z, x * x + y * y]) * mass / 12
@@ -41,7 +41,7 @@ def box_mass(size: tuple[float, float, float], X_LG: Pose = IDENTITY) -> MassPro
 
 
 def rod_mass(radius: float, length: float, X_LG: Pose = IDENTITY) -> MassProperties:
-    """Closed form of a homogeneous cylinder along z of G, with its middle at the origin."""
+    """Closed form of a homogeneous cylinder along z of G, centred at the origin."""
     mass = DENSITY * math.pi * radius**2 * length
     across = (3 * radius**2 + length**2) / 12
     return MassProperties.of(mass, (0, 0, 0), np.diag([across, across, radius**2 / 2]) * mass).moved(X_LG)
@@ -60,7 +60,7 @@ class Workshop:
         rods: Iterable[tuple[float, float, Pose]] = (),
         rgba: Rgba = STEEL,
     ) -> Link:
-        """A link of boxes (size [m], pose) and rods (radius [m], length [m], pose), each a mesh of its own."""
+        """A link of boxes (size [m], pose) and rods (radius [m], length [m], pose), each with its own mesh."""
         solids = [(_box_mesh(size, X_LG), box_mass(size, X_LG)) for size, X_LG in boxes]
         solids += [(_rod_mesh(radius, length, X_LG), rod_mass(radius, length, X_LG)) for radius, length, X_LG in rods]
         visuals, collisions = [], []

@@ -1,4 +1,4 @@
-"""Worlds of several models as engines see them: each function runs in a process of its own."""
+"""Worlds of several models, read by engines; each function runs in a separate process."""
 
 
 def drake_models(file: str) -> list[list[str]]:

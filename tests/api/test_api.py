@@ -1,4 +1,4 @@
-"""The public functions of the package, and the examples of docs/api.md, run as they stand there."""
+"""The public functions of the package, and the examples of docs/api.md."""
 
 import json
 import re
@@ -45,7 +45,7 @@ def test_every_section_has_an_example() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("heading", "code"), EXAMPLES, ids=[heading for heading, _ in EXAMPLES])
 def test_example_runs(heading: str, code: str, folder: Path) -> None:
-    """The example runs, and prints what the page leads to expect."""
+    """The example runs and prints the documented output."""
     if "import pybullet" in code:
         pytest.importorskip("pybullet")
     run = subprocess.run(
@@ -57,7 +57,7 @@ def test_example_runs(heading: str, code: str, folder: Path) -> None:
 
 
 def test_names_are_listed_and_documented() -> None:
-    """Each public name exists, has a docstring, and every function has its row in the page."""
+    """Each public name exists and has a docstring, and every function has a row in the page."""
     for name in stepbot.__all__:
         assert getattr(stepbot, name).__doc__, name
         assert name in dir(stepbot)
@@ -68,7 +68,7 @@ def test_names_are_listed_and_documented() -> None:
 
 
 def test_import_is_light(tmp_path: Path) -> None:
-    """Importing the package loads nothing heavy, and not even the module of its functions."""
+    """Importing the package loads no heavy package, and not the module of its functions."""
     program = "import json, sys, stepbot; print(json.dumps(sorted(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
     modules = set(json.loads(run.stdout))
@@ -77,7 +77,7 @@ def test_import_is_light(tmp_path: Path) -> None:
 
 
 def test_findings_are_results(tmp_path: Path) -> None:
-    """A faulty sidecar raises nothing: its errors are in the result, and an unknown format is a ValueError."""
+    """A sidecar with errors raises no exception: they are in the result; an unknown format is a ValueError."""
     sidecar = tmp_path / "arm.robot.yaml"
     sidecar.write_text("version: 1\nrobot: arm\n", encoding="utf-8")
     result = stepbot.convert(sidecar, output=tmp_path / "out", cache=False)

@@ -1,4 +1,4 @@
-"""A format and an engine are one folder each: nothing else in stepbot is edited for them."""
+"""A new format and a new engine are one folder each, without any other edit of stepbot."""
 
 import json
 import os
@@ -100,7 +100,7 @@ class Extended:
 
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Extended:
-    """Adds two folders to the formats, one of which is not written by default, and one to the engines."""
+    """The copy: two formats, one of which is not written by default, and one engine."""
     root, desk = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("desk")
     for folder in ("src", "cli", "schemas"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
@@ -119,7 +119,7 @@ def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> E
 
 
 def test_commands_list_an_added_format(extended: Extended) -> None:
-    """`stepbot formats`, the help of `-f` and the message for an unknown format name it; so does the mapping page."""
+    """`formats`, the help of `-f`, the message for an unknown format, and the mapping page list the new format."""
     listed = json.loads(extended.stepbot("formats", "--json").out)["formats"]
     assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "dummy", "rare"]
     assert (listed[-2]["suffix"], listed[-2]["aliases"]) == (".dummy", ["dml"])
@@ -132,7 +132,7 @@ def test_commands_list_an_added_format(extended: Extended) -> None:
 
 
 def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extended) -> None:
-    """`convert -f` with its alias writes it and runs the added engine; `verify` recognizes it by its root element."""
+    """`convert -f` with its alias writes the format and runs the engine; `verify` detects it by its root element."""
     converted = extended.stepbot("convert", "arm2.robot.yaml", "-f", "dml", "-o", "out", "--require", "dummy_engine")
     assert converted.code == 0, converted.err
     assert (extended.desk / "out" / "arm2.dummy").read_text(encoding="utf-8").startswith('<dummy name="arm2"><link ')
@@ -149,6 +149,6 @@ def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extend
 
 
 def test_what_is_written_by_default_is_computed(extended: Extended) -> None:
-    """The library and the command line use all formats that are declared as `default`."""
+    """Library and command line write all formats declared as `default`."""
     program = "from stepbot.pipeline.conversion import Options; print(Options('.').formats)"
     assert extended.python("-c", program).out.strip() == "('urdf', 'sdf', 'mjcf', 'dummy')"

@@ -1,4 +1,4 @@
-"""What a command loads before it has anything to do."""
+"""Modules imported by a command before it does any work."""
 
 import json
 import subprocess
@@ -55,14 +55,14 @@ def loaded_by(arguments: list[str], folder: Path) -> tuple[int, set[str]]:
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["convert", "--help"], ["explain", "SB001"]])
 def test_help_loads_nothing_heavy(arguments: list[str], tmp_path: Path) -> None:
-    """Help comes at once: no kernel, no engine, no numpy."""
+    """`--help` imports no kernel, no engine and no numpy."""
     code, modules = loaded_by(arguments, tmp_path)
     assert code == 0
     assert not modules & HEAVY
 
 
 def test_check_loads_neither_kernel_nor_engine(tmp_path: Path) -> None:
-    """Checking a sidecar on its own needs the YAML reader and the schema, no more."""
+    """`check` of a sidecar imports the YAML reader and the schema only."""
     (tmp_path / "arm.robot.yaml").write_text(SIDECAR, encoding="utf-8")
     code, modules = loaded_by(["check", "arm.robot.yaml"], tmp_path)
     assert code == 0

@@ -1,4 +1,4 @@
-"""The table of known traps in docs/verification.md names tests: they are there, and each test of a trap is named."""
+"""The table of known traps in docs/verification.md names an existing test for each trap, and lists each test."""
 
 import ast
 import re
@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "verification.md"
 NAMED = re.compile(r"`(tests/\S+\.py)::(test_\w+)`")
 OWN = "tests/simulators/test_known_traps.py"
-"""A module of nothing else than traps."""
+"""A module that contains tests of traps only."""
 
 
 def _section() -> str:
@@ -22,7 +22,7 @@ def _tests_in(path: str) -> set[str]:
 
 
 def test_every_trap_has_a_test_that_exists() -> None:
-    """Each row of the table ends in one, and no row is named twice."""
+    """Each row of the table names an existing test, and no test is named twice."""
     rows = [line for line in _section().splitlines() if line.startswith("| ")][2:]
     named = [match.groups() for row in rows if (match := NAMED.search(row))]
     assert len(named) == len(rows) > 25

@@ -14,7 +14,7 @@ from stepbot.diagnostics.codes.page import RANGES, diagnostics_page
 ROOT = Path(__file__).resolve().parents[2]
 OURS = ("src", "cli")
 
-# Put together from parts, so that this file does not find itself.
+# Assembled from parts, so that this file does not match.
 FORBIDDEN = {
     "a path of one machine": re.compile(r"(?<![\w.:-])/(?:work|home|root|Users|tmp)/|C:" + r"\\Users"),
     "a registry's host": re.compile("|".join(["py" + "pi[.]", "python" + "hosted", "index" + "-url"])),
@@ -23,7 +23,7 @@ FORBIDDEN = {
 
 
 def project_files() -> list[Path]:
-    """Files that belong to the project: tracked, or new and not ignored."""
+    """Files of the project: tracked, or new and not ignored."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
     try:
         names = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True, encoding="utf-8").stdout
@@ -33,7 +33,7 @@ def project_files() -> list[Path]:
 
 
 def test_no_forbidden_words() -> None:
-    """No project file contains local paths, registry hosts or unfinished places."""
+    """No file contains local paths, registry hosts or unfinished code."""
     found = []
     for file in project_files():
         if file.suffix in {".step", ".png", ".stl", ".obj"}:
@@ -46,7 +46,7 @@ def test_no_forbidden_words() -> None:
 
 
 def test_files_and_functions_stay_small() -> None:
-    """No module over 400 lines: one idea each."""
+    """No module is over 400 lines."""
     sizes = {
         file.relative_to(ROOT): len(file.read_text(encoding="utf-8").splitlines())
         for root in OURS
@@ -56,7 +56,7 @@ def test_files_and_functions_stay_small() -> None:
 
 
 def test_heavy_imports_live_in_one_place() -> None:
-    """Each heavy package is imported by the modules that own it, and only inside functions there."""
+    """Each heavy package is imported only by the modules that own it, inside functions."""
     owners = {
         "OCP": r"src/stepbot/step/",
         "fcl": r"src/stepbot/verification/self_collision\.py",
@@ -84,7 +84,7 @@ def test_heavy_imports_live_in_one_place() -> None:
 
 @pytest.mark.parametrize("code", CODES.values(), ids=lambda code: code.id)
 def test_code_is_explained(code: object) -> None:
-    """Every code has a what, a why and a fix in whole sentences, and is in its range."""
+    """Every code is in its range and has a cause, a reason and a fix in whole sentences."""
     assert isinstance(code, type(CODES["SB001"]))
     assert re.fullmatch(r"SB\d{3}", code.id)
     assert code.id[2] in RANGES
@@ -109,7 +109,7 @@ def test_codes_are_unique() -> None:
 
 
 def test_codes_in_use_exist() -> None:
-    """Every code that the source names is in the table."""
+    """Every code in the source is in the table."""
     used = {
         code
         for root in OURS
@@ -121,7 +121,7 @@ def test_codes_in_use_exist() -> None:
 
 
 def test_codes_are_used() -> None:
-    """Every code of the table can really be found."""
+    """Every code of the table is used in the source."""
     text = "".join(
         file.read_text(encoding="utf-8")
         for root in OURS
@@ -132,7 +132,7 @@ def test_codes_are_used() -> None:
 
 
 def test_pins_satisfy_the_ranges() -> None:
-    """The versions that CI installs are within the ranges of the package."""
+    """The versions installed by CI are within the version ranges of the package."""
     packaging = pytest.importorskip("packaging.requirements")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
@@ -143,7 +143,7 @@ def test_pins_satisfy_the_ranges() -> None:
 
 
 def test_hooks_find_their_files() -> None:
-    """The hooks run where a sidecar or a STEP changes, that for the output also where that does, and nowhere else."""
+    """The hooks run for changed sidecars and STEP files; the one for outputs also for those; and for no other file."""
     hooks = YAML(typ="safe", pure=True).load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
     files = {hook["id"]: re.compile(hook["files"]) for hook in hooks}
     assert list(files) == ["stepbot-check", "stepbot-uptodate"]

@@ -1,4 +1,4 @@
-"""The wheel has what it must, and nothing else."""
+"""Content of the wheel."""
 
 import os
 import posixpath
@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 LARGEST_ROBOTS = 2_400_000
 LARGEST_CODE = 1_200_000
-"""Maximum compressed sizes [bytes] in the wheel; the geometry kernel's is twenty times as large as both."""
+"""Maximum compressed sizes [bytes] in the wheel; the geometry kernel's is twenty times the sum of both."""
 
 
 @pytest.fixture(scope="module")
@@ -28,12 +28,12 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def wheel(built: Path) -> zipfile.ZipFile:
-    """What is in the wheel."""
+    """The files in the wheel."""
     return zipfile.ZipFile(built)
 
 
 def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
-    """Every module of both source roots, the type markers, the robots, the metadata; no tests, no caches."""
+    """The wheel has every module of both source roots, type markers, robots and metadata; no tests and no caches."""
     packages = [ROOT / "src" / "stepbot", ROOT / "cli" / "stepbot_cli"]
     modules = {
         file.relative_to(package.parent).as_posix()
@@ -48,7 +48,7 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
 
 
 def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile) -> None:
-    """Drawing, sidecar and page of each robot; neither the scripts nor the pictures. The wheel stays small."""
+    """The wheel has drawing, sidecar and page of each robot, no scripts, no pictures, and is below its size limit."""
     library = ROOT / "robot_library"
     kept = [file for kind in ("*.step", "*.robot.yaml", "README.md") for file in library.glob(f"*/{kind}")]
     content = {name for name in wheel.namelist() if name.startswith("stepbot/robots/")}
@@ -73,7 +73,7 @@ def test_sidecars_in_the_wheel_point_to_their_schema(wheel: zipfile.ZipFile) -> 
 
 @pytest.mark.long
 def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
-    """Installed by pip where nothing else is, far from the checkout, `stepbot library` does all that it promises."""
+    """Installed by pip in an empty environment, `stepbot` lists, shows, exports and converts the robots."""
     venv.create(tmp_path / "venv", with_pip=True)
     programs = tmp_path / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
@@ -104,14 +104,14 @@ def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
 
 
 def test_wheel_names_the_command_and_the_licence(wheel: zipfile.ZipFile) -> None:
-    """Installing the wheel gives ``stepbot``; the licence travels along."""
+    """The wheel declares the command ``stepbot`` and contains the licence."""
     metadata = {name.partition(".dist-info/")[2]: name for name in wheel.namelist() if ".dist-info/" in name}
     assert b"stepbot = stepbot_cli:main" in wheel.read(metadata["entry_points.txt"])
     assert b"Apache License" in wheel.read(metadata["licenses/LICENSE"])
 
 
 def test_pybullet_is_required_only_where_it_has_wheels(wheel: zipfile.ZipFile) -> None:
-    """PyBullet is core on Linux x86-64 up to Python 3.11, and an extra everywhere else."""
+    """PyBullet is required on Linux x86-64 up to Python 3.11, and an extra elsewhere."""
     requirement = pytest.importorskip("packaging.requirements").Requirement
     (name,) = (name for name in wheel.namelist() if name.endswith("METADATA"))
     lines = wheel.read(name).decode().splitlines()

@@ -1,4 +1,4 @@
-"""Benchmarks measure correctly: assemblies of known volume, times of whole process trees, current results."""
+"""Benchmarks use assemblies of known volume, measure whole process trees, and publish current results."""
 
 import json
 import os
@@ -24,7 +24,7 @@ BURN = "import time\nwhile time.process_time() < 0.3: pass"
     "assembly", [Assembly(definitions=3, occurrences=2), Assembly(cells=4)], ids=["plates", "relief"]
 )
 def test_volume_in_closed_form(tmp_path: Path, assembly: Assembly) -> None:
-    """The kernel finds the solids that were written, and in each definition the volume of the formula."""
+    """Each definition has the volume of its closed form, as integrated by the kernel."""
     sidecar = generate(assembly, tmp_path, "made")
     script = [sys.executable, str(ROOT / "benchmarks" / "bare_occt.py"), "made.step"]
     run = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=True)
@@ -35,14 +35,14 @@ def test_volume_in_closed_form(tmp_path: Path, assembly: Assembly) -> None:
 
 
 def test_assemblies_are_as_large_as_their_names_say() -> None:
-    """A thousand definitions, ten thousand occurrences, twenty thousand faces."""
+    """Assemblies have a thousand definitions, ten thousand occurrences, twenty thousand faces, as named."""
     assert ASSEMBLIES["definitions"].definitions == 1000
     assert ASSEMBLIES["occurrences"].occurrences == 10_000
     assert 2 * ASSEMBLIES["faces"].cells ** 2 == 20_000
 
 
 def test_same_bytes_each_time(tmp_path: Path) -> None:
-    """What is generated today is what was generated yesterday."""
+    """Generated assemblies have deterministic bytes."""
     for name in ("one", "two"):
         generate(Assembly(definitions=2), tmp_path / name, "made")
     assert (tmp_path / "one" / "made.step").read_bytes() == (tmp_path / "two" / "made.step").read_bytes()
@@ -50,7 +50,7 @@ def test_same_bytes_each_time(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
 def test_time_of_all_processes(tmp_path: Path) -> None:
-    """What a child of the command burns is counted; a command that fails is no result."""
+    """CPU time includes child processes; a command that fails has no result."""
     both = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {BURN!r}], check=True)"
     cost = timed([sys.executable, "-c", both], tmp_path, os.environ)
     assert cost.cpu >= 0.3
@@ -61,7 +61,7 @@ def test_time_of_all_processes(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="memory is measured on Linux")
 def test_memory_of_all_processes(tmp_path: Path) -> None:
-    """Memory of child processes is counted."""
+    """Memory includes child processes."""
     hold = "import time; held = bytearray(b'x' * 2**26); time.sleep(0.4)"
     both = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {hold!r}], check=True)"
     assert peak_memory([sys.executable, "-c", both], tmp_path, os.environ) > 64.0
@@ -69,7 +69,7 @@ def test_memory_of_all_processes(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
 def test_ratios_are_to_the_first(tmp_path: Path) -> None:
-    """The first contender is 1; one that burns twice as much has a larger ratio, and each ran once a round."""
+    """Ratios are relative to the first contender; each contender runs once per round."""
     log = tmp_path / "log"
 
     def contender(name: str, work: str) -> Contender:
@@ -84,7 +84,7 @@ def test_ratios_are_to_the_first(tmp_path: Path) -> None:
 
 
 def test_an_edit_changes_the_frame_and_nothing_else(tmp_path: Path) -> None:
-    """A sidecar with frames is not changed; each edit is a different text of the same length."""
+    """The first edit of a sidecar adds a frame; further edits change the text and keep its length."""
     for text in ("links:\n  base: {rest: true}\n", 'links:\n  # a word\n  "a b":\n    rest: true\njoints: {}\n'):
         sidecar = tmp_path / "arm.robot.yaml"
         sidecar.write_text(f"version: 1\nrobot: arm\nstep: 'x.step'  # here\n{text}", encoding="utf-8")
@@ -100,7 +100,7 @@ def test_an_edit_changes_the_frame_and_nothing_else(tmp_path: Path) -> None:
 
 
 def test_page_has_the_tables_of_the_results() -> None:
-    """``python -m benchmarks report`` would change nothing."""
+    """``python -m benchmarks report`` leaves the page unchanged."""
     page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")
     assert page_with_results(page) == page
     for kind in ("cold", "check", "batch", "scaling"):
@@ -108,7 +108,7 @@ def test_page_has_the_tables_of_the_results() -> None:
 
 
 def test_contenders_name_each_other_apart() -> None:
-    """Ratios are kept by name."""
+    """Contenders have distinct names, by which ratios are stored."""
     everyone = [
         who.BARE,
         who.CLICK,

@@ -1,4 +1,4 @@
-"""Scores of inference count what is right and what is wrong."""
+"""Scores of joint inference count correct and wrong joints."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ FOUR_BAR = Path(__file__).parents[2] / "robot_library" / "stepbot_four_bar"
 
 @pytest.fixture(scope="module")
 def four_bar() -> tuple[Inferred, Truth]:
-    """What is inferred of the four-bar, and what is true."""
+    """The inferred and the true robot of the four-bar."""
     found = Diagnostics()
     assembly = read_assembly(FOUR_BAR / "four_bar.step", ReadOptions(faces=True), found)
     assert assembly is not None, list(found)
@@ -25,14 +25,14 @@ def four_bar() -> tuple[Inferred, Truth]:
 
 
 def test_all_right(four_bar: tuple[Inferred, Truth]) -> None:
-    """The four joints of a four-bar, one of them a closure, are found; nothing is wrong."""
+    """The four joints of a four-bar, one of them a closure, count as found."""
     result = score(*four_bar)
     assert (result.true, result.found, result.seen, result.wrong, result.root) == (4, 4, 4, [], True)
     assert result.volume == pytest.approx(1.0)
 
 
 def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> None:
-    """A hinge that is drafted as a slide is not found, its axis is seen, and it counts as wrong."""
+    """A hinge drafted as a slide counts as wrong, not as found; its axis counts as found."""
     inferred, truth = four_bar
     inferred.arcs[0].hinge.type = JointKind.PRISMATIC
     try:
@@ -43,7 +43,7 @@ def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> Non
 
 
 def test_a_link_torn_apart_loses_volume(four_bar: tuple[Inferred, Truth]) -> None:
-    """Parts that are in the wrong link count by their volume."""
+    """Parts in the wrong link count by their volume."""
     inferred, truth = four_bar
     moved = inferred.links[0].pop()
     inferred.links[1].append(moved)

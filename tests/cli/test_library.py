@@ -74,7 +74,7 @@ def test_export_of_the_source(
 
 
 def test_settings_of_an_editor_point_to_the_schema(stepbot: Stepbot) -> None:
-    """`schema --vscode` refers to the exported schema, with patterns that match sidecars."""
+    """`schema --vscode` refers to an existing schema file, with patterns that match sidecars."""
     settings = json.loads(stepbot("schema", "--vscode").out)["yaml.schemas"]
     ((uri, patterns),) = settings.items()
     path = Path(url2pathname(uri.removeprefix("file://")))

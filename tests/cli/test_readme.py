@@ -82,7 +82,7 @@ def test_rule_in_a_makefile(example: Path) -> None:
 
 
 def test_what_a_core_install_does_not_prove_of_sdformat(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Beside stepbot's own parser only PyBullet confirms SDFormat, and not what the README names; Drake would."""
+    """Beside stepbot's parser, PyBullet confirms SDFormat except for the README's list, which Drake would confirm."""
     shutil.copy(library_robot("arm2").step, example)
     assert main(["convert", "arm.robot.yaml", "-f", "sdf"]) == 0, capsys.readouterr().err
     checks = json.loads((example / "arm" / "report.json").read_bytes())["checks"]

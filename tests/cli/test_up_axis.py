@@ -60,7 +60,7 @@ def numbers_of(folder: Path) -> dict[str, Array]:
 def test_against_the_upright_drawing(
     root: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
 ) -> None:
-    """All files are verified; masses, centre, inertia, the joint's axis and the torque of gravity are the same."""
+    """All files are verified; masses, centre, inertia, joint axis and gravity torque equal the upright robot's."""
     for name, directions, R in (("upright", "{up: z}", np.eye(3)), ("turned", root, TURNED[root])):
         folder = tmp_path / name
         folder.mkdir()

@@ -84,7 +84,7 @@ def test_unknown_format_in_a_list(stepbot: Stepbot) -> None:
 
 @pytest.mark.parametrize("command", ["convert", "check"])
 def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -> None:
-    """A STEP argument gets the command that drafts a sidecar, and a pointer to inspect; the draft passes the check."""
+    """The message about a STEP argument has the command that drafts a sidecar, and inspect; the draft is valid."""
     run = stepbot(command, "arm2.step", "--json")
     assert run.code == 1
     (found,) = json.loads(run.out)["diagnostics"]
