@@ -166,7 +166,7 @@ def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot
 
 
 def test_changes_can_be_ignored_before_they_come(lever: Revision, stepbot: Stepbot) -> None:
-    """A sidecar that ignores moved parts is clean before and after one moves: the rule is not reported as unused."""
+    """A sidecar that ignores moved parts has no findings before or after one moves, and none about an unused rule."""
     rewrite(**{"base: fixed": "base: fixed\nignore_findings: [SB318]"})
     assert findings(stepbot) == []
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))

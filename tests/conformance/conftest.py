@@ -1,4 +1,4 @@
-"""Every robot in every format, written to a folder of its own."""
+"""Every robot in every format, each written to its own folder."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ Write = Callable[[str, str], tuple[Robot, Path]]
 
 @pytest.fixture(scope="session")
 def write(tmp_path_factory: pytest.TempPathFactory) -> Write:
-    """Writes a robot by name in a format; returns the lowered robot and the main file."""
+    """A function that writes a robot by name in a format; returns the lowered robot and the main file."""
 
     def write_robot(name: str, format_: str) -> tuple[Robot, Path]:
         robot = ROBOTS[name]()

@@ -1,4 +1,4 @@
-"""What PyBullet reads in a URDF or in the tree of an SDFormat file; it runs in a process of its own."""
+"""PyBullet's numbers of a URDF or of the tree of an SDFormat file, read in a separate process."""
 
 import os
 import sys
@@ -44,7 +44,7 @@ def _poses(body: int, names: Sequence[str]) -> dict[str, list[list[float]]]:
 
 
 def read(file: str, configurations: Sequence[Mapping[str, float]]) -> dict[str, Any]:
-    """Numbers of every link, poses at the configurations, and the lines that PyBullet complained with."""
+    """Numbers of every link, poses at the configurations, and PyBullet's complaints."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)

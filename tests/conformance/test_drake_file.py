@@ -1,4 +1,4 @@
-"""The file for Drake: constraints that hold together what the closures hold, and nothing else added."""
+"""The file for Drake: its constraints replace the closures, without other changes."""
 
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from tests.robots import ROBOTS
 TAG = "{http://drake.mit.edu}ball_constraint"
 LOOPS = tuple(name for name, build in ROBOTS.items() if build().closures)
 POINTS = {"ball": 1, "revolute": 2, "fixed": 3}
-"""How many points hold each kind of closure."""
+"""Number of points that constrain each kind of closure."""
 
 
 def _files(name: str) -> dict[str, bytes]:
@@ -38,7 +38,7 @@ def _constraints(top: Any) -> list[tuple[str, list[float], str, list[float]]]:
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_constraints_hold_wherever_the_loops_close(name: str) -> None:
-    """Both points of every constraint are in one place over the whole range; there are as many as each kind takes."""
+    """Both points of every constraint coincide over the whole range; their number depends on the kind of closure."""
     robot = reroot_loops(lower(ROBOTS[name](), FORMATS["sdf"], Diagnostics()))
     top = etree.fromstring(_files(name)[f"{robot.name}.drake.sdf"])
     constraints = _constraints(top)
@@ -52,7 +52,7 @@ def test_constraints_hold_wherever_the_loops_close(name: str) -> None:
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_neither_file_holds_what_the_other_needs(name: str) -> None:
-    """No link has two joints above it in Drake's file, and no other reader meets an element of Drake's."""
+    """In Drake's file no link has two parent joints; files for other readers have no elements of Drake."""
     files = _files(name)
     drake, plain = (etree.fromstring(files[f"{ROBOTS[name]().name}{suffix}"]) for suffix in (".drake.sdf", ".sdf"))
     children = [joint.findtext("child") for joint in drake.iter("joint")]
@@ -61,7 +61,7 @@ def test_neither_file_holds_what_the_other_needs(name: str) -> None:
 
 
 def test_trees_have_no_file_for_drake() -> None:
-    """It would be the same file twice."""
+    """A tree has no file for Drake, which would be a duplicate."""
     for name in ROBOTS:
         drake = [path for path in _files(name) if path.endswith(".drake.sdf")]
         assert bool(drake) is (name in LOOPS)
@@ -69,7 +69,7 @@ def test_trees_have_no_file_for_drake() -> None:
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_drake_reads_it_strictly_and_keeps_the_loops_closed(name: str, tmp_path: Path) -> None:
-    """No warning, and a fifth of a second of falling opens no loop by more than its solver leaves."""
+    """Drake loads the file strictly without warnings; 0.2 s of falling open no loop beyond the solver's accuracy."""
     parsing = pytest.importorskip("pydrake.multibody.parsing")
     multibody = pytest.importorskip("pydrake.multibody.plant")
     framework = pytest.importorskip("pydrake.systems.framework")

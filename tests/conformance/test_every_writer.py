@@ -45,13 +45,13 @@ def mesh_bytes(robot: Robot) -> list[bytes]:
 @every_format
 @every_robot
 def test_same_input_same_bytes(name: str, format_: str) -> None:
-    """Two robots of the same content give the same files in the same order."""
+    """Two robots with equal content have equal files in equal order."""
     first, second = (list(render(ROBOTS[name](), format_, Diagnostics()).items()) for _ in range(2))
     assert first == second
 
 
 def test_bytes_depend_on_nothing_around(tmp_path: Path) -> None:
-    """Another hash seed, locale and working directory change no byte."""
+    """Hash seed, locale and working directory change no byte."""
     root = Path(__file__).resolve().parents[2]
     digests = set()
     for seed, locale, folder in (("1", "C", root), ("4242", "de_DE.UTF-8", tmp_path)):
@@ -72,7 +72,7 @@ def test_bytes_depend_on_nothing_around(tmp_path: Path) -> None:
 @every_format
 @every_robot
 def test_robot_is_left_as_it_was(name: str, format_: str) -> None:
-    """Writing changes nothing of the robot that it is given."""
+    """A writer does not change the given robot."""
     robot = ROBOTS[name]()
     before, meshes = copy.deepcopy(robot.links + robot.joints + robot.closures), mesh_bytes(robot)
     render(robot, format_, Diagnostics())
@@ -83,7 +83,7 @@ def test_robot_is_left_as_it_was(name: str, format_: str) -> None:
 @every_format
 @every_robot
 def test_every_name_is_in_the_file(name: str, format_: str) -> None:
-    """Names of the robot, its links and joints stand in the file as they are, where the format has room for them."""
+    """Names of the robot, links and joints are in the file unchanged, unless the format has no place for them."""
     robot = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
     files = render(ROBOTS[name](), format_, Diagnostics())
     top = etree.fromstring(files[f"{robot.name}{FORMATS[format_].suffix}"])
@@ -91,9 +91,9 @@ def test_every_name_is_in_the_file(name: str, format_: str) -> None:
     said = {robot.name, *(link.name for link in robot.links), *(frame.name for frame in robot.frames)}
     said |= {shape.name for link in robot.links for shape in (*link.visuals, *link.collisions)}
     said |= {closure.name for closure in robot.closures}
-    if format_ != "sdf":  # its plugins refer to actuators by their joints
+    if format_ != "sdf":  # plugins refer to actuators by their joints
         said |= {actuator.name for actuator in robot.actuators}
-    if format_ == "mjcf":  # names no fixed joint, and all that a multi-dof joint consists of
+    if format_ == "mjcf":  # fixed joints and the parts of a multi-dof joint have no names
         said |= {step.name for steps in steps_by_child(robot).values() for step in steps if step.kind != "fixed"}
     else:
         said |= {joint.name for joint in robot.joints}
@@ -103,7 +103,7 @@ def test_every_name_is_in_the_file(name: str, format_: str) -> None:
 @every_format
 @every_robot
 def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
-    """The file refers to exactly the meshes that come with it, by relative paths."""
+    """The file refers to exactly its own meshes, by relative paths."""
     robot = ROBOTS[name]()
     files = render(robot, format_, Diagnostics())
     main, *others = files
@@ -115,7 +115,7 @@ def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
 
 
 def test_meshes_read_back_by_trimesh() -> None:
-    """An OBJ file contains one object in metres, with the same vertices and faces."""
+    """An OBJ file contains one object in metres, with the vertices and faces of the asset."""
     import trimesh
 
     robot = ROBOTS["tree"]()
@@ -127,7 +127,7 @@ def test_meshes_read_back_by_trimesh() -> None:
 
 
 def test_formats_are_found_and_have_aliases() -> None:
-    """Formats are listed by name in the declared order, and found by alias in any case."""
+    """Formats are listed in the declared order and found by name or alias, in any case."""
     assert tuple(FORMATS) == ("urdf", "sdf", "mjcf")
     assert format_named("SDFormat") is FORMATS["sdf"]
     assert format_named("mujoco") is FORMATS["mjcf"]
@@ -136,7 +136,7 @@ def test_formats_are_found_and_have_aliases() -> None:
 
 
 def test_finding_formats_imports_no_xml_library() -> None:
-    """A list of formats costs no import of lxml."""
+    """Listing the formats does not import lxml."""
     code = "import sys, stepbot.formats; print([m for m in ('lxml', 'trimesh', 'mujoco') if m in sys.modules])"
     root = Path(__file__).resolve().parents[2]
     environment = {**os.environ, "PYTHONPATH": str(root / "src")}

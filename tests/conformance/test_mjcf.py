@@ -1,4 +1,4 @@
-"""MJCF as MuJoCo compiles it, against the robot that was written."""
+"""MJCF compiled by MuJoCo, against the written robot."""
 
 import warnings
 from dataclasses import replace
@@ -24,7 +24,7 @@ every_robot = pytest.mark.parametrize("name", SINGLE_FREEDOMS)
 
 
 def compiled(file: Path) -> Any:
-    """The model, with every complaint of the compiler an error."""
+    """The compiled model; each compiler warning is an error."""
     import mujoco
 
     with warnings.catch_warnings():
@@ -33,7 +33,7 @@ def compiled(file: Path) -> Any:
 
 
 def compiled_from_memory(robot: Robot) -> Any:
-    """The model of a robot that was never on disk."""
+    """The model of a robot compiled from memory."""
     import mujoco
 
     files = render(robot, "mjcf", Diagnostics())
@@ -54,7 +54,7 @@ def data_at(model: Any, q: dict[str, float]) -> Any:
 
 @every_robot
 def test_bodies_have_the_links_mass_com_and_inertia(name: str, write: Write) -> None:
-    """Mass, centre of mass and the full tensor of every body are the link's."""
+    """Mass, centre of mass and inertia tensor of every body are the link's."""
     import mujoco
 
     robot, file = write(name, "mjcf")
@@ -87,7 +87,7 @@ def test_links_are_where_the_robot_has_them(name: str, write: Write) -> None:
 
 @every_robot
 def test_joints_have_their_limits_and_dynamics(name: str, write: Write) -> None:
-    """Kind, axis, limits, passive forces and velocity limits come back from the compiled model."""
+    """Kind, axis, limits, passive forces and velocity limits of the compiled joints are the robot's."""
     import mujoco
 
     robot, file = write(name, "mjcf")
@@ -115,7 +115,7 @@ def test_joints_have_their_limits_and_dynamics(name: str, write: Write) -> None:
 
 @every_robot
 def test_geometry_is_where_the_link_has_it(name: str, write: Write) -> None:
-    """Vertices of every mesh geom, with MuJoCo's own centring undone, are the asset's in the link's frame."""
+    """Vertices of every mesh geom, without MuJoCo's centring, are the asset's in the link's frame."""
     robot, file = write(name, "mjcf")
     model = compiled(file)
     data = data_at(model, {})
@@ -134,14 +134,14 @@ def test_geometry_is_where_the_link_has_it(name: str, write: Write) -> None:
                 np.testing.assert_allclose(read.max(axis=0), vertices.max(axis=0), atol=1e-7)
             else:
                 X = X_WL.inverse() @ X_WG
-                rows = 3 if isinstance(shape.geometry, Sphere) else 0  # however it is turned, a sphere is the same
+                rows = 3 if isinstance(shape.geometry, Sphere) else 0  # a sphere has no orientation
                 np.testing.assert_allclose(X.p, shape.X_LG.p, atol=1e-12)
                 np.testing.assert_allclose(X.R[rows:], shape.X_LG.R[rows:], atol=1e-12)
 
 
 @every_robot
 def test_what_is_seen_touches_nothing(name: str, write: Write) -> None:
-    """Visuals have no contact and their colour; collisions have contact."""
+    """Visuals have their colour and no contacts; collisions have contacts."""
     robot, file = write(name, "mjcf")
     model = compiled(file)
     for link in robot.links:
@@ -156,7 +156,7 @@ def test_what_is_seen_touches_nothing(name: str, write: Write) -> None:
 
 @every_robot
 def test_second_of_simulation_is_finite_and_without_contact(name: str, write: Write) -> None:
-    """From the drawn pose the robot moves for a second without a warning; neighbours do not push each other."""
+    """From the drawn pose the robot runs for a second without a warning or a contact between neighbours."""
     import mujoco
 
     _, file = write(name, "mjcf")
@@ -174,7 +174,7 @@ def test_second_of_simulation_is_finite_and_without_contact(name: str, write: Wr
 
 @pytest.mark.parametrize("name", ["four_bar", "four_bar_with_zeros"])
 def test_loop_closes_at_home_and_has_one_freedom(name: str, write: Write) -> None:
-    """At the drawn pose the sites of the closure coincide, and the equality rows leave one of three freedoms."""
+    """At the drawn pose the sites of the closure coincide; the equality rows leave one of three degrees of freedom."""
     import mujoco
 
     robot, file = write(name, "mjcf")
@@ -197,7 +197,7 @@ def test_loop_closes_at_home_and_has_one_freedom(name: str, write: Write) -> Non
 
 
 def spatial_loop(kind: JointKind) -> Robot:
-    """Two pendulums about skew axes, held together at their ends."""
+    """Two pendulums about skew axes, connected at their ends."""
     left, right = pendulum(), pendulum()
     base, bob = left.links
     other = replace(
@@ -216,7 +216,7 @@ def spatial_loop(kind: JointKind) -> Robot:
 
 @pytest.mark.parametrize(("kind", "lost"), [(JointKind.REVOLUTE, 5), (JointKind.BALL, 3), (JointKind.FIXED, 6)])
 def test_closure_takes_as_many_freedoms_as_its_kind(kind: JointKind, lost: int) -> None:
-    """Between two floating bodies the equality rows have the rank of the joint that they stand for."""
+    """Between two floating bodies the equality rows have the rank of the joint that they represent."""
     import mujoco
 
     robot = spatial_loop(kind)
@@ -250,7 +250,7 @@ def test_mimic_is_an_equality_of_joints(write: Write) -> None:
 
 
 def test_actuators_drive_their_joints_within_limits(write: Write) -> None:
-    """Gains, gear, control and force ranges of the compiled actuators are those of the robot."""
+    """Gains, gear, control and force ranges of the compiled actuators are the robot's."""
     _, file = write("two_link_arm", "mjcf")
     model = compiled(file)
     shoulder, elbow = model.actuator("shoulder_motor"), model.actuator("elbow_motor")
@@ -263,7 +263,7 @@ def test_actuators_drive_their_joints_within_limits(write: Write) -> None:
 
 
 def test_neighbours_are_excluded_across_fixed_joints(write: Write) -> None:
-    """Contacts are excluded between links connected by a joint, a chain of fixed joints or a closure, not others."""
+    """Contacts are excluded between links connected by a joint, a chain of fixed joints or a closure, and no others."""
     touching = {}
     for name in ("tree", "four_bar"):
         _, file = write(name, "mjcf")
@@ -295,7 +295,7 @@ def test_flat_and_round_inertias_compile(seed: int) -> None:
 
 
 def test_flat_collision_is_left_out_and_flat_visual_stays(found: Diagnostics) -> None:
-    """A sheet that is seen and touched compiles; that nothing touches it is reported."""
+    """A flat collision sheet is omitted with a diagnostic; its visual remains."""
     sheet = MeshAsset("sheet", TriMesh.of([(0, 0, 0), (1, 0, 1), (1, 1, 1), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]))
     base = one_link().root
     link = Link(
@@ -310,7 +310,7 @@ def test_flat_collision_is_left_out_and_flat_visual_stays(found: Diagnostics) ->
 
 
 def test_visual_and_collision_of_one_name_both_live() -> None:
-    """A visual and a collision may share a name; the geoms do not."""
+    """A visual and a collision of one name get distinct geoms."""
     robot = four_bar()
     link = robot.root
     robot = replace(

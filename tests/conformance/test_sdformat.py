@@ -1,4 +1,4 @@
-"""SDFormat: the content of the text, and how PyBullet reads its tree."""
+"""SDFormat: the content of the text, and PyBullet's reading of its tree."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -42,7 +42,7 @@ def named(elements: Any, name: str) -> Any:
 
 @every_robot
 def test_links_say_mass_properties_and_poses(name: str, write: Write) -> None:
-    """Mass, com and inertia are the link's to the last bit; poses are those of q = 0, in the model's frame."""
+    """Mass, com and inertia are the link's to the last bit; poses are at q = 0, in the model's frame."""
     robot, file = write(name, "sdf")
     model = model_of(file)
     assert [link.get("name") for link in model.findall("link")] == [link.name for link in robot.links]
@@ -55,14 +55,14 @@ def test_links_say_mass_properties_and_poses(name: str, write: Write) -> None:
         inertial = xml.find("inertial")
         com = [float(x) for x in inertial.findtext("pose").split()]
         assert (float(inertial.findtext("mass")), *com) == (mass.mass, *mass.com, 0, 0, 0)
-        # Missing values are zero by the specification.
+        # By the specification, missing values are zero.
         rows = [[float(inertial.findtext(f"inertia/i{min(a, b)}{max(a, b)}", "0")) for b in "xyz"] for a in "xyz"]
         np.testing.assert_array_equal(rows, mass.inertia)
 
 
 @every_robot
 def test_joints_say_axis_limits_and_dynamics(name: str, write: Write) -> None:
-    """Every joint is there with its kind, links, axis and numbers; what is not limited has no number, or ±1e16."""
+    """Every joint has its kind, links, axis and numbers; unlimited values are missing or ±1e16."""
     robot, file = write(name, "sdf")
     model = model_of(file)
     for joint in robot.joints:
@@ -92,7 +92,7 @@ def test_joints_say_axis_limits_and_dynamics(name: str, write: Write) -> None:
 
 @every_robot
 def test_base_is_held_by_a_joint_to_the_world(name: str, write: Write) -> None:
-    """A fixed base has one fixed joint to the world, a floating one has none; nothing is static."""
+    """A fixed base has one fixed joint to the world, a floating one has none; no model is static."""
     robot, file = write(name, "sdf")
     model = model_of(file)
     held = [joint for joint in model.findall("joint") if joint.findtext("parent") == "world"]
@@ -104,7 +104,7 @@ def test_base_is_held_by_a_joint_to_the_world(name: str, write: Write) -> None:
 
 @every_robot
 def test_names_are_unique_among_links_joints_and_frames(name: str, write: Write) -> None:
-    """Links, joints and frames share one space of names."""
+    """Links, joints and frames share one namespace."""
     _, file = write(name, "sdf")
     model = model_of(file)
     names = [element.get("name") for tag in ("link", "joint", "frame") for element in model.findall(tag)]
@@ -112,7 +112,7 @@ def test_names_are_unique_among_links_joints_and_frames(name: str, write: Write)
 
 
 def test_frames_are_attached_to_their_links(write: Write) -> None:
-    """A frame is where the robot has it in its link."""
+    """A frame has its pose in its link."""
     robot, file = write("two_link_arm", "sdf")
     for frame in robot.frames:
         xml = named(model_of(file).findall("frame"), frame.name)
@@ -122,7 +122,7 @@ def test_frames_are_attached_to_their_links(write: Write) -> None:
 
 @pytest.mark.parametrize("build", [four_bar, four_bar_with_zeros])
 def test_closing_joint_is_the_closure(build: Any, write: Write) -> None:
-    """Placed by the poses of the file, both sides of the closing joint are the robot's closure in the drawn pose."""
+    """Both sides of the closing joint, by the poses in the file, are the robot's closure in the drawn pose."""
     original = build()
     closure = original.closures[0]
     _, file = write(original.name, "sdf")
@@ -139,7 +139,7 @@ def test_closing_joint_is_the_closure(build: Any, write: Write) -> None:
 
 
 def test_root_is_never_the_child_of_a_closing_joint() -> None:
-    """A closure to the base is written the other way round, so that the tree keeps one root."""
+    """A closure to the base is written in reverse, so that the tree keeps one root."""
     robot = four_bar()
     closure = robot.closures[0]
     X_WA = link_poses(robot, {})[closure.link_a]
@@ -151,7 +151,7 @@ def test_root_is_never_the_child_of_a_closing_joint() -> None:
 
 
 def test_version_is_raised_for_what_needs_it_alone(write: Write) -> None:
-    """1.9 is written unless there is a mimic, which 1.11 was the first to have, or the pitch of a screw, as 1.10."""
+    """The version is 1.9, 1.10 for the pitch of a screw, 1.11 for a mimic."""
     for name in ROBOTS:
         robot, file = write(name, "sdf")
         mimics = any(joint.mimic for joint in robot.joints)
@@ -169,7 +169,7 @@ def test_mimics_refer_to_the_leader_of_their_chain(write: Write) -> None:
 
 
 def test_zeros_of_loops_move_with_limits_springs_and_mimics() -> None:
-    """A loop drawn away from q = 0 is written with q counted from the drawn pose, and everything else follows."""
+    """A loop drawn away from q = 0 is written with q counted from the drawn pose, as are limits, springs and mimics."""
     robot = four_bar_with_zeros()
     crank, coupler, ground = robot.joints
     crank = replace(crank, kind=JointKind.REVOLUTE, limit=Limit(-1.0, 2.0))
@@ -189,7 +189,7 @@ def test_zeros_of_loops_move_with_limits_springs_and_mimics() -> None:
 @pytest.mark.pybullet
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name not in UNKNOWN_TO_PYBULLET])
 def test_pybullet_puts_the_tree_where_the_robot_has_it(name: str, write: Write) -> None:
-    """From a copy without world and closing joints PyBullet reads every link, and agrees on poses."""
+    """From a copy without world and closing joints PyBullet reads every link at the robot's pose."""
     pytest.importorskip("pybullet")
     robot, file = write(name, "sdf")
     places = configurations(robot, 4)
@@ -204,7 +204,7 @@ def test_pybullet_puts_the_tree_where_the_robot_has_it(name: str, write: Write) 
 
 
 def test_no_robot_has_transparency_that_strict_readers_refuse(write: Write) -> None:
-    """Opacity is the alpha of the colour: Drake refuses `<transparency>` when it is strict."""
+    """Opacity is the alpha of the colour: strict Drake rejects `<transparency>`."""
     robot, file = write("four_bar", "sdf")
     model = model_of(file)
     assert next(model.iter("transparency"), None) is None
@@ -215,7 +215,7 @@ def test_no_robot_has_transparency_that_strict_readers_refuse(write: Write) -> N
 
 @every_robot
 def test_colors_are_the_same_in_the_shade(name: str, write: Write) -> None:
-    """Gazebo uses black for a missing ambient colour."""
+    """The ambient colour is set: Gazebo uses black if it is missing."""
     robot, file = write(name, "sdf")
     materials = list(etree.parse(str(file)).iter("material"))
     assert len(materials) == sum(len(link.visuals) for link in robot.links)

@@ -1,4 +1,4 @@
-"""URDF as yourdfpy and PyBullet read it, against the robot that was written."""
+"""URDF files read by yourdfpy and PyBullet, against the written robot."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ every_robot = pytest.mark.parametrize("name", ROBOTS)
 
 @every_robot
 def test_yourdfpy_reads_links_and_joints(name: str, write: Write) -> None:
-    """Mass, centre of mass, inertia, kinds, limits, dynamics and mimics come back to the last bit."""
+    """yourdfpy reads mass, centre of mass, inertia, kinds, limits, dynamics and mimics to the last bit."""
     import yourdfpy
 
     robot, file = write(name, "urdf")
@@ -41,7 +41,7 @@ def test_yourdfpy_reads_links_and_joints(name: str, write: Write) -> None:
             assert numbers == (limit.lower, limit.upper, limit.effort, limit.velocity)
             assert np.isfinite(numbers).all()
         if joint.dynamics.damping:
-            # yourdfpy leaves them as text, and what is not there out.
+            # yourdfpy keeps them as text, and omits missing ones
             numbers = (float(seen.dynamics.damping or 0.0), float(seen.dynamics.friction or 0.0))
             assert numbers == (joint.dynamics.damping, joint.dynamics.friction)
         if joint.mimic:
@@ -51,7 +51,7 @@ def test_yourdfpy_reads_links_and_joints(name: str, write: Write) -> None:
 
 @every_robot
 def test_yourdfpy_puts_links_where_the_robot_has_them(name: str, write: Write) -> None:
-    """Poses of all links agree at random configurations, with mimics followed."""
+    """Poses of all links, with mimics, agree at random configurations."""
     import yourdfpy
 
     robot, file = write(name, "urdf")
@@ -65,7 +65,7 @@ def test_yourdfpy_puts_links_where_the_robot_has_them(name: str, write: Write) -
 @pytest.mark.pybullet
 @every_robot
 def test_pybullet_reads_the_file(name: str, write: Write) -> None:
-    """PyBullet finds every mesh, and agrees on mass, inertia and poses as far as its precision goes."""
+    """PyBullet finds every mesh and agrees on mass, inertia and poses to its precision."""
     pytest.importorskip("pybullet")
     robot, file = write(name, "urdf")
     places = configurations(robot, 4)
@@ -84,7 +84,7 @@ def test_pybullet_reads_the_file(name: str, write: Write) -> None:
 
 
 def test_frames_weigh_nothing(write: Write) -> None:
-    """A frame becomes a link with zero inertia on a fixed joint, in its place."""
+    """A frame is a link with zero inertia on a fixed joint, at its pose."""
     robot, file = write("two_link_arm", "urdf")
     tool = robot.link_by_name["tool0"]
     assert tool.mass_properties == MassProperties()
@@ -100,7 +100,7 @@ def test_frames_weigh_nothing(write: Write) -> None:
 
 
 def test_every_material_has_a_name_of_its_own(write: Write) -> None:
-    """No two visuals share a material's name, which readers would take for the first one's colour."""
+    """No two visuals share a material name, for which readers would use the first colour."""
     for name in ROBOTS:
         _, file = write(name, "urdf")
         materials = [material.get("name") for material in etree.parse(str(file)).iter("material")]
@@ -108,7 +108,7 @@ def test_every_material_has_a_name_of_its_own(write: Write) -> None:
 
 
 def test_no_link_is_the_world(write: Write) -> None:
-    """The root link is the robot's own."""
+    """The root link is the robot's root, not a link named world."""
     for name in ROBOTS:
         robot, file = write(name, "urdf")
         top = etree.parse(str(file)).getroot()

@@ -11,13 +11,13 @@ LIBRARY = Path(__file__).resolve().parents[2] / "robot_library"
 ROBOTS = tuple(sorted(path.name for path in LIBRARY.iterdir() if path.is_dir() and not path.name.startswith("_")))
 """Names of the robots' folders."""
 SHORT = ("stepbot_arm2", "stepbot_four_bar", "stepbot_slider_crank", "universal_robots_ur5e")
-"""Robots that `make test` converts: a tree with a mimic, loops, a maker's arm. `make all` converts all of them."""
+"""Robots converted by `make test`: a tree with a mimic, loops, an industrial arm. `make all` converts all."""
 
 every_robot = pytest.mark.parametrize("robot", ROBOTS)
 
 
 def converted_robots(but: str = "") -> pytest.MarkDecorator:
-    """Runs a test with each robot, perhaps but one."""
+    """Run a test with each robot, optionally except one."""
     robots = [pytest.param(robot, marks=() if robot in SHORT else pytest.mark.long) for robot in ROBOTS if robot != but]
     return pytest.mark.parametrize("robot", robots)
 
@@ -28,7 +28,7 @@ Converted = Callable[[str], Conversion]
 
 
 def name_of(robot: str) -> str:
-    """The robot's own name: that of its folder without its maker's, which may be several words."""
+    """The robot's name: that of its folder without the maker's, which may consist of several words."""
     return sidecar_of(robot).name.removesuffix(".robot.yaml")
 
 

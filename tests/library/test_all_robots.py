@@ -1,4 +1,4 @@
-"""Every robot of the library: its folder is as the others, it converts, its files agree, and it can be simulated."""
+"""Every robot of the library has a uniform folder, converts, has consistent files, and can be simulated."""
 
 import json
 import re
@@ -24,19 +24,19 @@ from tests.library.conftest import (
 )
 
 BETWEEN = {"ball": 2, "universal": 1, "screw": 1, "cylindrical": 1, "planar": 2, "floating": 5}
-"""Links that URDF puts between the two links of a joint that it represents by several."""
+"""Links that URDF adds between the two links of a joint that it writes as several."""
 FINER_STEPS = {"kinova_gen3": 5e-4}
 """Steps [s] of robots that the usual 1 ms is too long for: a wrist without damping passes 100 rad/s for a moment, and
 gains 12 % of energy there; at half the step it is 1 %."""
 PULLS = {"robotiq_2f85": (-3.0, -4.0, 8.0)}
-"""Other gravities [m/s^2] for robots that the usual one pulls against their stops."""
+"""Other gravities [m/s^2] for robots that standard gravity pulls against their stops."""
 BALANCED = "stepbot_diff_drive"
-"""Its joints are wheels and a ball, which no weight turns."""
+"""A robot whose joints are wheels and a ball, which gravity does not move."""
 ALLOWED = re.compile(r"README\.md|expected\.json|preview\.png|[a-z0-9_]+\.(?:py|step|robot\.yaml)")
 
 
 def test_the_library_is_not_empty() -> None:
-    """There is something for the tests below to find."""
+    """The library has robots."""
     assert {"stepbot_four_bar", "stepbot_arm2"} <= set(ROBOTS)
 
 
@@ -45,7 +45,7 @@ def test_the_library_is_not_empty() -> None:
 
 @every_robot
 def test_folder_has_what_every_folder_has(robot: str) -> None:
-    """Sidecar, STEP, drawing script, expected numbers and README, named after the robot, and nothing else."""
+    """Sidecar, STEP, drawing script, expected numbers and README exist, named after the robot, and nothing else."""
     name = name_of(robot)
     assert re.fullmatch(rf"[a-z0-9_]+_{name}", robot), "<maker>_<robot>"
     files = {path.name for path in (LIBRARY / robot).iterdir() if path.name != "__pycache__"}
@@ -56,7 +56,7 @@ def test_folder_has_what_every_folder_has(robot: str) -> None:
 
 @every_robot
 def test_sidecar_names_its_neighbours(robot: str) -> None:
-    """The robot's name, its STEP and its schema are those beside it."""
+    """The robot's name, its STEP and its schema are those in the folder."""
     sidecar = sidecar_of(robot)
     text = sidecar.read_text(encoding="utf-8")
     name = name_of(robot)
@@ -69,7 +69,7 @@ def test_sidecar_names_its_neighbours(robot: str) -> None:
 
 @every_robot
 def test_step_tells_nothing_of_where_and_when(robot: str) -> None:
-    """The header has no person, no folder and no time of drawing, so that drawing again gives the same bytes."""
+    """The STEP header has no person, folder or time of drawing, so that drawing is reproducible."""
     (step,) = (LIBRARY / robot).glob("*.step")
     header = step.read_text(encoding="utf-8").split("ENDSEC;", 1)[0]
     assert f"FILE_NAME('{step.name}','2000-01-01T00:00:00',(''),('')," in re.sub(r"\s*\n\s*", "", header)
@@ -77,7 +77,7 @@ def test_step_tells_nothing_of_where_and_when(robot: str) -> None:
 
 @every_robot
 def test_readme_shows_the_command(robot: str) -> None:
-    """Whoever copies the command of the README converts this robot."""
+    """The command in the README converts this robot."""
     readme = (LIBRARY / robot / "README.md").read_text(encoding="utf-8")
     sidecar = sidecar_of(robot).relative_to(LIBRARY.parent).as_posix()
     assert f"stepbot convert {sidecar}" in readme
@@ -93,7 +93,7 @@ def test_readme_shows_the_command(robot: str) -> None:
 @pytest.mark.slow
 @every_converted_robot
 def test_converts_and_every_check_passes(robot: str, converted: Converted) -> None:
-    """Three formats and a report; nothing failed, no error, and the mass is the one known beforehand."""
+    """Three formats and a report are written; no check fails, there is no error, and the mass is the expected one."""
     conversion = converted(robot)
     name = name_of(robot)
     tops = {path.name for path in conversion.folder.iterdir() if path.is_file() and not path.name.startswith(".")}
@@ -108,14 +108,14 @@ def test_converts_and_every_check_passes(robot: str, converted: Converted) -> No
     (mass,) = {body["mass"] for key, body in expected.items() if key.startswith("total")}
     assert report["robot"]["mass"] == pytest.approx(mass, rel=1e-3)
     links = {link["name"] for link in report["robot"]["links"]}
-    # Links and joints share one set of names: a maker's joint that is called as its link is `<link>_joint`.
+    # Links and joints share a namespace: a maker's joint named like its link becomes `<link>_joint`.
     known = {f"{joint}_joint" if joint in links else joint for joint in expected["joints"]}
     assert {joint["name"] for joint in report["robot"]["joints"]} <= known
 
 
 @every_converted_robot
 def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Converted) -> None:
-    """All referenced meshes exist, relative and in metres, none is unused; no local path is written."""
+    """Referenced meshes exist, by relative paths and in metres; none is unused; no local path is written."""
     folder = converted(robot).folder
     for suffix, tag, attribute in ((".urdf", "mesh", "filename"), (".sdf", "uri", None), (".xml", "mesh", "file")):
         root = etree.parse(converted(robot).file(suffix)).getroot()
@@ -132,7 +132,7 @@ def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Con
 @pytest.mark.slow
 @every_converted_robot
 def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Path) -> None:
-    """`stepbot verify` on a copy, in another folder and without the report, finds the three files equal."""
+    """`stepbot verify` on a copy, in another folder and without the report, finds the three files consistent."""
     folder = shutil.copytree(converted(robot).folder, tmp_path / "copy")
     (folder / "report.json").unlink()
     (folder / ".stepbot.json").unlink()
@@ -149,21 +149,21 @@ def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Pat
 @every_converted_robot
 @pytest.mark.parametrize("noise", [False, True], ids=["at rest", "noise"])
 def test_one_second_in_mujoco(robot: str, noise: bool, converted: Converted) -> None:
-    """From its keyframe, held by its actuators or with noise on them: no warning, nothing that explodes or collides."""
+    """From its keyframe, held by its actuators or with noise on them: no warning, divergence or collision."""
     seen = call_isolated("tests.engines:run_in_mujoco", str(converted(robot).file(".xml")), 1.0, noise)
     assert not any(seen["warnings"])
     assert seen["finite"]
     if noise:
         assert seen["speed"] > 1e-3
     else:
-        assert seen["speed"] < 1.0  # [rad/s] or [m/s]: it sags where it hangs on its springs, and that is all
+        assert seen["speed"] < 1.0  # [rad/s] or [m/s]: the sag on its springs
         assert seen["depth"] > -1e-4
 
 
 @pytest.mark.pybullet
 @every_converted_robot
 def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:
-    """Hanging from its base without motors, or fallen on a floor: finite, and moved by nothing but its weight."""
+    """Hanging from its base without motors, or fallen on a floor, the robot stays finite and gains no energy."""
     pytest.importorskip("pybullet")
     conversion = converted(robot)
     report = conversion.report["robot"]
@@ -196,7 +196,7 @@ def test_energy_is_kept_in_pybullet(robot: str, converted: Converted) -> None:
 @pytest.mark.pybullet
 @pytest.mark.parametrize("factor", [0.9, 1.1])
 def test_energy_is_not_kept_with_other_inertias(factor: float, converted: Converted, tmp_path: Path) -> None:
-    """What judges the robots above sees an inertia that is wrong by a tenth."""
+    """The energy check fails for an inertia that is wrong by a tenth."""
     pytest.importorskip("pybullet")
     conversion = converted("stepbot_arm2")
     folder = shutil.copytree(conversion.folder, tmp_path / "copy")
@@ -205,4 +205,4 @@ def test_energy_is_not_kept_with_other_inertias(factor: float, converted: Conver
     wrong = re.sub(r'\b(i[xyz]{2})="([^"]+)"', lambda found: f'{found[1]}="{factor * float(found[2])}"', text)
     file.write_text(wrong, encoding="utf-8")
     kept = call_isolated("tests.engines:energy_kept_in_pybullet", str(file), 50, conversion.report["robot"])
-    assert (kept - 1) * (1 - factor) > 1e-3  # lighter ones come faster
+    assert (kept - 1) * (1 - factor) > 1e-3  # lighter ones accelerate more

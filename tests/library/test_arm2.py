@@ -1,4 +1,4 @@
-"""The arm whose every number is a formula: what engines see in its files, and that its STEP's unit changes nothing."""
+"""The arm with closed forms: engines report them for its files, and the unit of its STEP changes nothing."""
 
 import json
 import re
@@ -25,7 +25,7 @@ LINKS = {"base", "upper_arm", "forearm", "left_finger", "right_finger"}
 
 @cache
 def expected() -> dict[str, Any]:
-    """Closed forms, without any CAD."""
+    """Closed forms, without CAD."""
     content: dict[str, Any] = json.loads((LIBRARY / FOLDER / "expected.json").read_text(encoding="utf-8"))
     return content
 
@@ -46,13 +46,13 @@ def _assert_closed_forms(found: Mapping[str, Any], pose: str) -> None:
         assert max(deviations(found[name], link)) < 1e-3, (pose, name)
 
 
-# What the engines see, against formulas
+# Engines against closed forms
 
 
 @pytest.mark.mujoco
 @pytest.mark.parametrize("suffix", [".xml", ".urdf"])
 def test_mujoco_sees_the_closed_forms(arm: Conversion, suffix: str) -> None:
-    """Mass, com and inertia of every link, in the world, at q = 0 and as drawn, to 1e-3."""
+    """MuJoCo reports mass, com and inertia of every link, in the world, at q = 0 and as drawn, to 1e-3."""
     seen = call_isolated("tests.engines:mujoco_bodies", str(arm.file(suffix)), _configurations())
     for pose, bodies in zip(POSES, seen, strict=True):
         assert set(bodies) - {"tool0"} == LINKS
@@ -61,7 +61,7 @@ def test_mujoco_sees_the_closed_forms(arm: Conversion, suffix: str) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_sees_the_closed_forms(arm: Conversion) -> None:
-    """The same from the URDF in PyBullet, the base too, and nothing that it complains about."""
+    """PyBullet reports the same from the URDF, including the base, without complaints."""
     pytest.importorskip("pybullet")
     seen = call_isolated("tests.conformance.pybullet_numbers:read", str(arm.file(".urdf")), _configurations())
     assert seen["complaints"] == []
@@ -78,7 +78,7 @@ def _in_world(body_L: tuple[float, list[float], list[list[float]]], X_WL: Array)
 
 
 def test_the_text_of_the_sdformat_has_the_closed_forms(arm: Conversion) -> None:
-    """PyBullet does not read inertia from SDFormat: the text itself is checked, at q = 0."""
+    """The SDFormat text, from which PyBullet reads no inertia, has the closed forms at q = 0."""
     model = etree.parse(arm.file(".sdf")).getroot().find("model")
     bodies = {}
     for link in model.iter("link"):
@@ -98,7 +98,7 @@ def _symmetric(entries: Mapping[str, float]) -> Array:
 
 
 def test_joint_frames_are_the_closed_forms(arm: Conversion) -> None:
-    """Places of shoulder and elbow to 1e-9 m, all axes to 1e-9, limits as in the sidecar, the tool frame too."""
+    """Positions of shoulder and elbow to 1e-9 m, all axes to 1e-9, the sidecar's limits, and the tool frame."""
     root = etree.parse(arm.file(".urdf")).getroot()
     top, X_BL = urdf_links(root)
     assert top == "base"
@@ -126,13 +126,13 @@ def test_joint_frames_are_the_closed_forms(arm: Conversion) -> None:
     assert (mimic.get("joint"), float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))) == ("finger", 1, 0)
 
 
-# What the engines see, against the model
+# Engines against the model
 
 
 @pytest.mark.mujoco
 @pytest.mark.parametrize("suffix", [".xml", ".urdf"])
 def test_the_models_numbers_come_back_from_mujoco(arm: Conversion, suffix: str) -> None:
-    """Mass, com and inertia of every link, as the report gives them, to 1e-9."""
+    """MuJoCo reports mass, com and inertia of every link as in report.json, to 1e-9."""
     seen = call_isolated("tests.engines:mujoco_links", str(arm.file(suffix)))
     for link in arm.report["robot"]["links"]:
         assert max(deviations(seen[link["name"]], link)) < 1e-9, link["name"]
@@ -140,7 +140,7 @@ def test_the_models_numbers_come_back_from_mujoco(arm: Conversion, suffix: str) 
 
 @pytest.mark.pybullet
 def test_the_models_numbers_come_back_from_pybullet(arm: Conversion) -> None:
-    """URDF: mass and com to 1e-9, inertia to 1e-6. SDFormat: mass and com, since PyBullet reads no more there."""
+    """From URDF PyBullet reports mass and com to 1e-9 and inertia to 1e-6; from SDFormat mass and com only."""
     pytest.importorskip("pybullet")
     for function, suffix in (("read", ".urdf"), ("read_tree", ".sdf")):
         seen = call_isolated(f"tests.conformance.pybullet_numbers:{function}", str(arm.file(suffix)), [{}])
@@ -157,7 +157,7 @@ def test_the_models_numbers_come_back_from_pybullet(arm: Conversion) -> None:
 
 @pytest.fixture(scope="session")
 def document() -> Any:
-    """The arm as the kernel reads it: the products, names, colours and densities of its STEP."""
+    """The kernel's document of the arm: products, names, colours and densities of its STEP."""
     from OCP.STEPCAFControl import STEPCAFControl_Reader
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDocStd import TDocStd_Document
@@ -181,7 +181,7 @@ def document() -> Any:
 def test_the_same_step_in_another_unit_is_the_same_robot(
     arm: Conversion, document: Any, unit: LengthUnit, declared: str, tmp_path: Path
 ) -> None:
-    """Metres and inches give the files that millimetres give: the same text, and all numbers within 1e-9."""
+    """STEP files in metres and inches convert to the files of millimetres: equal text, numbers within 1e-9."""
     step = tmp_path / "arm2.step"
     write_document(step, document, unit=unit)
     assert declared in step.read_text(encoding="utf-8")
@@ -199,12 +199,12 @@ def test_the_same_step_in_another_unit_is_the_same_robot(
 
 
 _NO_PRODUCT = re.compile(r"\n *<(ixy|ixz|iyz)>-?[\d.]+e-[12]\d</\1>")
-"""Products of inertia that rounding alone keeps from being 0, and so from not being written."""
+"""Products of inertia that are not 0 only because of rounding."""
 _NUMBER = re.compile(r"(?<![\w.#])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 
 
 def _assert_same_text(one: Path, other: Path) -> None:
-    """Two files differ in nothing but the last digits of numbers."""
+    """Assert that two files differ only in the last digits of numbers."""
     texts = [_NO_PRODUCT.sub("", path.read_text(encoding="utf-8")) for path in (one, other)]
     assert _NUMBER.sub("0", texts[0]) == _NUMBER.sub("0", texts[1]), one.name
     values = [np.array(_NUMBER.findall(text), dtype=np.float64) for text in texts]
@@ -213,7 +213,7 @@ def _assert_same_text(one: Path, other: Path) -> None:
 
 
 def _assert_same_shape(one: Path, other: Path) -> None:
-    """Two meshes have the same vertices [m] to 1e-9 and as many faces; a quadrilateral may be cut either way."""
+    """Two meshes have the same vertices [m] to 1e-9 and the same number of faces; diagonals may differ."""
     from scipy.spatial import KDTree
 
     lines = [[line.split() for line in path.read_text(encoding="utf-8").splitlines()] for path in (one, other)]

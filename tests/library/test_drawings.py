@@ -1,4 +1,4 @@
-"""The drawn STEP files and the closed forms beside them, held against each other by the kernel's own integrals."""
+"""Drawn STEP files against closed forms, by the kernel's integrals."""
 
 import importlib
 import json
@@ -41,7 +41,7 @@ DRAWINGS: tuple[Callable[[Path], parts.Drawing], ...] = (
 
 
 def assert_same_body(found: Moments, expected: Moments) -> None:
-    """Volume or mass, com and inertia agree to what a STEP file's digits allow."""
+    """Assert that volume or mass, com and inertia agree to the digits of a STEP file."""
     size = float(np.max(np.abs(expected.inertia)))
     assert found.mass == pytest.approx(expected.mass, rel=1e-9)
     np.testing.assert_allclose(found.com, expected.com, atol=1e-9)
@@ -50,7 +50,7 @@ def assert_same_body(found: Moments, expected: Moments) -> None:
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_expected_json_is_what_the_closed_forms_say(robot: str, tmp_path: Path) -> None:
-    """expected.json in the repository is not older than the formulas."""
+    """expected.json in the repository is that of the current closed forms."""
     closed_form = importlib.import_module(f"robot_library.stepbot_{robot}.closed_form")
     write_expected(tmp_path / "expected.json", closed_form.expected())
     fresh = json.loads((tmp_path / "expected.json").read_text(encoding="utf-8"))
@@ -59,7 +59,7 @@ def test_expected_json_is_what_the_closed_forms_say(robot: str, tmp_path: Path) 
 
 
 def test_four_bar_step_has_the_mass_of_its_closed_form() -> None:
-    """Each link of the drawn four-bar has the mass, com and inertia of the formulas."""
+    """Each link of the drawn four-bar has mass, com and inertia of the closed forms."""
     found = dict.fromkeys(four_bar.links(), NOTHING)
     for part in occurrences(LIBRARY / "stepbot_four_bar" / "four_bar.step"):
         link = "ground" if part.path.startswith("frame:1/") else part.path.removesuffix(":1")
@@ -70,7 +70,7 @@ def test_four_bar_step_has_the_mass_of_its_closed_form() -> None:
 
 
 def test_arm2_step_has_the_mass_of_its_closed_form() -> None:
-    """Each link of the drawn arm has the mass, com and inertia of the formulas, in the drawn pose."""
+    """Each link of the drawn arm has mass, com and inertia of the closed forms, in the drawn pose."""
     claims = (
         (r"base:1", "base"),
         (r"shoulder:1", "upper_arm"),
@@ -96,7 +96,7 @@ def test_arm2_step_has_the_mass_of_its_closed_form() -> None:
 
 
 def test_four_bar_closes_over_a_full_turn() -> None:
-    """Crank and rocker pins stay one coupler apart, and the motion returns to where it began."""
+    """The pins of crank and rocker stay one coupler length apart, and a full turn ends at its start."""
     d = dimensions
     for i in range(360):
         q = d.closed(2 * pi * i / 360)
@@ -111,7 +111,7 @@ def test_four_bar_closes_over_a_full_turn() -> None:
 def test_drawn_parts_have_the_volume_of_their_closed_form(
     write: Callable[[Path], parts.Drawing], tmp_path: Path
 ) -> None:
-    """The kernel's values of a drawn file match the formulas, piece by piece."""
+    """The kernel's values of a drawn file equal the closed forms, for each piece."""
     drawing = write(tmp_path / "part.step")
     found = occurrences(drawing.path)
     assert len(found) == len(drawing.pieces)
@@ -121,7 +121,7 @@ def test_drawn_parts_have_the_volume_of_their_closed_form(
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_every_unit_holds_the_same_assembly(unit: LengthUnit, tmp_path: Path) -> None:
-    """A file in another unit declares it, and contains the same bodies at the same places."""
+    """A file in another unit declares it, and has the same bodies at the same positions."""
     drawing = parts.write_nested(tmp_path / "nested.step", unit)
     text = drawing.path.read_text(encoding="utf-8")
     declared = {"mm": ".MILLI.,.METRE.", "cm": ".CENTI.,.METRE.", "m": "$,.METRE.", "inch": "'INCH'", "foot": "'FOOT'"}
@@ -131,7 +131,7 @@ def test_every_unit_holds_the_same_assembly(unit: LengthUnit, tmp_path: Path) ->
 
 
 def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
-    """Neither the time nor the hash seed nor the addresses of objects are in a drawn file."""
+    """Drawn files do not depend on time, hash seed or addresses of objects."""
     script = "import sys; from pathlib import Path; from tests import parts; parts.write_nested(Path(sys.argv[1]))"
     drawn = set()
     for i in range(2):
@@ -145,7 +145,7 @@ def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_script_draws_the_step_of_the_repository(robot: str, tmp_path: Path) -> None:
-    """The STEP in the repository is what its script draws today."""
+    """The script draws the STEP in the repository."""
     pytest.importorskip("build123d", reason="drawing needs build123d")
     target = tmp_path / "drawn.step"
     command = [sys.executable, "-m", f"robot_library.stepbot_{robot}.build", "-o", str(target)]

@@ -13,7 +13,7 @@ from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
 
 
 def expected(robot: str) -> dict[str, Any]:
-    """Data of the script that drew the robot."""
+    """The expected.json of a robot."""
     content: dict[str, Any] = json.loads((LIBRARY / robot / "expected.json").read_text(encoding="utf-8"))
     return content
 
@@ -34,7 +34,7 @@ def pose(frame: dict[str, Any]) -> np.ndarray:
 
 
 def test_there_are_robots_with_limbs() -> None:
-    """There is something for the tests below to find."""
+    """The library has robots with limbs."""
     assert {"stepbot_quadruped", "stepbot_hexapod", "stepbot_desk_arm", "stepbot_upper_body"} <= set(LIMBED)
 
 
@@ -42,7 +42,7 @@ def test_there_are_robots_with_limbs() -> None:
 @every_converted_limbed_robot
 @pytest.mark.parametrize("suffix", [".urdf", ".xml"])
 def test_feet_and_hands_are_where_the_formula_says(robot: str, suffix: str, converted: Converted) -> None:
-    """As drawn and at 20 random positions of all joints, in the written files, to 1e-9."""
+    """Feet and hands in the written files, as drawn and at 20 random positions, equal the closed forms to 1e-9."""
     motions, root = expected(robot)["motions"], converted(robot).report["robot"]["root"]
     engine = {".urdf": "poses_in_yourdfpy", ".xml": "poses_in_mujoco"}[suffix]
     positions = [motion["joints"] for motion in motions]
@@ -55,7 +55,7 @@ def test_feet_and_hands_are_where_the_formula_says(robot: str, suffix: str, conv
 
 @every_limbed_robot
 def test_the_formula_is_what_was_drawn(robot: str) -> None:
-    """The first of the motions is the drawing, and expected.json is not older than the formulas."""
+    """The first of the motions is the drawn pose, and expected.json is that of the current closed forms."""
     formulas = importlib.import_module(f"robot_library.{robot}.closed_form")
     for kept, fresh in zip(expected(robot)["motions"], formulas.known()["motions"], strict=True):
         assert kept["joints"] == pytest.approx(fresh["joints"], abs=1e-11)
@@ -65,7 +65,7 @@ def test_the_formula_is_what_was_drawn(robot: str) -> None:
 
 @pytest.mark.parametrize("robot", [robot for robot in LIMBED if robot in ("stepbot_quadruped", "stepbot_hexapod")])
 def test_legs_are_their_formula_and_its_inverse(robot: str) -> None:
-    """The foot by turning frame after frame is that of the formula; the inverse gives the positions back."""
+    """Closed forms of legs equal a chain of frames, and the inverse kinematics returns the positions."""
     formulas = importlib.import_module(f"robot_library.{robot}.closed_form")
     generator = np.random.default_rng(1)
     for name, leg in formulas.d.LEGS.items():
@@ -82,13 +82,13 @@ def test_legs_are_their_formula_and_its_inverse(robot: str) -> None:
 
 
 def reaches_outwards(leg: Any, q: list[float]) -> bool:
-    """Whether a foot is on the leg's side of its first axis; elsewhere another position of that joint has it, too."""
+    """Whether a foot is on the leg's side of its first axis; otherwise that joint has a second solution."""
     foot = inverse(leg.places(q)[0]) @ leg.places(q)[3]
     return bool(foot[:3, 3] @ np.array(leg.straight) > 0)
 
 
 def test_the_desk_arm_finds_its_positions_back() -> None:
-    """Inverse kinematics of the tip, within the quarter turns that it is for."""
+    """Inverse kinematics of the tip returns the positions within its quarter turns."""
     formulas = importlib.import_module("robot_library.stepbot_desk_arm.closed_form")
     generator = np.random.default_rng(2)
     found = 0
@@ -105,7 +105,7 @@ def test_the_desk_arm_finds_its_positions_back() -> None:
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_upper_bodys_arms_find_their_positions_back(side: str) -> None:
-    """Seven positions from the pose of the palm and the swivel of the elbow."""
+    """Inverse kinematics returns seven positions from the pose of the palm and the swivel of the elbow."""
     formulas = importlib.import_module("robot_library.stepbot_upper_body.closed_form")
     generator = np.random.default_rng(4)
     for _ in range(50):

@@ -1,4 +1,4 @@
-"""The machines of the library: frames and masses from their scripts, and motions in closed form."""
+"""Robots drawn as machines: frames and masses from their scripts, motions in closed form."""
 
 import importlib
 import json
@@ -20,19 +20,19 @@ every_machine = pytest.mark.parametrize(
 
 
 def expected(robot: str) -> dict[str, Any]:
-    """Data of the script that drew the robot."""
+    """The expected.json of a robot."""
     content: dict[str, Any] = json.loads((LIBRARY / robot / "expected.json").read_text(encoding="utf-8"))
     return content
 
 
 def closed_form(robot: str) -> Any:
-    """The formulas of a robot."""
+    """The module of closed forms of a robot."""
     return importlib.import_module(f"robot_library.{robot}.closed_form")
 
 
 @every_machine
 def test_links_are_as_drawn(robot: str, converted: Converted) -> None:
-    """Mass, com and inertia of every link in its own frame, to what meshes can do beside the exact surfaces."""
+    """Mass, com and inertia of every link in its frame, to the accuracy of its meshes."""
     links = {link["name"]: link for link in converted(robot).report["robot"]["links"]}
     drawn = expected(robot)["links"]
     assert links.keys() == drawn.keys()
@@ -44,14 +44,14 @@ def test_links_are_as_drawn(robot: str, converted: Converted) -> None:
 @pytest.mark.mujoco
 @every_machine
 def test_frames_are_as_drawn(robot: str, converted: Converted) -> None:
-    """Frames of links and axes of joints in the drawn pose, as MuJoCo sees them, to 1e-9 m."""
+    """Frames of links and axes of joints in the drawn pose, by MuJoCo, to 1e-9 m."""
     conversion = converted(robot)
     seen = call_isolated("tests.engines:mujoco_at_home", str(conversion.file(".xml")))
     drawn, root = expected(robot), conversion.report["robot"]["root"]
     X_WM = _pose(drawn["links"][root]["frame"]) @ np.linalg.inv(seen["bodies"][root])
     for name, link in drawn["links"].items():
         np.testing.assert_allclose(X_WM @ seen["bodies"][name], _pose(link["frame"]), atol=1e-9, err_msg=name)
-    # A ball turns about no axis of its own.
+    # A ball joint has no axis.
     joints = [joint for joint in conversion.report["robot"]["joints"] if joint["kind"] != "ball"]
     axes = [joint["name"] for joint in joints if joint["name"] in seen["axes"]]
     assert axes
@@ -68,7 +68,7 @@ def _pose(frame: dict[str, Any]) -> np.ndarray:
 
 @pytest.mark.mujoco
 def test_slider_crank_follows_its_formula(converted: Converted) -> None:
-    """Piston and rod over a full turn of the shaft, to 1e-9."""
+    """Positions of piston and rod over a full turn of the shaft equal the closed form to 1e-9."""
     robot = "stepbot_slider_crank"
     motion = expected(robot)["linkage"]["motion"]
     given = [{"shaft": q["shaft"]} for q in motion]
@@ -81,7 +81,7 @@ def test_slider_crank_follows_its_formula(converted: Converted) -> None:
 @pytest.mark.long
 @pytest.mark.mujoco
 def test_scara_is_where_its_formula_says(converted: Converted) -> None:
-    """The tool at random joint positions, the screw's turns among them; and the inverse finds positions for it."""
+    """The tool at random joint positions, turns of the screw included; the inverse kinematics returns the positions."""
     robot = "stepbot_scara"
     formulas, known = closed_form(robot), expected(robot)
     assert known["lead"] == pytest.approx(0.02 / (2 * np.pi), rel=1e-12)
@@ -98,7 +98,7 @@ def test_scara_is_where_its_formula_says(converted: Converted) -> None:
 @pytest.mark.long
 @pytest.mark.mujoco
 def test_stewart_platform_is_where_its_formula_says(converted: Converted) -> None:
-    """Legs of the lengths that the inverse kinematics give bring the platform to the pose that it was given."""
+    """The leg lengths of the inverse kinematics move the platform to the given pose."""
     robot = "stepbot_stewart"
     formulas, poses = closed_form(robot), expected(robot)["poses"]
     X_WP0 = formulas.platform(0, 0, 0, 0, 0, 0)
@@ -114,7 +114,7 @@ def test_stewart_platform_is_where_its_formula_says(converted: Converted) -> Non
 @pytest.mark.long
 @pytest.mark.mujoco
 def test_delta_is_where_its_formula_says(converted: Converted) -> None:
-    """Shoulders at the angles of the inverse kinematics bring the platform to its place, and it stays level."""
+    """The shoulder angles of the inverse kinematics move the platform to the given position, and it stays level."""
     robot = "stepbot_delta"
     formulas, places = closed_form(robot), expected(robot)["places"]
     links = expected(robot)["links"]
@@ -136,7 +136,7 @@ def test_delta_is_where_its_formula_says(converted: Converted) -> None:
 @pytest.mark.long
 @pytest.mark.mujoco
 def test_diff_drive_rolls_where_its_formula_says(converted: Converted) -> None:
-    """Over a floor, at the speeds that its wheels reach: to 2 % of the way and 2 degrees, since wide wheels slip."""
+    """Driven on a floor, the base follows its odometry to 2 % of the distance and 2 degrees, since wide wheels slip."""
     robot = "stepbot_diff_drive"
     formulas = closed_form(robot)
     for drive in expected(robot)["drives"]:
@@ -152,7 +152,7 @@ def test_diff_drive_rolls_where_its_formula_says(converted: Converted) -> None:
 
 
 def test_wheels_and_twist_are_inverse() -> None:
-    """The base's speed follows from those of the wheels, and they from it; half the track times turning is the arc."""
+    """Base speed and wheel speeds are inverse functions; the arc is half the track width times the yaw."""
     formulas = closed_form("stepbot_diff_drive")
     for left, right in ((2.0, 3.0), (-1.0, 4.0)):
         assert formulas.wheels(*formulas.twist(left, right)) == pytest.approx((left, right), rel=1e-12)

@@ -1,4 +1,4 @@
-"""Stops that `init` finds by collision in a robot of the library, against what its drawing says."""
+"""Stops found by `init` by collision, against the drawing of a robot."""
 
 from math import radians
 from pathlib import Path

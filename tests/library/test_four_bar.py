@@ -1,4 +1,4 @@
-"""The four-bar linkage from STEP to a loop that moves: in MuJoCo, in PyBullet, and in the text of the files."""
+"""The four-bar linkage from STEP to a moving loop: in MuJoCo, in PyBullet, and in the text of the files."""
 
 import json
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ TURN = tuple(2 * pi * i / 72 for i in range(73))
 
 @cache
 def expected() -> dict[str, Any]:
-    """Closed forms, without any CAD."""
+    """Closed forms, without CAD."""
     content: dict[str, Any] = json.loads((LIBRARY / FOLDER / "expected.json").read_text(encoding="utf-8"))
     return content
 
@@ -54,7 +54,7 @@ def _angles(crank: float) -> tuple[float, float]:
 
 
 def closed_form(turn: float) -> dict[str, float]:
-    """Joint positions [rad] when the crank has turned from where it was drawn."""
+    """Joint positions [rad] after a rotation of the crank from its drawn position."""
     drawn = expected()["linkage"]["drawn"]
     coupler, rocker = _angles(drawn["crank"] + turn)
     return {
@@ -65,7 +65,7 @@ def closed_form(turn: float) -> dict[str, float]:
 
 
 def _error(found: Mapping[str, float]) -> float:
-    """How far joint positions are from the closed form at the same crank [rad]; full turns do not count."""
+    """Deviation of joint positions from the closed form at the same crank position [rad], modulo full turns."""
     true = closed_form(found["crank_turn"])
     return max(abs(remainder(found[name] - true[name], 2 * pi)) for name in true)
 
@@ -81,7 +81,7 @@ def test_the_two_closed_forms_agree() -> None:
 
 @pytest.mark.mujoco
 def test_newton_over_the_equality_rows_follows_the_four_bar_equation(four_bar: Conversion) -> None:
-    """The MJCF's loop gives every joint angle to 1e-6 rad over a full turn, and leaves one freedom."""
+    """The loop in the MJCF gives every joint angle to 1e-6 rad over a full turn, with one degree of freedom."""
     file = str(four_bar.file(".xml"))
     found, freedom = call_isolated("tests.engines:closed_by_newton", file, "crank_turn", TURN)
     assert freedom == 1
@@ -93,24 +93,24 @@ def test_newton_over_the_equality_rows_follows_the_four_bar_equation(four_bar: C
 
 @pytest.mark.mujoco
 def test_the_loop_holds_while_mujoco_drives_the_crank(four_bar: Conversion) -> None:
-    """The crank's own actuator turns it once round; the pin stays in its bore, and the rocker swings as it must."""
+    """The crank's actuator makes a full turn; the pin stays in its bore, and the rocker follows the closed form."""
     file = str(four_bar.file(".xml"))
     found, gap, warnings = call_isolated("tests.engines:driven_in_mujoco", file, "crank_drive", 1.0)
     assert not any(warnings)
     assert found[-1]["crank_turn"] == pytest.approx(2 * pi, abs=0.1)
-    assert gap < 2e-4  # MuJoCo's constraints are springs: their sag under the weight of the bars, not our numbers
+    assert gap < 2e-4  # MuJoCo's soft constraints sag under the weight of the bars
     assert max(map(_error, found)) < 5e-3
 
 
 def test_sdformat_closing_joint_is_the_models_closure(four_bar: Conversion) -> None:
-    """Both frames and the axis of the second joint of the rocker, from the text alone, to 1e-9."""
+    """Both frames and the axis of the rocker's second joint in the text are the closure's, to 1e-9."""
     root = etree.parse(four_bar.file(".sdf")).getroot()
     model = root.find("model")
     (closing,) = (joint for joint in model.iter("joint") if joint.get("name") == "rocker_pin")
     assert closing.get("type") == "revolute"
     link_a, link_b = closing.findtext("parent"), closing.findtext("child")
     X_ML = {link.get("name"): sdf_pose(link) for link in model.iter("link")}
-    X_BF = sdf_pose(closing)  # a joint's pose is given in its child
+    X_BF = sdf_pose(closing)  # a joint's pose is relative to its child
     X_AF = np.linalg.inv(X_ML[link_a]) @ X_ML[link_b] @ X_BF
     (closure,) = four_bar.report["robot"]["closures"]
     assert (link_a, link_b) == (closure["link_a"], closure["link_b"]) == ("coupler", "rocker")
@@ -119,7 +119,7 @@ def test_sdformat_closing_joint_is_the_models_closure(four_bar: Conversion) -> N
     axis = closing.find("axis/xyz")
     assert not axis.attrib
     np.testing.assert_allclose(numbers(axis.text), closure["axis"], atol=1e-9)
-    # The model could be wrong too: here are the pin's place and direction as a formula gives them.
+    # The model could be wrong, too: position and direction of the pin in closed form.
     pin = expected()["joints"]["rocker_pin"]
     X_MF = X_ML[link_b] @ X_BF
     np.testing.assert_allclose(X_MF[:3, 3], pin["frame"]["position"], atol=1e-9)
@@ -127,7 +127,7 @@ def test_sdformat_closing_joint_is_the_models_closure(four_bar: Conversion) -> N
 
 
 def test_sdformat_holds_the_loop_and_fixes_the_base(four_bar: Conversion) -> None:
-    """The rocker is the child of two joints, one of them closes the loop; the base hangs on the world, not static."""
+    """Of the rocker's two joints one closes the loop; the base is fixed by a joint and is not static."""
     model = etree.parse(four_bar.file(".sdf")).getroot().find("model")
     children = [joint.findtext("child") for joint in model.iter("joint")]
     assert sorted(children) == ["coupler", "crank", "ground", "rocker", "rocker"]
@@ -137,7 +137,7 @@ def test_sdformat_holds_the_loop_and_fixes_the_base(four_bar: Conversion) -> Non
 
 
 def test_urdf_is_the_spanning_tree_and_says_so(four_bar: Conversion) -> None:
-    """Each link hangs on one joint; the loop that is left out is named on the terminal and in the report."""
+    """Each link has one parent joint; the omitted closure is named on the terminal and in the report."""
     root = etree.parse(four_bar.file(".urdf")).getroot()
     joints = {joint.get("name"): joint for joint in root.findall("joint") if joint.get("type") != "fixed"}
     assert set(joints) == {"crank_turn", "coupler_turn", "rocker_swing"}
@@ -169,7 +169,7 @@ def _pose_of(frame: Mapping[str, Any]) -> np.ndarray:
 
 @pytest.mark.pybullet
 def test_pybullet_closes_the_urdf_by_a_constraint(four_bar: Conversion) -> None:
-    """With the closure of the report, at 1 ms steps and 1 rad/s, the pin stays within 1e-5 m of its bore."""
+    """With the constraint of the report, at 1 ms steps and 1 rad/s, the pin stays within 1e-5 m of its bore."""
     pytest.importorskip("pybullet")
     (closure,) = four_bar.report["robot"]["closures"]
     ends = {
@@ -181,7 +181,7 @@ def test_pybullet_closes_the_urdf_by_a_constraint(four_bar: Conversion) -> None:
     file = str(four_bar.file(".urdf"))
     seen = call_isolated("tests.engines:closed_in_pybullet", file, ends, "crank_turn", 1.0)
     assert seen["gaps"]["closed"] < 1e-5
-    assert seen["gaps"]["open"] > 1e-2  # without the constraint the same motion tears the loop apart
+    assert seen["gaps"]["open"] > 1e-2  # without the constraint the same motion opens the loop
     assert seen["positions"][-1]["crank_turn"] >= 2 * pi
     assert max(map(_error, seen["positions"])) < 1e-4
 
@@ -189,14 +189,14 @@ def test_pybullet_closes_the_urdf_by_a_constraint(four_bar: Conversion) -> None:
 @pytest.mark.mujoco
 @pytest.mark.parametrize("suffix", [".xml", ".urdf"])
 def test_links_have_the_mass_of_the_closed_forms(four_bar: Conversion, suffix: str) -> None:
-    """What MuJoCo sees of every link in the drawn pose is within 1e-3 of the formulas."""
+    """Masses of the links in MuJoCo, in the drawn pose, are within 1e-3 of the closed forms."""
     (seen,) = call_isolated("tests.engines:mujoco_bodies", str(four_bar.file(suffix)), [{}])
     for name, link in expected()["links"].items():
         assert max(deviations(seen[name], link)) < 1e-3, name
 
 
 def test_every_check_that_an_engine_can_make_has_passed(four_bar: Conversion) -> None:
-    """The table on the terminal has a line per file and engine, no failures, and a reason for each omitted check."""
+    """The printed table has a row per file and engine, no failures, and a reason for each omitted check."""
     summary = four_bar.report["summary"]
     assert summary["failed"] == 0
     assert f"{summary['passed']} passed" in four_bar.run.out

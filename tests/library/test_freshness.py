@@ -17,19 +17,19 @@ from tests.library.conftest import LIBRARY, Converted, every_converted_robot, ev
 
 @every_robot
 def test_nothing_is_stale(robot: str) -> None:
-    """STEP, tables and picture were made from the scripts, the sidecar and the renderer that there are now."""
+    """STEP, tables and picture are those of the current scripts, sidecar and renderer."""
     assert making.stale(LIBRARY / robot) == [], "run `make library`"
 
 
 def test_the_gallery_shows_every_robot() -> None:
-    """Pictures and table of the library's README match the pages of the robots."""
+    """Pictures and table of the library's README are those of the robots' pages."""
     assert not making.gallery_is_stale(), "run `make library`, or `python -m robot_library --stale`"
 
 
 @pytest.mark.slow
 @every_converted_robot
 def test_the_page_has_the_numbers_of_a_fresh_conversion(robot: str, converted: Converted) -> None:
-    """Joints, limits, masses, centres and inertias in the tables are what stepbot finds now, to the digits shown."""
+    """Joints, limits, masses, centres and inertias in the tables equal a fresh conversion, to the digits shown."""
     told, page = converted(robot).report["robot"], LibraryRobot(LIBRARY / robot, sidecar_of(robot))
     for title, expected in (("Joints", joint_cells), ("Links", link_cells)):
         rows = {row[0]: row[1:] for row in page.table(title)}
@@ -39,7 +39,7 @@ def test_the_page_has_the_numbers_of_a_fresh_conversion(robot: str, converted: C
 
 
 def joint_cells(joint: dict[str, Any]) -> list[Any]:
-    """What the table has of a joint: words, and numbers in its units."""
+    """The cells of a joint's row: words, and numbers in the units of the table."""
     limits, angular = joint["limits"], joint["kind"] != "prismatic"
     axis = [] if joint["kind"] in ("fixed", "ball") else joint["axis"]
     shown = [[] if q is None else [degrees(q) if angular else 1000 * q] for q in (limits["lower"], limits["upper"])]
@@ -49,7 +49,7 @@ def joint_cells(joint: dict[str, Any]) -> list[Any]:
 
 
 def link_cells(link: dict[str, Any]) -> list[Any]:
-    """What the table has of a link: mass [kg], centre of mass [mm], principal entries of its inertia [kg m^2]."""
+    """The cells of a link's row: mass [kg], centre of mass [mm], diagonal of its inertia [kg m^2]."""
     moments = [link["inertia"][i][i] for i in range(3)]
     com = pytest.approx([1000 * value for value in link["com"]], abs=0.051)
     return [pytest.approx([link["mass"]], rel=6e-4), com, pytest.approx(moments, rel=6e-4)]
@@ -62,7 +62,7 @@ def numbers(cell: str) -> list[float]:
 
 @pytest.mark.parametrize("name", ["build.py", "expected.json", "robot.robot.yaml", "robot.step", "view.py"])
 def test_a_change_of_any_source_is_noticed(name: str, tmp_path: Path) -> None:
-    """Each file that something is made from changes the hash of what is made from it, and no other hash."""
+    """A changed input changes the hash of the results that depend on it, and no other hash."""
     for file in ("build.py", "expected.json", "robot.robot.yaml", "robot.step", "view.py"):
         (tmp_path / file).write_text("1\n", encoding="utf-8")
     hashes = (fingerprints.drawing, fingerprints.robot, fingerprints.picture)
@@ -135,7 +135,7 @@ def test_code_of_a_script_changes_the_hash(old: str, new: str, tmp_path: Path) -
 
 
 def test_a_page_keeps_what_is_written_by_hand() -> None:
-    """Only the part between the marks is replaced; a page without marks gets the part at its end."""
+    """Only the generated part is replaced; a page without one gets it at its end."""
     part = f"{pages.START}\nnew\n{pages.END}\n"
     page = f"# robot\n\nBy hand.\n\n{pages.START}\nold\n{pages.END}\n\nAlso by hand.\n"
     assert pages.with_part(page, part) == page.replace("old", "new")
@@ -143,7 +143,7 @@ def test_a_page_keeps_what_is_written_by_hand() -> None:
 
 
 def test_pictures_are_all_of_one_size() -> None:
-    """One style for all: the same width and height, read from the headers of the files."""
+    """All pictures have the same width and height in their headers."""
     sizes = {path: path.read_bytes()[16:24] for path in sorted(LIBRARY.glob("*/preview.png"))}
     size = preview.WIDTH.to_bytes(4, "big") + preview.HEIGHT.to_bytes(4, "big")
     assert {path.parent.name for path, found in sizes.items() if found != size} == set()

@@ -1,4 +1,4 @@
-"""`init --from`: what stepbot wrote of a robot, with the STEP, gives the robot of the sidecar made by hand again."""
+"""`init --from` a converted robot and its STEP drafts the robot of the hand-made sidecar."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from tests.library.conftest import LIBRARY, sidecar_of
 from tests.redrafting import differences, redrafted
 
 MOVED = "root: {link: base, frame: {xyz: [0.3, -0.2, 0.1], rpy: [20 deg, -35 deg, 110 deg]}}\n"
-"""Another frame of the base, not along any axis of the assembly."""
+"""Another base frame, along no axis of the assembly."""
 
 
 def step_of(robot: str) -> Path:
@@ -31,14 +31,14 @@ def step_of(robot: str) -> Path:
     ],
 )
 def test_same_robot_comes_back(robot: str, suffix: str, tmp_path: Path) -> None:
-    """Links, their components and masses, joints with axes, limits and the position as drawn: all are the same."""
+    """Links, components, masses, joints with axes, limits and drawn positions are those of the original."""
     result = redrafted(sidecar_of(robot), step_of(robot), tmp_path, suffix)
     assert differences(result) == []
     assert all(joint.confidence.is_sure for joint in result.draft.joints)
 
 
 def test_closures_come_back(tmp_path: Path) -> None:
-    """The pins of a gripper that close its loops are where they were, from MJCF."""
+    """The closures of a gripper in MJCF are at their original pins."""
     result = redrafted(sidecar_of("robotiq_2f85"), step_of("robotiq_2f85"), tmp_path, "xml")
     pairs = zip(result.drawn.closures, result.again.closures, strict=True)
     for ours, theirs in pairs:
@@ -48,7 +48,7 @@ def test_closures_come_back(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("robot", ["stepbot_desk_arm"])
 def test_description_in_another_frame_is_found(robot: str, tmp_path: Path) -> None:
-    """A base that stands elsewhere, turned about no axis of the CAD, is found by joint axes, and is where it was."""
+    """A description with another base frame, rotated about no axis of the CAD, is located by its joint axes."""
     sidecar = tmp_path / "moved.robot.yaml"
     sidecar.write_text(sidecar_of(robot).read_text(encoding="utf-8") + MOVED, encoding="utf-8")
     result = redrafted(sidecar, step_of(robot), tmp_path, "urdf")
@@ -57,7 +57,7 @@ def test_description_in_another_frame_is_found(robot: str, tmp_path: Path) -> No
 
 
 def test_without_meshes_inferred_links_with_the_same_axes_are_taken(tmp_path: Path) -> None:
-    """All components are in the right links without one mesh; what no mesh confirms is marked, and masses are given."""
+    """Without meshes all components are in the right links; unconfirmed ones are marked, and masses are given."""
     result = redrafted(sidecar_of("stepbot_desk_arm"), step_of("stepbot_desk_arm"), tmp_path, "urdf", meshes=False)
     assert not [text for text in differences(result) if not text.startswith("drawn position of gripper")]
     assert all(joint.is_reviewed for joint in result.draft.joints)

@@ -1,4 +1,4 @@
-"""Every kind of joint and closure from STEP and sidecar to files that engines have read: the whole way, once."""
+"""Every kind of joint and closure, from STEP and sidecar to files read by engines."""
 
 from pathlib import Path
 
@@ -97,7 +97,7 @@ def _converted(folder: Path, name: str, text: str) -> Conversion:
 
 @pytest.mark.slow
 def test_every_kind_of_joint_converts_and_every_check_passes(folder: Path) -> None:
-    """All files are written, and no engine that reads them sees another robot."""
+    """All files are written, and every check of every engine passes."""
     report = _converted(folder, "kinds", KINDS).report
     assert report["summary"]["failed"] == 0
     assert {entry["severity"] for entry in report["diagnostics"]} <= {"warning", "note"}
@@ -110,7 +110,7 @@ def test_every_kind_of_joint_converts_and_every_check_passes(folder: Path) -> No
 
 @pytest.mark.slow
 def test_a_closure_that_slides_converts_and_every_check_passes(folder: Path) -> None:
-    """One degree of freedom, driven by the crank; a file for Drake, and Python for PyBullet."""
+    """A sliding closure has one degree of freedom, a file for Drake, and a snippet for PyBullet."""
     conversion = _converted(folder, "slide", SLIDER_CRANK)
     report = conversion.report
     assert report["summary"]["failed"] == 0

@@ -1,4 +1,4 @@
-"""Commercial robots, compared with their makers' data: joints, limits, masses, and poses of links."""
+"""Commercial robots against their makers' data: joints, limits, masses, and poses of links."""
 
 import json
 import os
@@ -19,12 +19,12 @@ from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted, sidecar_of
 
 REFERENCE = Path(os.environ.get("STEPBOT_REFERENCE", CORPUS.parent / "reference"))
 WORLD = "world"
-"""A massless root of this name, fixed at the origin, is the world and no link."""
+"""A massless root of this name, fixed at the origin, represents the world."""
 CONFIGURATIONS, SEED = 100, 20
 CLOSE = 1e-6
 """[m], [rad], and the limits' own units."""
 WEIGHTLESS = 1e-7
-"""Mass [kg] below which a maker's link is only a named frame: none has a physical inertia."""
+"""Mass [kg] below which a maker's link is only a named frame: none of them has a physical inertia."""
 
 
 def _expected(robot: str) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def _description(robot: str) -> Description:
 
 @every_described_robot
 def test_the_drawing_is_where_the_sidecar_says(robot: str) -> None:
-    """The joint positions that the STEP is drawn in are the sidecar's `zero`."""
+    """The drawn joint positions are the sidecar's `zero`."""
     content = YAML(typ="safe", pure=True).load(sidecar_of(robot).read_text(encoding="utf-8"))
     zeros = {name: _plain(joint["zero"]) for name, joint in content["joints"].items() if "zero" in joint}
     drawn = {name: value for name, value in _description(robot).drawn.items() if value}
@@ -53,7 +53,7 @@ def test_the_drawing_is_where_the_sidecar_says(robot: str) -> None:
 
 
 def _plain(value: Any) -> float:
-    """A number as it is, degrees and millimetres in SI."""
+    """A number, with degrees and millimetres converted to SI."""
     if isinstance(value, int | float):
         return float(value)
     number, unit = value.split()
@@ -62,7 +62,7 @@ def _plain(value: Any) -> float:
 
 @every_converted_described_robot
 def test_joints_and_limits_are_the_makers(robot: str, converted: Converted) -> None:
-    """Every joint of the URDF, as yourdfpy reads it: kind, links, axis, limits, velocity, effort, mimic."""
+    """Kind, links, axis, limits, velocity, effort and mimic of every URDF joint, read by yourdfpy, are the maker's."""
     seen = call_isolated("tests.library.test_reference:joints_in_yourdfpy", str(converted(robot).file(".urdf")))
     expected = _description(robot).joints
     moving = {name: joint for name, joint in expected.items() if joint.kind != "fixed"}
@@ -82,7 +82,7 @@ def test_joints_and_limits_are_the_makers(robot: str, converted: Converted) -> N
 
 @every_converted_described_robot
 def test_masses_are_the_makers(robot: str, converted: Converted) -> None:
-    """Mass, centre of mass and inertia of every link that the maker gives one; what weighs nothing may be a frame."""
+    """Links have the maker's mass, centre of mass and inertia; massless ones may be frames."""
     content = converted(robot).report["robot"]
     found = {link["name"]: link for link in content["links"]}
     frames = {frame["name"] for frame in content["frames"]}
@@ -99,7 +99,7 @@ def test_masses_are_the_makers(robot: str, converted: Converted) -> None:
 
 @every_converted_described_robot
 def test_closed_loops_hold_what_the_maker_lets_mimic(robot: str, converted: Converted) -> None:
-    """Where links follow by loops in place of mimics, the loops are closed at all the positions that mimics give."""
+    """Where loops replace the maker's mimics, the loops are closed at all positions that the mimics give."""
     description = _description(robot)
     closures = converted(robot).report["robot"]["closures"]
     assert bool(closures) == ("by_loop" in _expected(robot))
@@ -117,7 +117,7 @@ def _given(said: Mapping[str, Any]) -> Any:
 @every_converted_described_robot
 @pytest.mark.parametrize("suffix", [".urdf", ".xml"])
 def test_every_link_is_where_the_maker_has_it(robot: str, suffix: str, converted: Converted) -> None:
-    """Every link and frame, at q = 0 and 100 random positions within the limits, to 1e-6 m and rad."""
+    """Every link and frame has the maker's pose at q = 0 and 100 random positions, to 1e-6 m and rad."""
     description = _description(robot)
     positions = [description.positions({}), *description.random_positions(CONFIGURATIONS, SEED)]
     engine = {".urdf": "poses_in_yourdfpy", ".xml": "poses_in_mujoco"}[suffix]
@@ -156,7 +156,7 @@ def joints_in_yourdfpy(file: str) -> dict[str, dict[str, Any]]:
 
 
 def poses_in_yourdfpy(file: str, positions: list[dict[str, float]]) -> list[dict[str, Any]]:
-    """X_WL of every link of a URDF, shape (4, 4), at each of the positions; mimics are left to yourdfpy."""
+    """X_WL of every link of a URDF, shape (4, 4), at each of the positions; yourdfpy computes mimics."""
     import yourdfpy
 
     robot = yourdfpy.URDF.load(file, load_meshes=False)
@@ -191,11 +191,11 @@ def _pose(position: Any, rotation: Any) -> list[list[float]]:
     return [[*row, float(p)] for row, p in zip(rotation.reshape(3, 3).tolist(), position, strict=True)] + [[0, 0, 0, 1]]
 
 
-# The makers' descriptions, where they are at hand
+# The makers' descriptions, where they are available
 
 
 def _described_in(source: Mapping[str, str]) -> Mapping[str, Any]:
-    """The description that an expected.json was taken from; the test is skipped where it is absent."""
+    """The description that an expected.json was taken from; the test is skipped if it is missing."""
     if not REFERENCE.is_dir():
         pytest.skip("the makers' descriptions are absent (set STEPBOT_REFERENCE)")
     for file in sorted(REFERENCE.glob("*.yaml")):
@@ -209,7 +209,7 @@ def _described_in(source: Mapping[str, str]) -> Mapping[str, Any]:
 @pytest.mark.slow
 @every_described_robot
 def test_expected_json_is_the_makers_description(robot: str) -> None:
-    """Joint by joint and pose by pose: expected.json matches the description."""
+    """expected.json has the joints and poses of the maker's description."""
     content, description = _expected(robot), _description(robot)
     said = _described_in(content["source"])
     assert said["source"]["commit"] == content["source"]["commit"]

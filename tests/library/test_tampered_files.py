@@ -46,7 +46,7 @@ FILES = ("arm2.urdf", "arm2.sdf", "arm2.xml")
 def test_one_number_changed_in_one_file(
     file: str, pattern: str, replacement: str, quantity: str, where: str, converted: Converted, tmp_path: Path
 ) -> None:
-    """A mass one part in ten thousand off, a limit, a sign: exit code 1, and the place is named."""
+    """A mass changed by 1e-4, a limit or a sign ends in exit code 1 and names the place."""
     folder = shutil.copytree(converted("stepbot_arm2").folder, tmp_path / "copy")
     text = (folder / file).read_text(encoding="utf-8")
     changed, count = re.subn(pattern, replacement, text, count=1, flags=re.DOTALL)

@@ -7,7 +7,7 @@ from tests.library.conftest import Converted, every_robot
 
 SECONDS = 10.0
 LONGEST = 900.0
-"""Seconds that a simulation may take where many run at once."""
+"""Time limit [s] of a simulation while others run."""
 GAP_IN_MUJOCO, GAP_IN_PYBULLET = 3e-2, 2e-3
 """How far [m] loops may open while the drives jump from target to target: MuJoCo's constraints are springs on purpose,
 and strong drives stretch them; PyBullet's are stiff."""
@@ -31,7 +31,7 @@ def test_ten_seconds_in_mujoco(robot: str, converted: Converted) -> None:
 @pytest.mark.pybullet
 @every_robot
 def test_ten_seconds_in_pybullet(robot: str, converted: Converted) -> None:
-    """The same with PyBullet's own motors on the same joints; loops are closed by the snippet of report.json."""
+    """PyBullet's motors drive the same joints; the snippet of report.json closes the loops."""
     pytest.importorskip("pybullet")
     conversion = converted(robot)
     told = conversion.report["robot"]

@@ -1,4 +1,4 @@
-"""Files of the named robots on disk, and what engines see in them."""
+"""Files of the named robots on disk, and observations by engines."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from stepbot.verification.expectation import mechanism, requests
 
 @dataclass(frozen=True)
 class Folder:
-    """A robot, written in every format."""
+    """A robot written in every format."""
 
     robot: Robot
     path: Path
@@ -56,7 +56,7 @@ def write(robot: Robot, path: Path) -> Folder:
 
 
 def skip_without(engine: str) -> None:
-    """Skip the test where an engine is not installed."""
+    """Skip the test if an engine is not installed."""
     reason = engine_of(engine).available()
     if reason is not None:
         pytest.skip(reason)
@@ -73,5 +73,5 @@ def look(engine: str, request: Request) -> Observation:
 
 
 def failures(expected: Observation, observed: Observation) -> set[Quantity]:
-    """The quantities in which an observation is not what is expected."""
+    """The quantities in which an observation differs from the expected one."""
     return {one.quantity for one in compare(expected, observed) if one.deviations.failures and not one.not_run}

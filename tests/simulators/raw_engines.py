@@ -1,4 +1,4 @@
-"""Engines without our precautions, for tests to call in workers."""
+"""Engines without stepbot's precautions, for tests to call in workers."""
 
 from importlib import import_module
 
@@ -6,7 +6,7 @@ from stepbot.engines.observation import Observation, Request
 
 
 def load_sdf(path: str) -> None:
-    """Load an SDFormat file in PyBullet as it is."""
+    """Load an SDFormat file in PyBullet without preparation."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
@@ -14,7 +14,7 @@ def load_sdf(path: str) -> None:
 
 
 def observe_both(engine: str, first: Request, second: Request) -> tuple[Observation, Observation]:
-    """Two files, one after the other in the same process."""
+    """Two files, observed one after the other in one process."""
     observe = import_module(engine).observe
     return observe(first), observe(second)
 
@@ -62,7 +62,7 @@ def pushed(path: str, joint: str) -> list[float]:
 
 
 def geared(path: str, leader: str, follower: str, multiplier: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Positions of leader and follower after the leader was pushed, without and with PyBullet's gear."""
+    """Positions of leader and follower after a push of the leader, without and with PyBullet's gear."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)

@@ -1,4 +1,4 @@
-"""``verify_files``: any files, as engines see them, and with each other."""
+"""``verify_files`` on any files: engines against each other, and files against each other."""
 
 import re
 import sys
@@ -25,7 +25,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Folder:
 
 
 def _copy(folder: Folder, written_in: str, name: str, *changes: tuple[str, str]) -> Path:
-    """A copy of a file beside it, with some text replaced."""
+    """A copy of a file in its folder, with some text replaced."""
     right = folder.written[written_in].path
     text = right.read_text(encoding="utf-8")
     for old, new in changes:
@@ -43,7 +43,7 @@ def _failed(report: Report) -> set[tuple[str, str]]:
 @pytest.mark.mujoco
 @pytest.mark.parametrize("name", ["two_link_arm", "gripper_with_mimic", "tree"])
 def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
-    """Within each file, and each with the first."""
+    """Three formats of one robot pass, each alone and against the first."""
     skip_without("mujoco")
     folder = write(ROBOTS[name](), tmp_path)
     found = Diagnostics()
@@ -59,7 +59,7 @@ def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.mujoco
 def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics) -> None:
-    """A mass in one of them: the message names both files, the quantity, the link and the number."""
+    """Another mass in one file is reported with both files, the quantity, the link and the number."""
     skip_without("mujoco")
     right = arm.written["urdf"].path
     wrong = _copy(arm, "mjcf", "heavy.xml", ('mass="0.972', 'mass="0.973'))
@@ -75,7 +75,7 @@ def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics
 
 
 def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostics) -> None:
-    """A link without ``<inertial>`` weighs nothing, but 1 kg in PyBullet."""
+    """A link without ``<inertial>`` has no mass in most engines and 1 kg in PyBullet, which is reported."""
     for engine in ("mujoco", "pybullet"):
         skip_without(engine)
     zero = '<mass value="0"/>'
@@ -93,7 +93,7 @@ def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostic
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics) -> None:
-    """Two roots crash PyBullet; everything else is still reported."""
+    """Two roots crash PyBullet; the results of the other engines are still reported."""
     skip_without("pybullet")
     path = _copy(arm, "urdf", "two_roots.urdf", ('<link name="base">', '<link name="other"/><link name="base">'))
     report = verify_files([path], found, timeout=120.0)
@@ -104,7 +104,7 @@ def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics
 
 
 def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Missing, not XML, another XML: each is reported, and the rest is verified."""
+    """A missing file, one that is not XML, and another kind of XML are reported; the others are verified."""
     (tmp_path / "broken.urdf").write_text("<robot", encoding="utf-8")
     (tmp_path / "page.xml").write_text("<html/>", encoding="utf-8")
     (tmp_path / "empty.sdf").write_bytes(b"")
@@ -123,7 +123,7 @@ def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
 def test_a_required_engine_that_is_unknown_or_missing(
     arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """SB005, with the nearest name; exit code 2."""
+    """An unknown or missing required engine is SB005, with a similar name, and exit code 2."""
     monkeypatch.setattr(engine_of("mujoco"), "available", lambda: "mujoco is not installed")
     report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), timeout=120.0)
     unknown, missing = (diagnostic for diagnostic in found if diagnostic.code == "SB005")
@@ -145,7 +145,7 @@ def test_a_required_engine_that_is_unknown_or_missing(
 def test_a_required_engine_says_how_to_get_it(
     engine: str, install: str, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The package of an engine is not always called like it."""
+    """SB005 names the package to install, which may differ from the engine's name."""
     monkeypatch.setattr(engine_of(engine), "available", lambda: f"{engine} is not installed")
     check_required((engine,), found)
     (missing,) = found
@@ -153,7 +153,7 @@ def test_a_required_engine_says_how_to_get_it(
 
 
 def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Then nothing passed, which is a warning."""
+    """A file without an engine that reads it is a warning, since nothing passed."""
     for engine in engines():
         monkeypatch.setattr(engine, "available", lambda: "not installed")
     report = verify_files([arm.written["mjcf"].path], found)
@@ -162,7 +162,7 @@ def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch:
 
 
 def test_the_same_file_twice_is_one(arm: Folder) -> None:
-    """A path that is named twice is not compared with itself."""
+    """A path given twice is not compared with itself."""
     found = Diagnostics()
     path = arm.written["sdf"].path
     report = verify_files([path, path], found, timeout=120.0)
@@ -173,7 +173,7 @@ def test_the_same_file_twice_is_one(arm: Folder) -> None:
 def test_names_of_files_are_those_of_the_user(
     arm: Folder, monkeypatch: pytest.MonkeyPatch, found: ReadDiagnostics
 ) -> None:
-    """Relative paths stay relative, in checks and messages."""
+    """Relative paths stay relative in checks and messages."""
     monkeypatch.chdir(arm.path)
     name = arm.written["sdf"].path.name
     report = verify_files([Path(name)], found, timeout=120.0)
@@ -195,7 +195,7 @@ def test_names_of_files_are_those_of_the_user(
 def test_a_number_that_one_engine_reads_is_compared(
     written_in: str, old: str, new: str, quantity: str, where: str, arm: Folder, found: ReadDiagnostics
 ) -> None:
-    """Across files each quantity is taken from the engine that reads it, and not from the first engine alone."""
+    """Each quantity is compared across files by an engine that reads it, not only by the first engine."""
     skip_without("mujoco")
     skip_without("yourdfpy")
     changed = _copy(arm, written_in, f"changed.{written_in}", (old, new))
@@ -210,7 +210,7 @@ def test_a_number_that_one_engine_reads_is_compared(
 def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     side: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """A moved site of the MJCF differs from the closing joint of the SDFormat, even if URDF has neither."""
+    """A moved site in the MJCF differs from the closing joint of the SDFormat, even if the first file is a URDF."""
     skip_without("mujoco")
     folder = write(ROBOTS["four_bar"](), tmp_path)
     sites = folder.written["mjcf"].path.read_text(encoding="utf-8")

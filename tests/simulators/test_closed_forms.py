@@ -1,4 +1,4 @@
-"""Mechanisms with several loops against closed forms, for both MuJoCo's and stepbot's solutions."""
+"""Mechanisms with several loops: MuJoCo's and stepbot's solutions against closed forms."""
 
 from pathlib import Path
 
@@ -30,7 +30,7 @@ from tests.simulators.conftest import look, write
 
 @pytest.mark.parametrize("build", [slider_crank, sliding_closure])
 def test_the_piston_is_where_the_textbook_has_it(build: type) -> None:
-    """x = r cos a + sqrt(l^2 - r^2 sin^2 a), wherever the loop is cut."""
+    """The piston is at x = r cos a + sqrt(l^2 - r^2 sin^2 a), for either closure."""
     robot: Robot = build()
     assert degrees_of_freedom(robot) == 1
     for way in loop_ways(robot):
@@ -42,7 +42,7 @@ def test_the_piston_is_where_the_textbook_has_it(build: type) -> None:
 
 
 def test_a_weld_joins_two_halves_to_one_rocker() -> None:
-    """The four-bar's own angles, though its rocker is two links."""
+    """A rocker of two welded halves follows the angles of the four-bar."""
     robot = welded()
     assert degrees_of_freedom(robot) == 1
     for way in loop_ways(robot):
@@ -53,12 +53,12 @@ def test_a_weld_joins_two_halves_to_one_rocker() -> None:
 
 
 def stewart_platform(X_WL: Pose) -> Pose:
-    """Pose of the platform's centre: its link's frame is at its first head."""
+    """Pose of the platform's centre; its link's frame is at its first head."""
     return X_WL @ Pose.of(np.eye(3), -stewart_anchors()[1][0])
 
 
 def test_inverse_kinematics_of_the_stewart_platform() -> None:
-    """The length of each leg is the distance of its ends at any pose: p + R b - a."""
+    """At any pose the length of each leg is the distance of its ends, |p + R b - a|."""
     robot = stewart()
     assert degrees_of_freedom(robot) == 6
     assert driven_joints(robot) == tuple(f"leg_{leg}" for leg in range(1, 7))
@@ -76,7 +76,7 @@ def test_inverse_kinematics_of_the_stewart_platform() -> None:
 
 
 def test_inverse_kinematics_of_the_delta() -> None:
-    """The platform stays level, and each upper arm is at the angle that the platform's place asks for."""
+    """The platform stays level, and each upper arm has the angle of the inverse kinematics."""
     robot = delta()
     assert degrees_of_freedom(robot) == 3
     assert driven_joints(robot) == ("shoulder_0", "shoulder_1", "shoulder_2")
@@ -90,7 +90,7 @@ def test_inverse_kinematics_of_the_delta() -> None:
 
 
 def test_the_delta_goes_straight_down() -> None:
-    """With all arms at one angle the platform is on the axis, at the height of the textbook."""
+    """With all arms at one angle the platform is on the axis, at the height of the closed form."""
     robot = delta()
     q = initial_configuration(robot)
     for angle in (0.05, 0.1, 0.2, 0.3):
@@ -102,7 +102,7 @@ def test_the_delta_goes_straight_down() -> None:
 @pytest.mark.mujoco
 @pytest.mark.parametrize("build", [slider_crank, sliding_closure, welded, delta, stewart])
 def test_mujoco_closes_all_loops_alike(build: type, tmp_path: Path) -> None:
-    """Newton's method on MuJoCo's own rows agrees with stepbot's: 1e-9 m and rad over the range."""
+    """Newton's method on MuJoCo's rows agrees with stepbot's to 1e-9 m and rad over the range."""
     folder = write(build(), tmp_path)
     observed = look("mujoco", folder.request("mjcf"))
     closures = {closure.name: closure for closure in observed.closures or () if "/" not in closure.name}

@@ -1,4 +1,4 @@
-"""Blocks that no engine reads: the parser that reads them back notices every removal."""
+"""Blocks for actuators and sensors, which no engine reads: stepbot's parser detects each removal."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,7 +20,7 @@ BLOCKS = {
 }
 
 DEFAULTS = {"min_angle": ("0",), "max_angle": ("0",)}
-"""Defaults in the formats' specifications: their removal cannot be noticed."""
+"""Values that equal the specification's defaults, so that their removal has no effect."""
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Folder:
 
 
 def _without_one_thing(file: Path, blocks: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
-    """The file without one element or attribute of its blocks, and what was taken out."""
+    """The file without one element or attribute of its blocks, and the removed part."""
     count = len(list(_things(etree.parse(str(file)).getroot(), blocks)))
     for index in range(count):
         top = etree.parse(str(file)).getroot()
@@ -54,7 +54,7 @@ def _things(top: Any, blocks: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
 
 @pytest.mark.parametrize("written_in", BLOCKS)
 def test_nothing_of_a_block_is_missing_unnoticed(written_in: str, folder: Folder, tmp_path: Path) -> None:
-    """Each element and each attribute, one at a time."""
+    """The removal of each element and each attribute is detected."""
     engine, blocks = BLOCKS[written_in]
     file = folder.written[written_in].path
     request = replace(folder.request(written_in), simulate=0.0, configurations=())
@@ -75,7 +75,7 @@ def test_nothing_of_a_block_is_missing_unnoticed(written_in: str, folder: Folder
 
 
 def test_blocks_of_others_are_read_too(tmp_path: Path) -> None:
-    """Drives of ros2_control without transmissions, transmissions of ROS 1 alone, a sensor of a kind of its own."""
+    """Foreign blocks are read: ros2_control without transmissions, ROS 1 transmissions, an unknown sensor type."""
     file = tmp_path / "other.urdf"
     file.write_text(
         """<robot name="other"><link name="a"/><link name="b"/>
@@ -104,7 +104,7 @@ def test_blocks_of_others_are_read_too(tmp_path: Path) -> None:
 
 
 def test_robots_without_devices_have_no_blocks() -> None:
-    """Nothing is written of what is not there."""
+    """Robots without actuators and sensors have no blocks."""
     bare = replace(equipped(), actuators=(), sensors=(), frames=())
     bare = replace(bare, joints=tuple(replace(joint, dynamics=type(joint.dynamics)()) for joint in bare.joints))
     for name, words in (("urdf", ("gazebo", "transmission", "ros2_control")), ("sdf", ("sensor", "plugin"))):

@@ -1,4 +1,4 @@
-"""Every named robot in every format, as every engine sees it: the proof that users get."""
+"""Every named robot in every format passes in every engine that can read it."""
 
 from collections import defaultdict
 from math import isinf
@@ -41,11 +41,11 @@ COMPARED = {
     ("sdf", "libsdformat"): {"load", "warnings"},
     ("drake.sdf", "libsdformat"): {"load", "warnings"},
 }  # fmt: skip
-"""What each engine is able to compare in each format, where the robot has it."""
+"""Quantities that each engine can compare in each format, if the robot has them."""
 
 
 UNKNOWN_TO_PYBULLET = {JointKind.BALL, JointKind.UNIVERSAL, JointKind.SCREW, JointKind.FLOATING}
-"""Kinds of joints that SDFormat has, or that take one that it has, and that PyBullet does not read there."""
+"""Kinds of joints that SDFormat has, or that are written as such, and that PyBullet does not read there."""
 
 
 def _told(written_in: str, engine: str, name: str) -> set[str]:
@@ -57,22 +57,22 @@ def _told(written_in: str, engine: str, name: str) -> set[str]:
         return set()
     lacks = _lacks(name)
     if (written_in, engine) == ("sdf", "pybullet") and ROBOTS[name]().base is Base.FLOATING:
-        lacks |= {"gravity forces"}  # of a floating base they come with the inertias, which it does not read
+        lacks |= {"gravity forces"}  # of a floating base they depend on inertias, which PyBullet does not read
     if written_in == "urdf" and JointKind.SCREW in kinds:
-        # Half of the screw follows the other half, which comes after it: Pinocchio follows none of these.
+        # One half of the screw mimics the other, which is later in the tree: Pinocchio supports no such mimic.
         lacks = lacks | {"mimic"} if engine == "pinocchio" else lacks - {"mimic"}
-    # A joint without an axis has none to compare.
+    # A ball joint has no axis to compare.
     if kinds <= {JointKind.FIXED, JointKind.BALL, JointKind.FLOATING}:
         lacks |= {"axes"}
     return COMPARED[written_in, engine] - lacks
 
 
 IN_ONE_BODY = {JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.SCREW, JointKind.PLANAR, JointKind.FLOATING}
-"""Joint types that MJCF represents by several joints in one body, which Drake and Pinocchio read differently."""
+"""Joint types that are several joints in one MJCF body, which Drake and Pinocchio read differently."""
 
 
 def _unreadable(written_in: str, engine: str, name: str) -> bool:
-    """Whether an engine of `stepbot[verify]` is known not to read a robot's file."""
+    """Whether an engine of `stepbot[verify]` cannot read a robot's file, as documented."""
     robot = ROBOTS[name]()
     kinds = {joint.kind for joint in robot.joints}
     if written_in == "drake.sdf" and not robot.closures:
@@ -90,7 +90,7 @@ def _unreadable(written_in: str, engine: str, name: str) -> bool:
 
 
 def _lacks(name: str) -> set[str]:
-    """The quantities that a robot does not have."""
+    """The quantities that a robot lacks."""
     robot = ROBOTS[name]()
     lacks = set() if any(joint.axis for joint in robot.joints) else JOINTS | {"mass matrix", "gravity forces"}
     lacks |= set() if any(joint.mimic for joint in robot.joints) else {"mimic"}
@@ -120,7 +120,7 @@ def proof(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
-    """No check, and no diagnostic."""
+    """No check fails, and there is no diagnostic."""
     _, report, diagnostics = proof
     failed = [check for check in report.checks if check.status is Status.FAILED]
     assert not failed
@@ -128,7 +128,7 @@ def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
 
 
 def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) -> None:
-    """Each engine passes exactly the quantities it can report of this robot: nothing is skipped silently."""
+    """Each engine compares every quantity that it can report of this robot."""
     name, report, _ = proof
     installed = {engine.name for engine in engines() if engine.available() is None}
     passed: dict[tuple[str, str], set[str]] = defaultdict(set)
@@ -141,13 +141,13 @@ def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) 
 
 
 def test_self_collision_is_checked(proof: tuple[str, Report, list[str]]) -> None:
-    """Once for the robot, with python-fcl."""
+    """python-fcl checks self-collision once per robot."""
     _, report, _ = proof
     assert [check.status for check in report.checks if check.quantity == "self-collision"] == [Status.PASSED]
 
 
 def test_deviations_are_far_below_the_tolerances(proof: tuple[str, Report, list[str]]) -> None:
-    """Engines in doubles agree to 1e-12; what comes near its tolerance is a box of floats or a loop of constraints."""
+    """Engines in double precision agree to 1e-12; only floats and loop constraints come near their tolerance."""
     _, report, _ = proof
     for check in report.checks:
         if check.ratio > 1e-3:
@@ -155,7 +155,7 @@ def test_deviations_are_far_below_the_tolerances(proof: tuple[str, Report, list[
 
 
 def test_no_folder_of_this_machine_is_in_the_report(proof: tuple[str, Report, list[str]], tmp_path: Path) -> None:
-    """File names only."""
+    """The report has file names only, no folders."""
     _, report, _ = proof
     text = repr([report.checks, report.notes])
     assert str(tmp_path.parent) not in text

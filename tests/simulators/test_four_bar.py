@@ -1,4 +1,4 @@
-"""The four-bar closes: by MuJoCo's own rows, by PyBullet's constraints, and in the text of the SDFormat."""
+"""The four-bar closes: by MuJoCo's rows, by PyBullet's constraints, and in the text of the SDFormat."""
 
 from dataclasses import replace
 from math import pi
@@ -22,7 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Folder:
 
 
 def _closed_form(turn: float) -> dict[str, float]:
-    """Joint positions for a turn of the crank from the drawn 60 degrees, by the four-bar's equation."""
+    """Joint positions for a rotation of the crank from the drawn 60 degrees, by the four-bar's equation."""
     coupler0, rocker0 = four_bar_angles(pi / 3)
     coupler, rocker = four_bar_angles(pi / 3 + turn)
     return {"crank_pin": turn, "coupler_pin": coupler - coupler0 - turn, "ground_pin": rocker - rocker0}
@@ -46,7 +46,7 @@ def _turning(folder: Folder, format_name: str) -> Request:
 
 @pytest.mark.mujoco
 def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: Folder) -> None:
-    """To 1e-9 rad and m, from the MJCF alone: the reference here is the equation and not stepbot's kinematics."""
+    """MuJoCo's rows of the MJCF alone give the equation's angles to 1e-9 rad and m."""
     request = _turning(folder, "mjcf")
     (closure,) = look("mujoco", request).closures or ()
     assert closure.name == "rocker_pin"
@@ -58,7 +58,7 @@ def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: F
 
 
 def test_drake_holds_what_follows_the_crank(tmp_path: Path) -> None:
-    """Drake reads no mimics: a hand beside the loop stays where the crank has it, and the loop closes to 1e-9."""
+    """Drake reads no mimics; a follower beside the loop is set by the crank, and the loop closes to 1e-9."""
     robot = four_bar()
     hand = Link("hand", mass_properties=robot.link_by_name["crank"].mass_properties)
     pin = Joint("hand_pin", JointKind.CONTINUOUS, "ground", "hand", mimic=Mimic("crank_pin", 0.5))
@@ -72,7 +72,7 @@ def test_drake_holds_what_follows_the_crank(tmp_path: Path) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_closes_the_tree_by_a_constraint(folder: Folder) -> None:
-    """Residual under 1e-5 m at 1 ms steps and 1 rad/s, over a full turn, from the URDF."""
+    """With the constraint the URDF's residual is below 1e-5 m at 1 ms steps and 1 rad/s, over a full turn."""
     request = _turning(folder, "urdf")
     (closure,) = look("pybullet", request).closures or ()
     assert closure.residual is not None
@@ -83,7 +83,7 @@ def test_pybullet_closes_the_tree_by_a_constraint(folder: Folder) -> None:
 
 @pytest.mark.parametrize("build", [four_bar, four_bar_with_zeros])
 def test_the_closing_joint_parsed_back_is_the_models(build: type, tmp_path: Path) -> None:
-    """To 1e-9, both frames of it, also where q = 0 is not the drawn pose."""
+    """Both frames of the closing joint are the closure's to 1e-9, also if q = 0 is not the drawn pose."""
     folder = write(build(), tmp_path)
     observed = look("reader", folder.request("sdf"))
     (closure,) = observed.closures or ()
@@ -97,7 +97,7 @@ def test_the_closing_joint_parsed_back_is_the_models(build: type, tmp_path: Path
 
 @pytest.mark.mujoco
 def test_a_loop_without_its_constraint_does_not_follow(folder: Folder, tmp_path: Path) -> None:
-    """Without the equality, MuJoCo has a tree, and the check fails."""
+    """Without the equality MuJoCo has a tree, and the check fails."""
     path = folder.path / "open.xml"
     text = folder.written["mjcf"].path.read_text(encoding="utf-8")
     start, end = text.index("<equality>"), text.index("</equality>")
@@ -109,7 +109,7 @@ def test_a_loop_without_its_constraint_does_not_follow(folder: Folder, tmp_path:
 
 
 def test_the_loop_closes_in_the_reference_too() -> None:
-    """The closed form and stepbot's forward kinematics agree on where the pin is."""
+    """The position of the pin is the same by the closed form and by stepbot's forward kinematics."""
     robot = four_bar()
     (closure,) = robot.closures
     for q in _full_turn()[0]:

@@ -1,4 +1,4 @@
-"""A gear passes motion on in both directions: turned at either end, in the engines that have gears."""
+"""A gear transmits motion in both directions, in the engines that support gears."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from tests.simulators.conftest import skip_without, write
 @pytest.mark.mujoco
 @pytest.mark.parametrize("turned", ["drive", "driven", "pointer"])
 def test_either_end_turns_the_other(turned: str, tmp_path: Path) -> None:
-    """Leader, follower, and the follower's follower: whichever is pushed, all keep their ratios."""
+    """Whichever of leader, follower and its follower is pushed, all keep their ratios."""
     skip_without("mujoco")
     import mujoco
 
@@ -24,7 +24,7 @@ def test_either_end_turns_the_other(turned: str, tmp_path: Path) -> None:
         mujoco.mj_step(model, data)
     drive, driven, pointer = (float(data.joint(name).qpos[0]) for name in ("drive", "driven", "pointer"))
     assert abs(drive) > 0.05
-    # MuJoCo's equalities are soft: they give by about 2 % of the way under a constant push.
+    # MuJoCo's equalities are soft: they yield by about 2 % under a constant push.
     assert driven - 0.1 == pytest.approx(-drive / 3, rel=0.03)
     assert pointer + 0.1 == pytest.approx(2 * (driven - 0.1), rel=0.03)
     assert (drive > 0.0) is (turned == "drive")

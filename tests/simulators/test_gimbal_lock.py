@@ -1,4 +1,4 @@
-"""Three hinges represent a ball joint in URDF: their gimbal lock is not a fault of the robot, and hides none."""
+"""The gimbal lock of three URDF hinges for a ball joint is no error, and hides no other divergence."""
 
 from pathlib import Path
 
@@ -34,7 +34,7 @@ HINGE = (
 
 
 def _urdf(folder: Path, roll_damping: float = 0.0, wrist_damping: float = 0.0, between: str = LIGHT) -> Path:
-    """A pendulum on three hinges that meet in a point, and a second one that hangs on it."""
+    """A pendulum on three hinges that intersect in a point, with a second one below it."""
     at_wrist = "<origin xyz='0.2 0 0'/>"
     parts = [
         HEAVY.format(name="base"),
@@ -57,7 +57,7 @@ def _seen(path: Path) -> Observation:
 
 
 def test_a_ball_joint_in_urdf_is_proven(tmp_path: Path) -> None:
-    """A pendulum on a ball joint falls through the lock of its three hinges; the conversion passes and notes it."""
+    """A pendulum on a ball joint falls through gimbal lock; the conversion passes with a note."""
     arm = box(200, 20, 10).at(130, 0, 0) + box(20, 60, 10).at(130, 40, 0)
     children = [Occurrence(drawn("base", box(40, 40, 40)), "base:1"), Occurrence(drawn("arm", arm), "arm:1")]
     draw(tmp_path / "pendulum.step", Assembly("pendulum", children))
@@ -68,7 +68,7 @@ def test_a_ball_joint_in_urdf_is_proven(tmp_path: Path) -> None:
 
 
 def test_hinges_in_a_file_of_others(tmp_path: Path) -> None:
-    """A fall through the lock stays finite, and a note describes the reversal."""
+    """A fall through gimbal lock stays finite, and a note describes the reversal."""
     seen = _seen(_urdf(tmp_path))
     assert seen.simulation_finite
     assert any("hinges 'yaw', 'pitch', 'roll' approach gimbal lock" in note for note in seen.notes)
@@ -77,13 +77,13 @@ def test_hinges_in_a_file_of_others(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("joint", ["roll_damping", "wrist_damping"])
 def test_what_diverges_is_reported(joint: str, tmp_path: Path) -> None:
-    """A joint with negative damping diverges, in the row of hinges and below it."""
+    """A joint with negative damping is reported as diverged, within the hinges and below them."""
     path = _urdf(tmp_path, roll_damping=-5.0) if joint == "roll_damping" else _urdf(tmp_path, wrist_damping=-5.0)
     assert _seen(path).simulation_finite is False
 
 
 def test_hinges_with_mass_between_are_left_alone(tmp_path: Path) -> None:
-    """A wrist whose parts weigh something has no singular mass matrix: it moves freely."""
+    """A wrist with massive links between its hinges has a regular mass matrix and no note."""
     seen = _seen(_urdf(tmp_path, between=HEAVY))
     assert seen.simulation_finite
     assert not any("gimbal" in note for note in seen.notes)

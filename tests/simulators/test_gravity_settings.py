@@ -1,4 +1,4 @@
-"""Gravity as files set it: its acceleration, and links that it does not act on."""
+"""Gravity in files: its acceleration, and links that it does not act on."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -29,7 +29,7 @@ def siblings(tmp_path_factory: pytest.TempPathFactory) -> Siblings:
 
 
 def changed(siblings: Siblings, written_in: str, *changes: tuple[str, str]) -> Path:
-    """A file with some text replaced, beside it."""
+    """A copy of a file in its folder, with some text replaced."""
     path = siblings.files[written_in]
     text = path.read_text(encoding="utf-8")
     for old, new in changes:
@@ -41,12 +41,12 @@ def changed(siblings: Siblings, written_in: str, *changes: tuple[str, str]) -> P
 
 
 def option(text: str) -> tuple[str, str]:
-    """What adds an option to the MJCF."""
+    """A replacement that adds an option to the MJCF."""
     return "<worldbody>", f"<option {text}</option><worldbody>"
 
 
 def world(gravity: str) -> tuple[tuple[str, str], ...]:
-    """What puts the model into a world with some gravity."""
+    """A replacement that puts the model into a world with some gravity."""
     return tuple((old, new.format(gravity)) for old, new in IN_WORLD)
 
 
@@ -80,7 +80,7 @@ WEIGHTLESS = {
 def test_other_gravity_in_one_file_is_noticed(
     written_in: str, changes: list[tuple[str, str]], where: str, siblings: Siblings
 ) -> None:
-    """By `verify` of three files; the gravity forces in all of them are those of standard gravity."""
+    """`verify` reports another gravity in one of three files; gravity forces are compared at standard gravity."""
     assert siblings.by_verify({}) == ""
     path = changed(siblings, written_in, *changes)
     reported = siblings.by_verify({written_in: path})
@@ -91,7 +91,7 @@ def test_other_gravity_in_one_file_is_noticed(
 
 
 def test_files_that_agree_on_gravity_pass(siblings: Siblings) -> None:
-    """One massless link in all of them; Earth's gravity, to common precision."""
+    """Files with one link without gravity, and with Earth's gravity to usual precision, pass."""
     weightless = {name: changed(siblings, name, change) for name, change in WEIGHTLESS.items()}
     assert siblings.by_verify(weightless) == ""
     assert siblings.by_verify({"sdf": changed(siblings, "sdf", *world("0 0 -9.8"))}) == ""
@@ -99,7 +99,7 @@ def test_files_that_agree_on_gravity_pass(siblings: Siblings) -> None:
 
 
 def test_gravity_that_two_files_give_is_compared(siblings: Siblings) -> None:
-    """To 1e-9, although either could be Earth's; the URDF states none."""
+    """The gravity of two files is compared to 1e-9, even if either could be Earth's; the URDF has none."""
     both = {
         "sdf": changed(siblings, "sdf", *world("0 0 -9.8")),
         "mjcf": changed(siblings, "mjcf", option('gravity="0 0 -9.8">')),
@@ -120,7 +120,7 @@ def test_gravity_that_two_files_give_is_compared(siblings: Siblings) -> None:
 def test_malformed_gravity_is_rejected(
     engine: str, written_in: str, changes: list[tuple[str, str]], message: str, siblings: Siblings
 ) -> None:
-    """Neither true nor false, or not three numbers."""
+    """A value that is not a boolean, or not three numbers, is rejected."""
     path = changed(siblings, written_in, *changes)
     with pytest.raises(EngineRefused, match=message):
         look(engine, Request(str(path), written_in))

@@ -1,4 +1,4 @@
-"""The rest of what docs/verification.md lists as known traps: each shown in the engine itself, and kept out of."""
+"""More known traps of docs/verification.md: each is shown in the engine, and that stepbot avoids it."""
 
 import re
 import subprocess
@@ -27,7 +27,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Folder:
 
 
 def _changed(folder: Folder, written_in: str, name: str, pattern: str, new: str) -> Path:
-    """A copy of a file beside it, with something replaced."""
+    """A copy of a file in its folder, with some text replaced."""
     right = folder.written[written_in].path
     text, count = re.subn(pattern, new, right.read_text(encoding="utf-8"), flags=re.DOTALL)
     assert count
@@ -38,7 +38,7 @@ def _changed(folder: Folder, written_in: str, name: str, pattern: str, new: str)
 
 @pytest.mark.pybullet
 def test_pybullet_is_kept_from_joints_of_one_name(arm: Folder) -> None:
-    """In one URDF they end the process or the loading; both are reported, and nothing passes."""
+    """Duplicate joint names in a URDF end PyBullet's process or its loading; both are reported, and nothing passes."""
     skip_without("pybullet")
     path = _changed(arm, "urdf", "twice.urdf", 'joint name="elbow"', 'joint name="shoulder"')
     with pytest.raises((WorkerDied, RemoteError)) as caught:
@@ -50,7 +50,7 @@ def test_pybullet_is_kept_from_joints_of_one_name(arm: Folder) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_takes_inertia_from_the_file_only_when_told(arm: Folder) -> None:
-    """Without the flag it makes inertias of the collision shapes; stepbot sets the flag."""
+    """By default PyBullet computes inertia from collision shapes; stepbot sets the flag that reads the file's."""
     skip_without("pybullet")
     file = str(arm.written["urdf"].path)
     plain, told = call_isolated("tests.simulators.raw_engines:principal_moments", file, timeout=60.0)
@@ -61,7 +61,7 @@ def test_pybullet_takes_inertia_from_the_file_only_when_told(arm: Folder) -> Non
 
 @pytest.mark.pybullet
 def test_pybullet_gives_axes_in_the_inertial_frame(arm: Folder) -> None:
-    """Its own axis is turned by the principal axes; what is compared is turned back."""
+    """PyBullet rotates its joint axis by the principal axes; stepbot rotates it back before comparing."""
     skip_without("pybullet")
     raw = call_isolated("tests.simulators.raw_engines:axis", str(arm.written["urdf"].path), "elbow", timeout=60.0)
     right = arm.robot.joint_by_name["elbow"].axis
@@ -88,7 +88,7 @@ def test_pybullet_follows_a_mimic_by_a_gear_alone(tmp_path: Path) -> None:
 @pytest.mark.pybullet
 @pytest.mark.parametrize(("share", "grows"), [(0.9, False), (1.1, True)])
 def test_pybullet_shakes_where_damping_is_too_much(share: float, grows: bool, tmp_path: Path) -> None:
-    """It integrates damping explicitly: above 2 x inertia / step, each step overshoots by more than it had."""
+    """PyBullet integrates damping explicitly: above 2 x inertia / step, each step overshoots."""
     skip_without("pybullet")
     robot = ROBOTS["two_link_arm"]()
     names = [joint.name for joint in moving_joints(robot)]
@@ -107,7 +107,7 @@ def test_pybullet_shakes_where_damping_is_too_much(share: float, grows: bool, tm
 
 @pytest.mark.pybullet
 def test_pybullet_is_asked_of_mjcf_whether_it_loads_and_no_more(arm: Folder) -> None:
-    """It computes wrong poses there: everything else is not run, with a reason."""
+    """PyBullet computes wrong poses for MJCF, so everything except loading is not run, with a reason."""
     seen = look("pybullet", arm.request("mjcf"))
     assert set(Quantity) - set(seen.not_run) == {Quantity.LOAD}
     assert {"computes wrong poses" in reason for reason in seen.not_run.values()} == {True}
@@ -115,7 +115,7 @@ def test_pybullet_is_asked_of_mjcf_whether_it_loads_and_no_more(arm: Folder) -> 
 
 @pytest.mark.mujoco
 def test_mujoco_lets_the_base_touch_the_first_link_unless_told(arm: Folder) -> None:
-    """It filters parents from children, but not those that are fixed to the world: without the exclude, they touch."""
+    """MuJoCo filters contacts with a parent, except with one fixed to the world; there stepbot writes an exclude."""
     path = _changed(arm, "mjcf", "touching.xml", "<contact>.*?</contact>", "")
     seen = look("mujoco", replace(arm.request("mjcf"), file=str(path), simulate=0.0))
     assert Quantity.CONTACTS in failures(arm.expected("mjcf"), seen)
@@ -123,7 +123,7 @@ def test_mujoco_lets_the_base_touch_the_first_link_unless_told(arm: Folder) -> N
 
 @pytest.mark.mujoco
 def test_mujoco_equal_limits_are_noticed(arm: Folder) -> None:
-    """It interprets equal limits as unlimited, or rejects them."""
+    """MuJoCo interprets equal limits as unlimited, or rejects them; both are reported."""
     path = _changed(arm, "urdf", "equal.urdf", 'lower="-2" upper="2.25"', 'lower="0" upper="0"')
     seen = look("mujoco", replace(arm.request("urdf"), file=str(path), simulate=0.0))
     elbow = next(joint for joint in seen.joints if joint.name == "elbow")
@@ -133,7 +133,7 @@ def test_mujoco_equal_limits_are_noticed(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_reads_one_object_per_mesh_and_no_packages(arm: Folder) -> None:
-    """So every mesh is an OBJ of one object at a plain path; of others' files, ``package://`` is resolved before."""
+    """Each mesh is an OBJ of one object at a plain path; in foreign files ``package://`` is resolved first."""
     meshes = sorted((arm.path / "meshes").iterdir())
     assert {mesh.suffix for mesh in meshes} == {".obj"}
     for mesh in meshes:
@@ -146,7 +146,7 @@ def test_mujoco_reads_one_object_per_mesh_and_no_packages(arm: Folder) -> None:
 
 
 def test_mujoco_gets_an_inertial_for_every_body() -> None:
-    """It would make masses of meshes else, by a way of its own."""
+    """Every body has an inertial; otherwise MuJoCo would compute masses from meshes."""
     for name in ("two_link_arm", "tree", "primitives", "floating_biped"):
         main, *_ = render(ROBOTS[name](), "mjcf", Diagnostics()).values()
         bodies = list(etree.fromstring(main).iter("body"))
@@ -156,7 +156,7 @@ def test_mujoco_gets_an_inertial_for_every_body() -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_would_write_six_digits(arm: Folder) -> None:
-    """What its own writer makes of a number is not that number; the file has all of its digits."""
+    """MuJoCo's own writer rounds to six digits; stepbot's file has all digits."""
     skip_without("mujoco")
     import mujoco
 
@@ -169,7 +169,7 @@ def test_mujoco_would_write_six_digits(arm: Folder) -> None:
 
 
 def test_drake_needs_a_scene_to_miss_a_mesh(tmp_path: Path) -> None:
-    """A plant alone loads a file whose mesh is gone; stepbot's has a scene, and refuses."""
+    """A plant without a scene loads a file whose mesh is missing; stepbot adds a scene, and Drake rejects the file."""
     skip_without("drake")
     from stepbot.engines.drake.plant import build
 
@@ -182,7 +182,7 @@ def test_drake_needs_a_scene_to_miss_a_mesh(tmp_path: Path) -> None:
 
 
 def test_drake_does_not_read_mimics_of_sdformat(tmp_path: Path) -> None:
-    """Nobody counts that as passed."""
+    """Drake ignores mimics of SDFormat; the comparison is not run, and not passed."""
     folder = write(ROBOTS["gripper_with_mimic"](), tmp_path)
     seen = look("drake", replace(folder.request("sdf"), simulate=0.0))
     assert all(joint.mimic is None for joint in seen.joints)
@@ -190,7 +190,7 @@ def test_drake_does_not_read_mimics_of_sdformat(tmp_path: Path) -> None:
 
 
 def test_drake_takes_no_joint_that_closes_a_loop(tmp_path: Path) -> None:
-    """The SDFormat of a four-bar is not for it, the file beside it is."""
+    """Drake does not read the SDFormat of a four-bar; the file for Drake is verified instead."""
     skip_without("drake")
     folder = write(ROBOTS["four_bar"](), tmp_path)
     with pytest.raises(RemoteError, match="closes a loop") as caught:
@@ -200,7 +200,7 @@ def test_drake_takes_no_joint_that_closes_a_loop(tmp_path: Path) -> None:
 
 
 def test_drake_ends_over_swapped_limits(arm: Folder) -> None:
-    """In a separate process, so that it is reported and the others continue."""
+    """Swapped limits end Drake's process, which is separate: it is reported and the other engines continue."""
     skip_without("drake")
     path = _changed(arm, "urdf", "swapped_limits.urdf", 'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"')
     request = replace(arm.request("urdf"), file=str(path), simulate=0.0)
@@ -209,7 +209,7 @@ def test_drake_ends_over_swapped_limits(arm: Folder) -> None:
 
 
 def test_pinocchio_has_two_coordinates_for_a_joint_without_limits(tmp_path: Path) -> None:
-    """Cosine and sine; stepbot gives and takes one angle."""
+    """Pinocchio has cosine and sine as coordinates; stepbot converts from and to one angle."""
     skip_without("pinocchio")
     import pinocchio
 
@@ -222,7 +222,7 @@ def test_pinocchio_has_two_coordinates_for_a_joint_without_limits(tmp_path: Path
 
 
 def test_libsdformat_calls_later_versions_valid(arm: Folder) -> None:
-    """With exit code 0; its text is read, and such a file is not run."""
+    """libsdformat accepts a later version with exit code 0 and a warning; such a file is not run."""
     skip_without("libsdformat")
     from stepbot.engines.libsdformat import observer as libsdformat
 

@@ -1,4 +1,4 @@
-"""Inaccurately drawn loops: the diagnostics of verification."""
+"""Loops that do not close, or cannot move, because of inaccurate drawing."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +15,7 @@ from tests.simulators.conftest import write
 
 
 def test_a_loop_that_cannot_stay_closed_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Told once, for the robot; the files are as good as the CAD, so their checks pass."""
+    """A loop that opens as it moves is one warning per robot; the files represent the CAD, so their checks pass."""
     folder = write(crooked_four_bar(5e-5), tmp_path)
     with Provers(folder.written) as provers:
         report = verify(folder.robot, folder.written, provers, found, timeout=120.0)
@@ -27,7 +27,7 @@ def test_a_loop_that_cannot_stay_closed_is_a_warning(tmp_path: Path, found: Read
 
 
 def test_a_mechanism_that_cannot_move_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Welded where it should be pinned."""
+    """A loop with a weld in place of a pin cannot move, which is a warning."""
     robot = four_bar()
     welded = replace(robot, closures=(replace(robot.closures[0], kind=JointKind.FIXED),))
     folder = write(welded, tmp_path)
@@ -40,7 +40,7 @@ def test_a_mechanism_that_cannot_move_is_a_warning(tmp_path: Path, found: ReadDi
 
 
 def test_a_loop_that_is_open_as_drawn_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """There is no mechanism to ask engines about."""
+    """A loop that is open as drawn is an error, and no engine runs."""
     robot = four_bar()
     closure = robot.closures[0]
     away = Pose.of(closure.X_BF.R, closure.X_BF.p + np.array([0.0, 0.0, 0.5]))

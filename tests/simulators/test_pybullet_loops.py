@@ -1,4 +1,4 @@
-"""The constraints of report.json hold loops closed in PyBullet: added as a user would, to the URDF that was written."""
+"""The constraints of report.json close loops of the written URDF in PyBullet, added as a user would."""
 
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from tests.simulators.conftest import skip_without, write
 
 
 def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None) -> float:
-    """Gap [m] of loops in half a second of falling sideways, with and without the constraints of a report."""
+    """Gap [m] of loops in half a second of a sideways fall, with and without the constraints of a report."""
     import pybullet as engine
 
     client = engine.connect(engine.DIRECT)
@@ -48,7 +48,7 @@ def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None) -> floa
 @pytest.mark.pybullet
 @pytest.mark.parametrize("build", [four_bar, sliding_closure, welded, delta, stewart])
 def test_it_holds_what_would_fall_apart(build: type, tmp_path: Path) -> None:
-    """Closed within a millimetre of the links' centimetres with it, and far open without."""
+    """With the constraints the loop stays closed to a millimetre, and without them it opens."""
     skip_without("pybullet")
     robot: Robot = build()
     file = write(robot, tmp_path).written["urdf"].path
@@ -59,7 +59,7 @@ def test_it_holds_what_would_fall_apart(build: type, tmp_path: Path) -> None:
 
 
 def test_a_tree_needs_none() -> None:
-    """No constraint without closures."""
+    """A robot without closures has no constraints."""
     assert _report(two_link_arm())["robot"]["pybullet"] == []
 
 

@@ -1,4 +1,4 @@
-"""Our own SDFormat parser, against the specification's words: frames, defaults, units, faults."""
+"""stepbot's SDFormat parser against the specification: frames, defaults, units, errors."""
 
 from math import inf, pi
 from pathlib import Path
@@ -16,14 +16,14 @@ LINK = "<inertial><mass>2</mass><inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz><
 
 
 def read(tmp_path: Path, model: str, version: str = "1.9", **request: object) -> Observation:
-    """What the reader sees in a model."""
+    """The observation of a model by the parser."""
     file = tmp_path / "model.sdf"
     file.write_text(f'<sdf version="{version}"><model name="m">{model}</model></sdf>', encoding="utf-8")
     return reader.observe(Request(str(file), "sdf", **request))  # type: ignore[arg-type]
 
 
 def close(X: Pose | None, Y: Pose) -> bool:
-    """Whether two poses are the same to 1e-12."""
+    """Whether two poses agree to 1e-12."""
     return X is not None and max(X.distance_to(Y)) < 1e-12
 
 
@@ -36,7 +36,7 @@ def joint(name: str, parent: str, child: str, inside: str = "", kind: str = "rev
 
 
 def test_poses_relative_to_frames(tmp_path: Path) -> None:
-    """``relative_to`` links, joints and frames, in any order; angles in degrees; quaternions with w last."""
+    """``relative_to`` accepts links, joints and frames in any order; angles in degrees; quaternions with w last."""
     seen = read(
         tmp_path,
         f'<link name="a"><pose degrees="true">1 0 0 0 0 90</pose>{LINK}</link>'
@@ -55,7 +55,7 @@ def test_poses_relative_to_frames(tmp_path: Path) -> None:
 
 
 def test_a_joint_beside_its_link_turns_about_itself(tmp_path: Path) -> None:
-    """A joint's pose is in its child; the link swings around it."""
+    """The pose of a joint is in its child; the link rotates about it."""
     offset = "<pose>0.5 0 0 0 0 0</pose>"
     seen = read(
         tmp_path,
@@ -81,7 +81,7 @@ def test_a_joint_beside_its_link_turns_about_itself(tmp_path: Path) -> None:
     ],
 )
 def test_axes_in_other_frames(tmp_path: Path, axis: str, expected: tuple[float, float, float]) -> None:
-    """In the joint's frame unless the axis overrides it; b is rotated about x by 90 degrees."""
+    """An axis is in the joint's frame unless it names another; b is rotated about x by 90 degrees."""
     seen = read(
         tmp_path,
         f'<link name="a">{LINK}</link><link name="b"><pose degrees="true">0 0 0 90 0 0</pose>{LINK}</link>'
@@ -91,7 +91,7 @@ def test_axes_in_other_frames(tmp_path: Path, axis: str, expected: tuple[float, 
 
 
 def test_what_is_left_out_has_the_specified_default(tmp_path: Path) -> None:
-    """1 kg, unit inertia, no limits; 1e16 and negative speeds mean unlimited."""
+    """Defaults are 1 kg, unit inertia and no limits; 1e16 and negative speeds mean unlimited."""
     seen = read(
         tmp_path,
         '<link name="a"/><link name="b"/>'
@@ -105,7 +105,7 @@ def test_what_is_left_out_has_the_specified_default(tmp_path: Path) -> None:
 
 
 def test_inertia_turns_with_its_pose(tmp_path: Path) -> None:
-    """The tensor is given along the axes of the inertial frame."""
+    """The inertia tensor is along the axes of the inertial frame."""
     inertial = LINK.replace("<mass>", '<pose degrees="true">0 0 1 0 0 90</pose><mass>')
     seen = read(tmp_path, f'<link name="a">{inertial}</link>')
     np.testing.assert_allclose(seen.links[0].inertia, np.diag([2, 1, 2.5]), atol=1e-15)
@@ -125,7 +125,7 @@ def test_mimic_with_a_reference(tmp_path: Path) -> None:
 
 
 def test_a_second_joint_to_a_link_closes_a_loop(tmp_path: Path) -> None:
-    """Whichever comes later in the file, and also where it would make a circle without a root."""
+    """The later of two joints to a link closes a loop, also if it would form a cycle without a root."""
     links = "".join(f'<link name="{name}">{LINK}</link>' for name in "abc")
     seen = read(tmp_path, links + joint("ab", "a", "b") + joint("ac", "a", "c") + joint("bc", "b", "c"))
     assert [one.name for one in seen.joints] == ["ab", "ac"]
@@ -135,7 +135,7 @@ def test_a_second_joint_to_a_link_closes_a_loop(tmp_path: Path) -> None:
 
 
 def test_the_root_may_stand_anywhere_in_its_model(tmp_path: Path) -> None:
-    """Poses count from the root link; gravity pulls along the world's z."""
+    """Poses are relative to the root link; gravity acts along the world's z."""
     turned = "<pose>7 8 9 1.5707963267948966 0 0</pose>"
     seen = read(
         tmp_path,
@@ -146,11 +146,11 @@ def test_the_root_may_stand_anywhere_in_its_model(tmp_path: Path) -> None:
     )
     assert seen.base == "fixed"
     assert close(seen.poses[0]["b"], Pose.of(position=(0, 0.25, 0)))
-    np.testing.assert_allclose(seen.dynamics[0].gravity, [2 * 9.81])  # y of the link points up in the world
+    np.testing.assert_allclose(seen.dynamics[0].gravity, [2 * 9.81])  # y of the link is up in the world
 
 
 def test_boxes_of_shapes_and_missing_meshes(tmp_path: Path) -> None:
-    """A scaled OBJ, a primitive, and a file that is not there."""
+    """Sizes of a scaled OBJ and a primitive are read; a missing file is reported."""
     (tmp_path / "part.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n", encoding="utf-8")
     mesh = "<geometry><mesh><uri>{}</uri><scale>0.1 0.1 1</scale></mesh></geometry>"
     seen = read(
@@ -167,7 +167,7 @@ def test_boxes_of_shapes_and_missing_meshes(tmp_path: Path) -> None:
 
 
 def test_joints_without_kinematics_are_told_but_not_moved(tmp_path: Path) -> None:
-    """A gearbox is read; poses are not run, with the reason."""
+    """A gearbox joint is read; poses are not run, with the reason."""
     seen = read(
         tmp_path,
         f'<link name="a">{LINK}</link><link name="b">{LINK}</link>'
@@ -198,7 +198,7 @@ def test_joints_without_kinematics_are_told_but_not_moved(tmp_path: Path) -> Non
     ],
 )
 def test_faults_are_refused_with_the_reason(tmp_path: Path, model: str, message: str) -> None:
-    """What contradicts the specification is no robot."""
+    """A file that contradicts the specification is rejected with the reason."""
     with pytest.raises(EngineRefused, match=message):
         read(tmp_path, model, configurations=({},))
 
@@ -211,13 +211,13 @@ def test_faults_are_refused_with_the_reason(tmp_path: Path, model: str, message:
     ],
 )
 def test_what_it_does_not_know_is_not_called_wrong(tmp_path: Path, model: str, message: str) -> None:
-    """Unreadable here is not a fault of the file."""
+    """A file that the parser does not support is reported as unsupported, not as invalid."""
     with pytest.raises(EngineCannotRead, match=message):
         read(tmp_path, model, configurations=({},))
 
 
 def test_text_that_is_not_xml_is_refused(tmp_path: Path) -> None:
-    """In a worker too."""
+    """Text that is not XML is rejected, in a worker too."""
     file = tmp_path / "model.sdf"
     file.write_text("<sdf><model", encoding="utf-8")
     with pytest.raises(RemoteError, match="not XML") as caught:

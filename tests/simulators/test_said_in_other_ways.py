@@ -1,4 +1,4 @@
-"""Joints that formats represent differently: recognized as the same robot if equivalent, and as different otherwise."""
+"""Joints that formats represent differently compare equal if they are equivalent, and different otherwise."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -17,13 +17,13 @@ from tests.simulators.conftest import Folder, skip_without, write
 
 KINDS = ("ball", "universal", "cylindrical", "screw", "left_screw", "planar", "floating")
 ENGINES = ("mujoco", "reader")
-"""Enough to read every format; the others are left out, since each is a process of its own to start."""
+"""Engines that together read every format; the others are omitted to save process starts."""
 
 INERTIA = "0.01 0.02 0.025"
 
 
 class InThisProcess:
-    """Replaces the process of an engine: the files of these tests do not crash any."""
+    """Replaces the process of an engine; none of these files crashes one."""
 
     def __init__(self, function: str, **_limits: object) -> None:
         self._module, self._name = function.split(":")
@@ -35,16 +35,16 @@ class InThisProcess:
         self.close()
 
     def submit(self, *arguments: Any) -> "InThisProcess":
-        """Take what to look at."""
+        """Store the request."""
         self._arguments = arguments
         return self
 
     def result(self, _timeout: float) -> Any:
-        """What the engine sees."""
+        """The engine's observation."""
         return getattr(import_module(self._module), self._name)(*self._arguments)
 
     def close(self) -> None:
-        """There is nothing to end."""
+        """Do nothing."""
 
 
 @pytest.fixture(autouse=True)
@@ -73,7 +73,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Folder]
 
 
 def differences(*files: Path) -> dict[str, list[str]]:
-    """What differs between files, by quantity: the message and its notes."""
+    """Differences between files, by quantity: the message and its notes."""
     found = Diagnostics()
     report = verify_files(files, found)
     across = [check for check in report.checks if check.against not in ("itself", *ENGINES)]
@@ -87,7 +87,7 @@ def differences(*files: Path) -> dict[str, list[str]]:
 
 
 def _changed(folder: Folder, written_in: str, *changes: tuple[str, str]) -> Path:
-    """A copy of a file beside it, with some text replaced."""
+    """A copy of a file in its folder, with some text replaced."""
     right = folder.written[written_in].path
     text = right.read_text(encoding="utf-8")
     for old, new in changes:
@@ -106,7 +106,7 @@ def _joint(folder: Folder, name: str) -> str:
 
 
 def _changed_joint(folder: Folder, name: str, *changes: tuple[str, str]) -> Path:
-    """The URDF with something replaced in one joint."""
+    """The URDF with a text replaced in one joint."""
     right = _joint(folder, name)
     wrong = right
     for old, new in changes:
@@ -121,7 +121,7 @@ def _changed_joint(folder: Folder, name: str, *changes: tuple[str, str]) -> Path
 @pytest.mark.mujoco
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_joint_is_the_same_in_all_formats(kind: str, written: Callable[[str], Folder]) -> None:
-    """Whichever file comes first."""
+    """A mechanism is the same in all formats, in any order of files."""
     paths = [one.path for one in written(kind).written.values()]
     assert differences(*paths) == {}
     assert differences(*reversed(paths)) == {}
@@ -129,7 +129,7 @@ def test_every_kind_of_joint_is_the_same_in_all_formats(kind: str, written: Call
 
 @pytest.mark.mujoco
 def test_any_angles_make_a_ball_joint(written: Callable[[str], Folder]) -> None:
-    """A last axis that leans towards the first: no roll, pitch and yaw any more, and every rotation all the same."""
+    """Three non-orthogonal axes that reach every rotation are equivalent to a ball joint."""
     folder = written("ball")
     leaning = _changed_joint(folder, "shoulder_roll", ('xyz="1 0 0"', 'xyz="1 0 0.75"'))
     assert differences(leaning, folder.written["mjcf"].path, folder.written["sdf"].path) == {}
@@ -161,7 +161,7 @@ LIMITS = ('range="-0.4 0.1"', 'range="-0.6 0.6"', 'range="-1.9 0.3"')
 
 @pytest.fixture
 def hip(tmp_path: Path) -> Path:
-    """A hip of three joints in URDF, with links between that have no inertia."""
+    """A hip of three joints in URDF, with massless links between them."""
     chain = ["base", "one", "two", "body"]
     joints = ""
     for number, (name, axis, lower, upper) in enumerate(
@@ -178,7 +178,7 @@ def hip(tmp_path: Path) -> Path:
 
 @pytest.mark.mujoco
 def test_hinges_in_one_body_are_the_chain_of_a_urdf(hip: Path) -> None:
-    """Three joints with a limit each, and one of them changed."""
+    """Three limited joints equal the hinges in one MJCF body; a changed limit is reported."""
     same = hip.with_name("same.xml")
     same.write_text(_mjcf(_hinges(*LIMITS)), encoding="utf-8")
     assert differences(hip, same) == {}
@@ -189,7 +189,7 @@ def test_hinges_in_one_body_are_the_chain_of_a_urdf(hip: Path) -> None:
 
 @pytest.mark.mujoco
 def test_hinges_with_limits_are_no_ball_joint(hip: Path) -> None:
-    """The message names a joint that has them."""
+    """Three hinges with limits differ from a ball joint; the message names one of them."""
     ball = hip.with_name("ball.xml")
     ball.write_text(_mjcf('<joint name="hip" type="ball"/>'), encoding="utf-8")
     assert "(the limits of 'hip_x' are not those of a ball joint)" in differences(hip, ball)["joints"][0]
@@ -197,7 +197,7 @@ def test_hinges_with_limits_are_no_ball_joint(hip: Path) -> None:
 
 @pytest.mark.mujoco
 def test_a_ball_joint_is_free_to_have_any_frame(tmp_path: Path) -> None:
-    """A ball joint of SDFormat in a turned frame, and of MJCF with a body that is turned at zero."""
+    """A ball joint may have any frame: rotated in SDFormat, and on a rotated body in MJCF."""
     inertia = "<ixx>0.01</ixx><iyy>0.02</iyy><izz>0.025</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>"
     none = "<inertial><mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia></inertial>"
     sdf = tmp_path / "ball.sdf"
@@ -222,7 +222,7 @@ def test_a_ball_joint_is_free_to_have_any_frame(tmp_path: Path) -> None:
 
 @pytest.mark.mujoco
 def test_initial_poses_of_a_ball_joint_and_of_its_angles(tmp_path: Path) -> None:
-    """A keyframe with a quaternion, and one with the angles that make the same rotation; then others."""
+    """A keyframe with a quaternion equals one with the angles of the same rotation, and differs from others."""
     ball, angles = tmp_path / "ball.xml", tmp_path / "angles.xml"
     key = '<keyframe><key name="home" qpos="{}"/></keyframe>'
     quaternion = f"{cos(0.25)!r} 0 0 {sin(0.25)!r}"  # by 0.5 about z
@@ -278,7 +278,7 @@ WRONG_BALLS: dict[str, tuple[str, tuple[tuple[str, str], ...], str, str]] = {
 @pytest.mark.mujoco
 @pytest.mark.parametrize("name", WRONG_BALLS)
 def test_what_is_no_such_ball_joint_is_found(name: str, written: Callable[[str], Folder]) -> None:
-    """Three joints that do not turn in every way, or about another point, or not as easily."""
+    """Three joints that do not reach every rotation, intersect elsewhere, or resist differently are reported."""
     folder = written("ball")
     joint, changes, quantity, words = WRONG_BALLS[name]
     told = differences(_changed_joint(folder, joint, *changes), folder.written["mjcf"].path)
@@ -288,7 +288,7 @@ def test_what_is_no_such_ball_joint_is_found(name: str, written: Callable[[str],
 @pytest.mark.mujoco
 @pytest.mark.parametrize("kind", ["ball", "universal", "screw"])
 def test_a_link_between_that_weighs_something_is_found(kind: str, written: Callable[[str], Folder]) -> None:
-    """Then it is a link, and the joints on it are joints of their own."""
+    """A link with mass between the joints makes them separate joints."""
     folder = written(kind)
     link, joint = {
         "ball": ("shoulder_pitch_link", "shoulder_roll"),
@@ -377,7 +377,7 @@ WRONG: dict[str, tuple[str, str, tuple[tuple[str, str], ...], str, str]] = {
 @pytest.mark.mujoco
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_no_such_joint_is_found(name: str, written: Callable[[str], Folder]) -> None:
-    """By the number that differs, under the name of the joint."""
+    """A joint that differs is reported by the number, under the joint's name."""
     kind, joint, changes, quantity, words = WRONG[name]
     folder = written(kind)
     told = differences(_changed_joint(folder, joint, *changes), folder.written["mjcf"].path)
@@ -386,7 +386,7 @@ def test_what_is_no_such_joint_is_found(name: str, written: Callable[[str], Fold
 
 @pytest.mark.mujoco
 def test_a_ball_joint_that_is_held_in_a_cone(tmp_path: Path) -> None:
-    """MuJoCo bounds how far a ball joint turns; three joints without limits are not that."""
+    """A MuJoCo ball joint with a limit cone differs from three joints without limits."""
     free, held = tmp_path / "free.xml", tmp_path / "held.xml"
     free.write_text(_mjcf(_hinges("", "", "")), encoding="utf-8")
     held.write_text(_mjcf('<joint name="hip" type="ball" range="0 1"/>'), encoding="utf-8")

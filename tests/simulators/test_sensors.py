@@ -1,4 +1,4 @@
-"""What sensors of the written MJCF measure in MuJoCo: closed forms, so that no convention is only our own word."""
+"""Readings of sensors of the written MJCF in MuJoCo, against closed forms."""
 
 import math
 from dataclasses import replace
@@ -23,13 +23,13 @@ G = 9.81
 
 
 def _at_rest(robot: Robot, folder: Path, wall: str = "") -> Any:
-    """MuJoCo's state of a robot at q = 0 that is held still there, perhaps in front of a wall."""
+    """MuJoCo's state of a robot held still at q = 0, optionally in front of a wall."""
     skip_without("mujoco")
     import mujoco
 
     file = write(robot, folder).written["mjcf"].path
     text = file.read_text(encoding="utf-8").replace("<worldbody>", f"<worldbody>{wall}", 1)
-    # Contacts, drives and springs would push; what is left are the weights and what bears them.
+    # Contacts, actuators and springs are disabled; weights and reactions remain.
     held = text.replace("</mujoco>", '<option><flag contact="disable" actuation="disable"/></option></mujoco>')
     file.write_text(held.replace('stiffness="0.7"', ""), encoding="utf-8")
     model = mujoco.MjModel.from_xml_path(str(file))
@@ -49,7 +49,7 @@ def _below(robot: Robot, link: str) -> list[str]:
 
 
 def test_an_imu_at_rest_feels_the_ground_push_up(tmp_path: Path) -> None:
-    """The accelerometer measures 1 g upwards in its own frame, the gyro nothing."""
+    """The accelerometer at rest measures 1 g upwards in its own frame, the gyro 0."""
     data = _at_rest(equipped(), tmp_path)
     (imu,) = (sensor for sensor in equipped().sensors if sensor.name == "imu")
     up = imu.X_LS.R.T @ np.array([0.0, 0.0, G])
@@ -60,7 +60,7 @@ def test_an_imu_at_rest_feels_the_ground_push_up(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["shoulder_cell", "wrist_cell"])
 def test_a_cell_bears_the_weight_of_what_hangs_from_it(name: str, tmp_path: Path) -> None:
-    """The parent supports the child against its weight, about the sensor's origin, in the sensor's axes."""
+    """A force sensor measures the weight of the child, about the sensor's origin, in the sensor's axes."""
     robot = equipped()
     data = _at_rest(robot, tmp_path)
     (cell,) = (sensor for sensor in robot.sensors if sensor.name == name)
@@ -77,7 +77,7 @@ def test_a_cell_bears_the_weight_of_what_hangs_from_it(name: str, tmp_path: Path
 
 
 def test_rays_of_a_lidar_meet_a_wall_ahead(tmp_path: Path) -> None:
-    """A wall square to x, 2 m away: each ray goes 2 m over the cosine of its angle; the first is on the right."""
+    """Each ray to a wall 2 m away, perpendicular to x, measures 2 m over its cosine; the first is on the right."""
     lidar = Sensor("lidar", SensorKind.LIDAR, "base", at(x=0.5, z=0.3), view=View(math.pi / 2, 5, 1))
     robot = replace(equipped(), sensors=(lidar,))
     data = _at_rest(robot, tmp_path, '<geom type="box" size="0.1 9 9" pos="2.6 0 0"/>')
@@ -90,7 +90,7 @@ def test_rays_of_a_lidar_meet_a_wall_ahead(tmp_path: Path) -> None:
 
 
 def test_a_camera_looks_along_x_with_z_up(tmp_path: Path) -> None:
-    """MuJoCo's camera looks along its -z, with y up; its image is as wide as the sensor's field of view."""
+    """MuJoCo's camera looks along its -z, with y up; its image has the sensor's field of view."""
     robot = equipped()
     data = _at_rest(robot, tmp_path)
     (camera,) = (sensor for sensor in robot.sensors if sensor.name == "camera")
@@ -107,7 +107,7 @@ def test_a_camera_looks_along_x_with_z_up(tmp_path: Path) -> None:
     "name", [name for name in ("ball", "universal", "screw", "floating", "planar") if name in ROBOTS]
 )
 def test_joints_of_every_kind_can_be_measured(name: str, tmp_path: Path) -> None:
-    """A sensor on a multi-dof joint is read back as one, on that joint."""
+    """A sensor on a multi-dof joint is read back as one sensor on that joint."""
     robot = ROBOTS[name]()
     moving = [joint for joint in robot.joints if joint.kind.value == name]
     sensors = tuple(Sensor(f"encoder_{i}", SensorKind.JOINT, j.child, Pose(), j.name) for i, j in enumerate(moving))

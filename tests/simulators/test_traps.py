@@ -1,4 +1,4 @@
-"""Known deviations of engines, each with a test that fails if the engine's behaviour changes."""
+"""Known deviations of engines; each test fails if the engine's behaviour changes."""
 
 import re
 import sys
@@ -29,7 +29,7 @@ def _link(observation: Observation, name: str) -> object:
 
 @pytest.mark.pybullet
 def test_pybullet_tells_the_mass_of_a_fixed_base(arm: Folder) -> None:
-    """A fixed base reports 0 kg: it is read from a second body that floats."""
+    """PyBullet reports 0 kg for a fixed base: the mass is read from a second, floating body."""
     base = arm.robot.root
     seen = next(link for link in look("pybullet", arm.request("urdf")).links if link.name == base.name)
     assert seen.mass == pytest.approx(base.mass_properties.mass, rel=1e-12)
@@ -38,7 +38,7 @@ def test_pybullet_tells_the_mass_of_a_fixed_base(arm: Folder) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_poses_are_doubles(arm: Folder) -> None:
-    """Link frames come back as floats, 1e-8 off; inertial frames do not."""
+    """PyBullet returns link frames as floats, 1e-8 off; inertial frames are doubles."""
     request = replace(arm.request("urdf"), simulate=0.0)
     seen, expected = look("pybullet", request), arm.expected("urdf")
     for ours, theirs in zip(expected.poses, seen.poses, strict=True):
@@ -48,7 +48,7 @@ def test_pybullet_poses_are_doubles(arm: Folder) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_prints_a_question_mark_for_a_ball_beside_a_mesh(tmp_path: Path) -> None:
-    """For the vertices of a link, it prints a line per shape without any: not a warning about the file."""
+    """PyBullet prints a line for each shape without vertices, which is not a warning about the file."""
     robot = ROBOTS["two_link_arm"]()
     link = robot.links[-1]
     shapes = (Collision("hull", link.visuals[0].geometry), Collision("ball", Sphere(0.01)))
@@ -61,7 +61,7 @@ def test_pybullet_prints_a_question_mark_for_a_ball_beside_a_mesh(tmp_path: Path
 
 @pytest.mark.pybullet
 def test_pybullet_takes_a_link_without_inertial_for_a_kilogram(arm: Folder) -> None:
-    """Then it warns, and the mass check fails; an all-zero one is right."""
+    """PyBullet uses 1 kg for a link without inertial, and the mass check fails; an all-zero inertial is accepted."""
     path = arm.path / "no_inertial.urdf"
     text = arm.written["urdf"].path.read_text(encoding="utf-8")
     path.write_text(re.sub(r'(<link name="tool0">)\s*<inertial>.*?</inertial>', r"\1", text, flags=re.DOTALL))
@@ -74,7 +74,7 @@ def test_pybullet_takes_a_link_without_inertial_for_a_kilogram(arm: Folder) -> N
 @pytest.mark.pybullet
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_pybullet_crashes_on_two_roots_and_takes_nobody_along(arm: Folder) -> None:
-    """Its last words are kept, and the other engines speak for themselves."""
+    """Two roots crash PyBullet; its last output is kept, and the other engines report."""
     skip_without("pybullet")
     path = arm.path / "two_roots.urdf"
     text = arm.written["urdf"].path.read_text(encoding="utf-8")
@@ -91,7 +91,7 @@ def test_pybullet_crashes_on_two_roots_and_takes_nobody_along(arm: Folder) -> No
 
 @pytest.mark.pybullet
 def test_pybullet_reads_sdformat_from_a_copy_without_world_and_loops(tmp_path: Path) -> None:
-    """It refuses the joint to the world and crashes on the loop; what was left out is named."""
+    """PyBullet rejects a joint to the world and crashes on a loop; it gets a copy without, and both are named."""
     folder = write(ROBOTS["four_bar"](), tmp_path)
     request = folder.request("sdf")
     seen = look("pybullet", request)
@@ -110,7 +110,7 @@ def test_pybullet_reads_sdformat_from_a_copy_without_world_and_loops(tmp_path: P
 
 @pytest.mark.pybullet
 def test_pybullet_ignores_inertia_in_sdformat(arm: Folder) -> None:
-    """So it is not queried: inertia and mass matrix are not run, never passed. Gravity uses masses only."""
+    """PyBullet ignores inertia in SDFormat: inertia and mass matrix are not run; gravity forces use masses only."""
     seen = look("pybullet", arm.request("sdf"))
     assert all(link.inertia is None for link in seen.links)
     assert all(one.mass_matrix is None and one.inverse is None for one in seen.dynamics)
@@ -119,7 +119,7 @@ def test_pybullet_ignores_inertia_in_sdformat(arm: Folder) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_refuses_what_is_not_there(tmp_path: Path) -> None:
-    """A missing file is a refusal in words, not a crash."""
+    """PyBullet rejects a missing file with a message instead of a crash."""
     skip_without("pybullet")
     with pytest.raises(RemoteError, match="Cannot load URDF file") as caught:
         call_isolated("stepbot.engines.pybullet.observer:observe", Request(str(tmp_path / "no.urdf"), "urdf"))
@@ -129,7 +129,7 @@ def test_pybullet_refuses_what_is_not_there(tmp_path: Path) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_says_which_mesh_is_missing(tmp_path: Path) -> None:
-    """It refuses the whole file, with the names that it was given and no folder of this machine."""
+    """A missing mesh rejects the whole file; the message has the given names and no local folder."""
     skip_without("pybullet")
     folder = write(ROBOTS["two_link_arm"](), tmp_path)
     (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
@@ -141,7 +141,7 @@ def test_pybullet_says_which_mesh_is_missing(tmp_path: Path) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_does_not_remember_a_former_file(arm: Folder, tmp_path: Path) -> None:
-    """Two meshes of the same name in two folders stay two, in one process."""
+    """Two meshes of one name in two folders stay distinct in one process."""
     skip_without("pybullet")
     other = write(ROBOTS["two_link_arm"](), tmp_path)
     swapped = tmp_path / "meshes" / "upper_arm_1.obj"
@@ -158,7 +158,7 @@ def test_pybullet_does_not_remember_a_former_file(arm: Folder, tmp_path: Path) -
 
 @pytest.mark.mujoco
 def test_mujoco_keeps_base_visuals_and_folders_of_a_urdf(arm: Folder) -> None:
-    """Without our compiler options the base would be merged into the world, and meshes be looked for elsewhere."""
+    """Without stepbot's compiler options MuJoCo merges the base into the world and strips folders from mesh names."""
     seen = look("mujoco", arm.request("urdf"))
     assert seen.links[0].name == "base"
     assert seen.links[0].mass == pytest.approx(arm.robot.root.mass_properties.mass, rel=1e-12)
@@ -168,7 +168,7 @@ def test_mujoco_keeps_base_visuals_and_folders_of_a_urdf(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
-    """Its own has it on the diagonal; stepbot compares without it, and armature separately."""
+    """MuJoCo's mass matrix includes armature; stepbot compares without it, and armature separately."""
     seen, expected = look("mujoco", arm.request("mjcf")), arm.expected("mjcf")
     assert arm.robot.joint_by_name["shoulder"].dynamics.armature > 0.0
     for ours, theirs in zip(expected.dynamics, seen.dynamics, strict=True):
@@ -177,14 +177,14 @@ def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
-    """It makes them unlimited, others reject them or crash, and report why."""
+    """Swapped limits are unlimited in MuJoCo; other engines reject them or crash, which is reported."""
     path = arm.path / "swapped.urdf"
     text = arm.written["urdf"].path.read_text(encoding="utf-8")
     path.write_text(re.sub(r'lower="-2" upper="2.25"', 'lower="2.25" upper="-2"', text), encoding="utf-8")
     with Engines({"file": "urdf"}) as engines:
         engines.submit({"file": replace(arm.request("urdf"), file=str(path), simulate=0.0)})
         for outcome in engines.results(120.0):
-            if outcome.fate is Fate.ABSENT or outcome.engine == "extensions":  # which reads no limits of joints
+            if outcome.fate is Fate.ABSENT or outcome.engine == "extensions":  # which reads no joint limits
                 continue
             if outcome.fate is Fate.DIED:
                 assert outcome.engine == "drake"
@@ -197,7 +197,7 @@ def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_says_what_it_refuses(arm: Folder) -> None:
-    """In its own words, without folders of this machine."""
+    """Reasons of a rejection are MuJoCo's message, without local folders."""
     skip_without("mujoco")
     path = arm.path / "broken.xml"
     text = arm.written["mjcf"].path.read_text(encoding="utf-8")
@@ -212,7 +212,7 @@ def test_mujoco_says_what_it_refuses(arm: Folder) -> None:
 def test_mujoco_simulation_that_diverges_is_noticed(
     arm: Folder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A step of 1 s on a stiff spring flies apart: not finite, or a warning; and no log file is left anywhere."""
+    """A step of 1 s on a stiff spring diverges: not finite, or a warning; no log file is left."""
     monkeypatch.chdir(tmp_path)
     path = arm.path / "stiff.xml"
     text = arm.written["mjcf"].path.read_text(encoding="utf-8")
@@ -226,7 +226,7 @@ def test_mujoco_simulation_that_diverges_is_noticed(
 
 
 def test_yourdfpy_does_not_follow_a_chain_of_mimics(tmp_path: Path) -> None:
-    """It would put the last joint at its offset: poses are not run then, and the reason names the joint."""
+    """yourdfpy puts a mimic of a mimic at its offset: poses are not run, and the reason names the joint."""
     path = tmp_path / "chain.urdf"
     joints = "".join(
         f'<joint name="{name}" type="prismatic"><parent link="base"/><child link="{name}_link"/>{mimic}'
@@ -242,7 +242,7 @@ def test_yourdfpy_does_not_follow_a_chain_of_mimics(tmp_path: Path) -> None:
 
 
 def test_an_engine_that_is_not_there_is_absent(arm: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not run, with the reason; nothing is started for it."""
+    """An engine that is not installed is not run, with the reason; no process is started."""
     monkeypatch.setattr(engine_of("yourdfpy"), "available", lambda: "yourdfpy is not installed")
     with Engines({"file": "urdf"}) as engines:
         engines.submit({"file": replace(arm.request("urdf"), simulate=0.0)})

@@ -1,4 +1,4 @@
-"""Two robots in one world: names of one never meet names of the other, by the means that each format has for it."""
+"""Two robots in one world have distinct names, by the means of each format."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -24,7 +24,7 @@ SCENE = """<mujoco model="scene">
 
 
 def _files(robots: tuple[Robot, Robot], written_in: str, path: Path) -> list[Path]:
-    """The files of two robots, each in a folder of its own."""
+    """The files of two robots, each in its own folder."""
     folders = [write(robot, path / side) for side, robot in zip(SIDES, robots, strict=True)]
     return [folder.written[written_in].path for folder in folders]
 
@@ -36,7 +36,7 @@ def _other(name: str) -> Robot:
 @pytest.mark.parametrize("name", ["the same", "four_bar_with_zeros", "floating"])
 @pytest.mark.mujoco
 def test_mjcf_is_attached_under_a_prefix(name: str, tmp_path: Path) -> None:
-    """Everything of both is there under a name of its own: bodies, drives, readings, equalities, keyframes."""
+    """Attached under a prefix, bodies, actuators, sensors, equalities and keyframes of both files are distinct."""
     skip_without("mujoco")
     import mujoco
 
@@ -57,7 +57,7 @@ def test_mjcf_is_attached_under_a_prefix(name: str, tmp_path: Path) -> None:
 
 
 def _world(files: list[Path], path: Path) -> Path:
-    """A world with the model of each file under a name of its own; all else as it was written."""
+    """A world that includes the model of each file under its own name."""
     top = etree.Element("sdf", version="1.9")
     world = etree.SubElement(top, "world", name="world_of_two")
     for side, file in zip(SIDES, files, strict=True):
@@ -79,9 +79,9 @@ SHARING = {"drake": "tests.worlds:drake_models", "pybullet": "tests.worlds:pybul
 @pytest.mark.parametrize("engine", SHARING)
 @pytest.mark.parametrize("name", ["the same", "two_link_arm"])
 def test_sdformat_models_are_scopes(engine: str, name: str, tmp_path: Path) -> None:
-    """Both models of a world have all their links, under the names that they have alone."""
+    """Both models of an SDFormat world have all links, under their own names."""
     skip_without(engine)
-    # PyBullet refuses joints to the world.
+    # PyBullet rejects joints to the world.
     first, second = (replace(robot, base=Base.FLOATING) for robot in (equipped(), _other(name)))
     scene = _world(_files((first, second), "sdf", tmp_path), tmp_path)
     seen = call_isolated(SHARING[engine], str(scene))

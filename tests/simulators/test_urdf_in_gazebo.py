@@ -1,4 +1,4 @@
-"""What Gazebo makes of a URDF: libsdformat turns it into SDFormat, with the sensors and springs of its blocks."""
+"""URDF in Gazebo: libsdformat converts it to SDFormat, with the sensors and springs of its blocks."""
 
 import shutil
 import subprocess
@@ -16,7 +16,7 @@ from tests.devices import equipped
 from tests.simulators.conftest import skip_without, write
 
 ROUNDED = 1e-5
-"""Where libsdformat merges a link into another, it writes poses of its sensors with six digits."""
+"""libsdformat writes sensor poses with six digits where it merges links."""
 SPRING = ("spring_stiffness", "spring_reference")
 
 
@@ -31,7 +31,7 @@ def _robot() -> Robot:
 
 @pytest.fixture(scope="module")
 def converted(tmp_path_factory: pytest.TempPathFactory) -> etree._Element:
-    """The model that libsdformat makes of the robot's URDF."""
+    """libsdformat's conversion of the robot's URDF."""
     skip_without("libsdformat")
     file = write(_robot(), tmp_path_factory.mktemp("gazebo")).written["urdf"].path
     program = shutil.which("gz") or shutil.which("ign")
@@ -43,7 +43,7 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> etree._Element:
 
 
 def test_every_sensor_is_in_gazebo(converted: etree._Element) -> None:
-    """Kind, place and settings of each are the robot's; a contact sensor watches shapes that are there."""
+    """Kind, pose and settings of each sensor are the robot's; a contact sensor refers to existing shapes."""
     seen = {sensor.name: sensor for sensor in model_sensors(converted, Frames(converted))}
     robot = _robot()
     expected = [sensor for sensor in robot.sensors if sensor.kind is not SensorKind.JOINT]
@@ -64,7 +64,7 @@ def _check(sensor: Sensor, found: ObservedSensor) -> None:
 
 
 def test_springs_are_in_gazebo(converted: etree._Element) -> None:
-    """The spring of a joint comes with its rest position, and no other joint has one."""
+    """The spring of a joint has its rest position; other joints have none."""
     told = {
         joint.get("name"): tuple(float(joint.findtext(f"axis/dynamics/{name}") or 0.0) for name in SPRING)
         for joint in converted.findall("joint")

@@ -1,4 +1,4 @@
-"""Every engine that reports a quantity notices a wrong value: one number changed at a time."""
+"""Each number changed in a file is detected by every engine that reports its quantity."""
 
 import re
 from dataclasses import replace
@@ -119,13 +119,13 @@ CASES = [
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Folder]:
-    """The robots that are spoilt here, on disk."""
+    """The robots on disk whose files are changed."""
     names = dict.fromkeys(robot for table in (URDF, SDF, MJCF) for robot, *_ in table.values())
     return {name: write(ROBOTS[name](), tmp_path_factory.mktemp(name)) for name in names}
 
 
 def spoil(text: str, pattern: str, factor: float) -> str:
-    """The text with the number that the pattern's second group finds multiplied, for the first time that it occurs."""
+    """The text with the first number found by the pattern's second group multiplied."""
     match = re.search(pattern, text)
     assert match is not None, f"nothing to spoil: {pattern}"
     assert float(match[2]) != 0.0
@@ -142,7 +142,7 @@ def test_a_wrong_number_is_noticed(
     quantity: Quantity,
     folders: dict[str, Folder],
 ) -> None:
-    """The quantity that the number belongs to fails; the file as it was written does not (see test_every_robot)."""
+    """The quantity of the changed number fails; the unchanged file passes (see test_every_robot)."""
     folder = folders[robot]
     right = folder.written[written_in].path
     wrong = right.with_name(f"wrong{right.suffix}")
@@ -157,7 +157,7 @@ def test_a_wrong_number_is_noticed(
 def test_a_mesh_that_is_another_is_noticed(
     written_in: str, engine: str, folders: dict[str, Folder], tmp_path: Path
 ) -> None:
-    """The same files, with the meshes of two links exchanged."""
+    """Exchanged meshes of two links are detected."""
     folder = write(folders["two_link_arm"].robot, tmp_path)
     one, other = (tmp_path / "meshes" / f"{name}_1.obj" for name in ("upper_arm", "forearm"))
     first, second = one.read_bytes(), other.read_bytes()
@@ -171,7 +171,7 @@ def test_a_mesh_that_is_another_is_noticed(
 def test_joints_that_change_places_are_noticed(
     written_in: str, engine: str, folders: dict[str, Folder], tmp_path: Path
 ) -> None:
-    """Two joints exchange their names."""
+    """Exchanged names of two joints are detected."""
     folder = folders["floating_biped"] if "floating_biped" in folders else write(ROBOTS["floating_biped"](), tmp_path)
     right = folder.written[written_in].path
     text = right.read_text(encoding="utf-8")
