@@ -1,4 +1,4 @@
-"""Circles in outlines."""
+"""Circles in outlines, and centres of symmetry of others."""
 
 import numpy as np
 
@@ -6,6 +6,9 @@ from stepbot.geometry.spatial import Array, perpendicular_frame
 
 _FEWEST = 12
 """Minimum number of points of a circle, below which an outline is a polygon."""
+_FEWEST_CORNERS = 4
+_SYMMETRIC = 2e-6
+"""Distance [m] up to which opposite points are symmetric."""
 
 
 def fitted_circle(points: Array, normal: Array, tolerance: float) -> tuple[Array, float] | None:
@@ -29,3 +32,18 @@ def fitted_circle(points: Array, normal: Array, tolerance: float) -> tuple[Array
     if np.diff(np.append(angles, angles[0] + 2.0 * np.pi)).max() > np.pi:
         return None
     return middle + frame @ centre, radius
+
+
+def symmetric_outline(points: Array) -> tuple[Array, float] | None:
+    """Centre (3,) and inner radius of an outline (n, 3) with a centre of symmetry, such as a rectangle, else None."""
+    if len(points) < _FEWEST_CORNERS or len(points) % 2:
+        return None
+    middle = points.mean(axis=0)
+    # Opposite points of a symmetric outline are half of its length apart.
+    opposite = np.roll(points, len(points) // 2, axis=0)
+    if float(np.abs(points + opposite - 2.0 * middle).max()) > _SYMMETRIC:
+        return None
+    starts, edges = points - middle, np.roll(points, -1, axis=0) - points
+    squares = np.maximum((edges**2).sum(axis=1), 1e-24)
+    feet = starts + edges * np.clip(-(starts * edges).sum(axis=1) / squares, 0.0, 1.0)[:, None]
+    return middle, float(np.linalg.norm(feet, axis=1).min())

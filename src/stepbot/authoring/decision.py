@@ -41,8 +41,8 @@ class Decision:
         return [h for h in self.evidence.hinges if h.fate == Fate.TAKEN]
 
 
-def decide(survey: Survey, structure: Structure, motors: Sequence[Motor], evidence: Evidence) -> Decision:
-    """Apply the evidence, then assign everything that it leaves unconnected."""
+def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decision:
+    """Apply the evidence, then assign motors, surfaces and fasteners that it leaves unconnected."""
     made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small]))
     for one in evidence.ranked():
         take(made, one)
@@ -54,7 +54,6 @@ def decide(survey: Survey, structure: Structure, motors: Sequence[Motor], eviden
         host = _tightest_host(survey, i)
         if host is not None:
             made.clusters.join(host, i)
-    _adopt(made, structure)
     return made
 
 
@@ -120,7 +119,7 @@ def _tightness(r: Relation) -> tuple[float, ...]:
     return bool(shafts), -round(clearance, 6), max((f.length for f in shafts), default=0.0), r.area
 
 
-def _adopt(made: Decision, structure: Structure) -> None:
+def adopt(made: Decision, structure: Structure) -> None:
     """Assign small unconnected clusters to the nearest cluster, of the same subassembly if there is one."""
     survey, clusters = made.survey, made.clusters
     jointed = {x for h in made.hinges for x in (h.a, h.b)}

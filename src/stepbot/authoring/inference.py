@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from stepbot.step.assembly import Assembly
 
 from .bearings import bearing_evidence
-from .decision import Decision, decide
+from .decision import Decision, adopt, decide
 from .doubts import note_doubts
 from .draft import CHOSEN
 from .evidence import Evidence, Hinge
@@ -55,8 +55,9 @@ def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Infer
     bearing_evidence(survey, evidence)
     guide_evidence(survey, evidence)
     several_axes(structure, evidence)
-    made = decide(survey, structure, motors, evidence)
+    made = decide(survey, motors, evidence)
     tie_by_seams(made)
+    adopt(made, structure)
     return _arranged(made, structure, motors)
 
 

@@ -12,6 +12,7 @@ from .axis import Axis, are_parallel
 from .decision import Decision
 from .evidence import Fate, Hinge
 from .names import Role
+from .part import box_gap
 from .structure import Structure
 
 _SAME_AXIS = 5e-5
@@ -20,6 +21,10 @@ _SPINNER = 0.05
 """Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring, not a link."""
 _TRIFLE = 0.02
 """Share of a cluster's volume below which a part is ignored."""
+_AROUND = 1e-3
+"""Distance [m] between the boxes of two bodies, up to which they may reach around a third."""
+_IDLER = 0.02
+"""Share of a body's volume up to which another one on it is its horn or idler."""
 _EQUAL = 0.01
 """Relative difference of volume up to which two bodies are equal."""
 _SCREW = 2e-3
@@ -138,6 +143,8 @@ class Mechanism:
                     # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
                     if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
                         continue
+                    if self._are_serial(hub, one, two):
+                        continue
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.hinge.score < k.hinge.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
                     members = self._clusters.members(leaf)
@@ -150,6 +157,17 @@ class Mechanism:
                     kept.hinge.review = kept.hinge.review or "two bodies that turn about it were merged"
                     return True
         return False
+
+    def _are_serial(self, hub: int, one: int, two: int) -> bool:
+        """Whether two bodies on one axis are links before and after a third, as stand and neck of a torso.
+
+        The two sides of a fork reach around the third body, and a horn or an idler is much smaller than its motor.
+        """
+        members = [self._clusters.members(root) for root in (one, two)]
+        if box_gap(*map(self._survey.box_of, members)) < _AROUND:
+            return False
+        least = _IDLER * self._survey.total_volume(self._clusters.members(hub))
+        return all(self._survey.total_volume(parts) > least for parts in members)
 
     def _hold(self, joint: Link) -> tuple[float, ...]:
         """Looseness of a spinning body on one side: the tightest side is not a joint."""

@@ -7,22 +7,21 @@ that one turns on the other. Such a joint is always a guess.
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array
 from stepbot.robot.model import JointKind
-from stepbot.step.faces import FaceKind
 from stepbot.step.features.coaxial import Rays, coaxial, signed
 
 from .axis import Axis
-from .circles import fitted_circle
 from .clusters import Clusters
 from .decision import Decision
 from .evidence import Fate, Hinge
 from .fits import LINE_ANGLE, LINE_DISTANCE
 from .freedom import Freedom, FreedomKind
 from .relations import Relation, Via
+from .seam_faces import SeamFace, SeamShape, seam_faces
 
 _WEAKEST = 0.3
 """Score from which a joint may connect otherwise unconnected clusters."""
@@ -31,10 +30,8 @@ _SEAM = 6e-3
 _FAR = 3e-3
 _WIDEST_SHARE = 0.25
 """Share of the assembly's size within which faces on one line are compared."""
-_SMALLEST_RADIUS, _LEAST_SPAN = 2e-3, 3.0
 _ALIKE = 0.25
 """Ratio of radii below which two faces do not belong to one joint."""
-_CIRCLE = 1e-6
 _NEAR_BOX = 3e-3
 _PER_PAIR = 4
 """Maximum number of lines offered for one pair of clusters."""
@@ -43,25 +40,29 @@ _TINY = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class _Round:
-    """A face of revolution, or a round outline, in the assembly."""
-
-    part: int
-    center: Array
-    direction: Array
-    radius: float
-    half: float
-    """Half of its length along the axis."""
-
-
-@dataclass(frozen=True)
 class _Span:
-    """A face of revolution on a line, by its position along it."""
+    """A face on a line, by its position along it."""
 
     low: float
     high: float
-    radius: float
-    part: int
+    face: SeamFace
+
+    def gap(self, other: "_Span") -> float:
+        """Distance [m] along the line; 0 if they overlap."""
+        return max(0.0, max(self.low, other.low) - min(self.high, other.high))
+
+    def shows_axis_with(self, other: "_Span") -> bool:
+        """Whether two faces together show that one part turns on the other."""
+        one, two = self.face, other.face
+        if two.shape == SeamShape.ROUND:
+            one, two = two, one
+        if one.shape != SeamShape.ROUND:
+            return False
+        if two.shape == SeamShape.CRADLE:
+            holds = 0.0 < two.radius - one.radius <= _SEAM and min(self.high, other.high) > max(self.low, other.low)
+            return holds and one.half > 0.0 and not one.bore
+        small, large = sorted((one.radius, two.radius))
+        return small >= _ALIKE * large
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +147,7 @@ class _Seams:
         return Hinge(score, a, b, JointKind.REVOLUTE, seam.axis, why, relation)
 
     def _seams(self) -> Iterator[tuple[tuple[int, int], _Seam]]:
-        rows = self._faces()
+        rows = seam_faces(self._survey.scene, self._cluster_of)
         if not rows:
             return
         rays = Rays(np.array([r.center for r in rows]), np.array([r.direction for r in rows]))
@@ -156,7 +157,7 @@ class _Seams:
             for k in group.tolist():
                 along = float((rays.centers[k] - base) @ direction)
                 row = rows[k]
-                span = _Span(along - row.half, along + row.half, row.radius, row.part)
+                span = _Span(along - row.half, along + row.half, row)
                 spans[self._cluster_of[row.part]].append(span)
             for one, two in self._near_each_other(spans):
                 seam = self._seam(one, two, spans, Axis(base, direction))
@@ -177,14 +178,12 @@ class _Seams:
     def _seam(self, one: int, two: int, spans: dict[int, list[_Span]], line: Axis) -> _Seam | None:
         """The two faces with the strongest evidence; a wide gap must have parts of both in between, as in a fork."""
         best, rank = None, (True, 0.0, np.inf)
-        for s in spans[one]:
-            for t in spans[two]:
-                gap = max(0.0, max(s.low, t.low) - min(s.high, t.high))
-                small, large = sorted((s.radius, t.radius))
-                mine = round(gap, 5) > _SEAM, -small, gap
-                if small >= _ALIKE * large and (best is None or mine < rank):
-                    at = line.point + line.d * (0.5 * (max(s.low, t.low) + min(s.high, t.high)))
-                    best, rank = _Seam(small, gap, s.part, t.part, Axis(at, line.direction)), mine
+        for s, t in product(spans[one], spans[two]):
+            gap, radius = s.gap(t), min(s.face.radius, t.face.radius)
+            mine = round(gap, 5) > _SEAM, -radius, gap
+            if s.shows_axis_with(t) and (best is None or mine < rank):
+                at = line.point + line.d * (0.5 * (max(s.low, t.low) + min(s.high, t.high)))
+                best, rank = _Seam(radius, gap, s.face.part, t.face.part, Axis(at, line.direction)), mine
         if best is None or (best.gap > _SEAM and (best.gap > 2.0 * best.radius or not self._touch(one, two))):
             return None
         return best
@@ -199,20 +198,3 @@ class _Seams:
             gaps = np.maximum(a[:, None, 0] - b[None, :, 1], b[None, :, 0] - a[:, None, 1])
             self._adjacent[key] = bool((gaps.max(axis=2) <= _NEAR_BOX).any())
         return self._adjacent[key]
-
-    def _faces(self) -> list[_Round]:
-        """All faces that cover more than half of a circumference, and all round outlines."""
-        rows: list[_Round] = []
-        faces = self._survey.scene.faces
-        for placed in (f for kind in (FaceKind.CYLINDER, FaceKind.CONE, FaceKind.TORUS) for f in faces[kind]):
-            face = placed.face
-            goes_round = face.span >= _LEAST_SPAN or face.kind == FaceKind.TORUS
-            if placed.part in self._cluster_of and face.radius >= _SMALLEST_RADIUS and goes_round:
-                rows.append(_Round(placed.part, placed.point, placed.direction, face.radius, 0.5 * face.length))
-        for placed in faces[FaceKind.PLANE]:
-            if placed.part in self._cluster_of and placed.face.rings:
-                ring = self._survey.scene.outline(placed)[0]
-                circle = fitted_circle(ring, placed.direction, _CIRCLE)
-                if circle is not None and circle[1] > _SMALLEST_RADIUS:
-                    rows.append(_Round(placed.part, circle[0], placed.direction, circle[1], 0.0))
-        return rows

@@ -1,0 +1,74 @@
+"""Faces that can show the axis of a joint across a gap: faces of revolution, round outlines, cradles, centred faces."""
+
+from collections.abc import Container
+from dataclasses import dataclass
+from enum import StrEnum
+
+from stepbot.geometry.spatial import Array
+from stepbot.step.faces import FaceKind
+
+from .circles import fitted_circle, symmetric_outline
+from .scene import PlacedFace, Scene
+
+_SMALLEST_RADIUS = 2e-3
+_HALF, _CRADLE = 3.0, 2.0
+"""Least angle [rad] that a face of revolution covers, and a bore that only holds a shaft from one side."""
+_CIRCLE = 1e-6
+
+
+class SeamShape(StrEnum):
+    """What a face shows by itself."""
+
+    ROUND = "round"
+    """It goes round its axis, at least half."""
+    CRADLE = "cradle"
+    """A bore that covers less: it has the axis of a shaft inside it."""
+    CENTRED = "centred"
+    """A plane with a centre of symmetry, such as a rectangle: it has the axis of a round face on its centre."""
+
+
+@dataclass(frozen=True, eq=False)
+class SeamFace:
+    """A face in the assembly, with the line that it is centred on."""
+
+    part: int
+    center: Array
+    direction: Array
+    radius: float
+    half: float
+    """Half of its length along the axis."""
+    shape: SeamShape
+    bore: bool
+
+
+def seam_faces(scene: Scene, parts: Container[int]) -> list[SeamFace]:
+    """All such faces of some parts."""
+    rows: list[SeamFace] = []
+    for kind in (FaceKind.CYLINDER, FaceKind.CONE, FaceKind.TORUS):
+        for placed in scene.faces[kind]:
+            if placed.part in parts and placed.face.radius >= _SMALLEST_RADIUS:
+                rows += _revolved(placed)
+    for placed in scene.faces[FaceKind.PLANE]:
+        if placed.part in parts and placed.face.rings:
+            rows += _flat(placed, scene.outline(placed)[0])
+    return rows
+
+
+def _revolved(placed: PlacedFace) -> list[SeamFace]:
+    face = placed.face
+    if face.span >= _HALF or face.kind == FaceKind.TORUS:
+        shape = SeamShape.ROUND
+    elif face.span >= _CRADLE and face.bore and face.kind == FaceKind.CYLINDER:
+        shape = SeamShape.CRADLE
+    else:
+        return []
+    return [SeamFace(placed.part, placed.point, placed.direction, face.radius, 0.5 * face.length, shape, face.bore)]
+
+
+def _flat(placed: PlacedFace, ring: Array) -> list[SeamFace]:
+    circle, shape = fitted_circle(ring, placed.direction, _CIRCLE), SeamShape.ROUND
+    if circle is None:
+        circle, shape = symmetric_outline(ring), SeamShape.CENTRED
+    if circle is None or circle[1] <= _SMALLEST_RADIUS:
+        return []
+    return [SeamFace(placed.part, circle[0], placed.direction, circle[1], 0.0, shape, bore=False)]

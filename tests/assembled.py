@@ -1,0 +1,127 @@
+"""Assemblies in memory for inference: shapes of the kernel [mm] in a tree, without a STEP file in between.
+
+``cylinder``, ``box`` and the like of :mod:`tests.solids` make the shapes; volumes and inertias are the kernel's here,
+since only their ratios count.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from robot_library.step_file import moved
+from stepbot.authoring.inference import Inferred, infer_mechanism
+from stepbot.authoring.survey import ALL_SOURCES, Sources
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Assembly, Body, BodyKind, Component
+
+from .solids import Solid, faces
+
+BARE = Sources(names=False, tree=False)
+"""Neither names nor subassemblies are used."""
+_NO_MESH = TriMesh.of(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32))
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A part, or a subassembly of others, at its place in what is above."""
+
+    name: str
+    shape: Any = None
+    children: Sequence["Node"] = ()
+    X: Pose = field(default_factory=Pose)
+
+
+def part(name: str, solid: Solid | Any, x: float = 0.0, y: float = 0.0, z: float = 0.0, rpy: Any = (0, 0, 0)) -> Node:
+    """A part: ``solid`` moved to (x, y, z) [mm], turned by roll, pitch and yaw [rad]; one solid is one definition."""
+    shape = solid.shape if isinstance(solid, Solid) else solid
+    return Node(name, shape, X=Pose.from_xyz_rpy((x * 1e-3, y * 1e-3, z * 1e-3), rpy))
+
+
+def group(name: str, *children: Node) -> Node:
+    """A subassembly."""
+    return Node(name, children=children)
+
+
+def assembled(*nodes: Node) -> Assembly:
+    """The assembly of some nodes, as the reader returns it with ``ReadOptions.faces``."""
+    components, shapes = [Component(0, -1, ".", ".", "", "", 1)], [None]
+    for node in nodes:
+        _add(node, 0, Pose(), components, shapes)
+    bodies = tuple(_body(shape) for shape in shapes[1:])
+    return Assembly("made.step", "AP242", "", "mm", 1e-3, tuple(components), bodies)
+
+
+def _add(node: Node, parent: int, X_WP: Pose, components: list[Component], shapes: list[Any]) -> None:
+    """Add a node and everything below it; the first shape is that of subassemblies, which have none."""
+    number = next((n for n, shape in enumerate(shapes) if shape is node.shape), len(shapes))
+    if number == len(shapes):
+        shapes.append(node.shape)
+    index, X_WC = len(components), X_WP @ node.X
+    path = f"{components[parent].path}/{node.name}" if parent else node.name
+    definition = number or 1000 + index
+    components.append(Component(index, parent, node.name, path, node.name, "", 1, X_WC, number - 1, definition))
+    for child in node.children:
+        _add(child, index, X_WC, components, shapes)
+
+
+def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> Inferred:
+    """The mechanism inferred from some nodes."""
+    return infer_mechanism(assembled(*nodes), sources)
+
+
+def links(found: Inferred) -> list[set[str]]:
+    """The paths of the parts of each link."""
+    return [{found.survey.parts[i].path for i in members} for members in found.links]
+
+
+def joints(found: Inferred) -> list[tuple[str, str, str]]:
+    """Type and the larger parts' paths of both sides of each joint, sorted; without placeholders."""
+    rows = []
+    for arc in found.arcs:
+        if arc.hinge.type != JointKind.FIXED:
+            ends = sorted(_largest(found, n) for n in (arc.parent, arc.child))
+            rows.append((str(arc.hinge.type), ends[0], ends[1]))
+    return sorted(rows)
+
+
+def _largest(found: Inferred, link: int) -> str:
+    parts = [found.survey.parts[i] for i in found.links[link]]
+    return max(parts, key=lambda p: (p.volume, p.path)).path
+
+
+def _body(shape: Any) -> Body:
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+    from OCP.TopoDS import TopoDS
+
+    from stepbot.step.features.face_reading import read_faces
+
+    found = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, found)
+    com, matrix = found.CentreOfMass(), found.MatrixOfInertia()
+    inertia = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
+    exact = VolumeProperties.of(found.Mass() * 1e-9, np.array([com.X(), com.Y(), com.Z()]) * 1e-3, inertia * 1e-15)
+    colors, read = np.zeros(0, dtype=np.int32), read_faces([TopoDS.Face(face) for face in faces(shape)])
+    return Body(BodyKind.SOLID, _NO_MESH, colors, (None,), True, exact=exact, faces=read)
+
+
+def turned(solid: Solid, x: float = 0.0, y: float = 0.0, z: float = 0.0, rpy: Any = (0, 0, 0)) -> Solid:
+    """A solid turned by roll, pitch and yaw [rad], then moved to (x, y, z) [mm]."""
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = Pose.from_xyz_rpy((0, 0, 0), rpy).R, (x, y, z)
+    return Solid(moved(solid.shape, X), solid.moments.moved(X))
+
+
+def cut(solid: Solid, *tools: Solid) -> Solid:
+    """What is left of a solid; unlike ``-``, the tools need not be inside. Its moments are not those of the result."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+
+    shape = solid.shape
+    for tool in tools:
+        shape = BRepAlgoAPI_Cut(shape, tool.shape).Shape()
+    return Solid(shape, solid.moments)
