@@ -1,4 +1,4 @@
-"""Foreign text takes linear time: no search in it is quadratic or exponential."""
+"""Searches in foreign text take linear time."""
 
 import os
 import signal
@@ -19,10 +19,10 @@ from stepbot.step.structure import paths
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="a search that does not end cannot be stopped there")
 
 SECONDS = 30.0
-"""Of processor time, after which a search counts as endless."""
+"""Processor time [s] after which a search counts as endless."""
 SHORT, LONG = 1 << 16, 1 << 20
 MOST = 4.0
-"""How many times longer one long text may take than short ones of that length together: the square takes 16 times."""
+"""Maximum ratio of the time for one long text to that for short ones of equal total length; quadratic is 16."""
 TICK = 0.02
 """Processor time [s] below which differences are noise: Linux counts in steps of 4 to 10 ms while a timer runs."""
 MEASURED = 5 * TICK
@@ -30,7 +30,7 @@ MEASURED = 5 * TICK
 
 @pytest.fixture(autouse=True)
 def stopwatch() -> Iterator[None]:
-    """Stops what does not come back."""
+    """Stop a search that does not end."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise TimeoutError(f"no end after {SECONDS:g} s")
@@ -43,28 +43,28 @@ def stopwatch() -> Iterator[None]:
 
 
 def check(data: bytes) -> None:
-    """The checks of a STEP file without the kernel."""
+    """Check a STEP file without the kernel."""
     part21._check(data, "", "foreign.step", Diagnostics())
 
 
 def header(data: bytes) -> None:
-    """The header's entities."""
+    """Parse the header."""
     part21._read_header(data, "ascii")
 
 
 def documents(data: bytes) -> None:
-    """Files that a STEP file refers to."""
+    """Find the files that a STEP file refers to."""
     external_references(data, "ascii")
 
 
 def names(data: bytes) -> None:
-    """Files that an unchecked STEP file refers to, one for each entity, on a line of its own."""
+    """Find file names in an unchecked STEP file with one entity per line."""
     rows = (b"#%d=DOCUMENT_FILE('a%d.step','',$,$,'',$);" % (i, i) for i in range(1, len(data) // 40))
     assert external_references(b"\n".join(rows), "", with_products=False)
 
 
 def products(data: bytes) -> None:
-    """Documents of a formation of many product definitions, which are as many references as their product."""
+    """Find the documents of a formation with many product definitions, and as many references to it."""
     count = len(data) // 160
     rows = [b"#1=PRODUCT_DEFINITION_FORMATION('','',$);"]
     for i in range(2, 3 * count, 3):
@@ -75,39 +75,39 @@ def products(data: bytes) -> None:
 
 
 def statements(data: bytes) -> None:
-    """Statements of the text."""
+    """Split the text into statements."""
     list(find_statements(data))
 
 
 def long_tokens(data: bytes) -> None:
-    """Strings and comments that are too long."""
+    """Find strings and comments that are too long."""
     list(_long_tokens(data))
 
 
 def references(data: bytes) -> None:
-    """References of one statement."""
+    """Find the references in a statement."""
     statement = Statement(1, 0, data)
     assert statement.keyword is not None
     list(statement.references)
 
 
 def sample(data: bytes) -> None:
-    """The first name that is not ASCII."""
+    """Find the first name that is not ASCII."""
     encodings._first(data, "cp1252")
 
 
 def string(data: bytes) -> None:
-    """The text of a string."""
+    """Decode a string."""
     decode_string(data, "ascii")
 
 
 def glob(data: bytes) -> None:
-    """A name and a pattern with many stars."""
+    """Match a name with a pattern of many stars."""
     assert not paths._parse_segment("*a" * 20 + "*b").accepts(data.decode())
 
 
 def spelling(data: bytes) -> None:
-    """A misspelt name and one that is nearly it."""
+    """Find a candidate for a misspelt name."""
     text = data.decode()
     did_you_mean(text, [f"x{text}"])
 
@@ -155,7 +155,7 @@ def spelling(data: bytes) -> None:
     ],
 )
 def test_time_grows_with_the_length(function: Callable[[bytes], None], unit: bytes) -> None:
-    """One text takes less than four times as long as sixteen parts of it, where the square would take sixteen times."""
+    """One text takes less than four times as long as its sixteen parts; quadratic time is sixteen times as long."""
     texts = [
         (b"'" + unit * (size // len(unit)) if function is sample else unit * (size // len(unit)))
         for size in (SHORT, LONG)
@@ -170,7 +170,7 @@ def test_time_grows_with_the_length(function: Callable[[bytes], None], unit: byt
 
 
 def _times(function: Callable[[bytes], None], short: bytes, long: bytes) -> tuple[float, float]:
-    """Processor time [s] for short texts and for long ones, as many bytes of each; enough of them to be measured."""
+    """Processor time [s] for short and for long texts of equal total length, repeated until measurable."""
     times = [0.0, 0.0]
     for _ in range(20):
         for number, (text, count) in enumerate(((short, LONG // SHORT), (long, 1))):
@@ -184,7 +184,7 @@ def _times(function: Callable[[bytes], None], short: bytes, long: bytes) -> tupl
 
 
 def test_square_is_noticed() -> None:
-    """Of a search that begins anew at each position, as cheap as one can be: a comparison of bytes."""
+    """The test fails for a search that restarts at each position."""
 
     def search(data: bytes) -> None:
         for start in range(0, len(data), 256):

@@ -1,4 +1,4 @@
-"""Components go to links: the nearest claim wins, nothing is in two links, nothing is left over."""
+"""Assignment of components to links: the nearest claim wins, and every component is in exactly one link."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def _components(robot: Robot) -> dict[str, tuple[str, ...]]:
 
 
 def test_nearest_claim_wins(tmp_path: Path) -> None:
-    """A motor goes to one link, its horn, which another link names, to that one."""
+    """A link that names a motor gets it, except for its horn, which another link names."""
     robot = built(
         _motor_shop(), tmp_path, TWO + '    links: {base: {parts: ["motor", "plate"]}, arm: {parts: ["horn"]}}\n'
     )
@@ -42,7 +42,7 @@ def test_nearest_claim_wins(tmp_path: Path) -> None:
 
 
 def test_claims_may_alternate_on_the_way_down(tmp_path: Path) -> None:
-    """A claim below a claim below a claim counts for what is under it."""
+    """A claim below another claim applies to its own subtree, to any depth."""
     shop = Workshop()
     a = shop.group("a")
     b = shop.group("b", a)
@@ -55,7 +55,7 @@ def test_claims_may_alternate_on_the_way_down(tmp_path: Path) -> None:
 
 
 def test_rest_takes_what_no_link_claims(tmp_path: Path) -> None:
-    """``rest`` gives a link everything that is left, and the root's own path claims all."""
+    """``rest`` takes all unclaimed components; a claim on the root's own path takes everything."""
     robot = built(_motor_shop(), tmp_path, TWO + '    links: {base: {rest: true}, arm: {parts: ["**/screw"]}}\n')
     assert _components(robot)["arm"] == ("motor/screw#1", "motor/screw#2")
     assert _components(robot)["base"] == ("motor/case", "motor/horn", "plate")
@@ -64,7 +64,7 @@ def test_rest_takes_what_no_link_claims(tmp_path: Path) -> None:
 
 
 def test_ignored_components_are_in_no_link(tmp_path: Path) -> None:
-    """``ignore`` takes components out, of a whole subassembly as well; the first rule that sets it counts."""
+    """``ignore`` excludes components and whole subassemblies; the first rule that sets it applies."""
     text = (
         TWO
         + """
@@ -89,7 +89,7 @@ def test_ignored_components_are_in_no_link(tmp_path: Path) -> None:
 
 
 def test_two_links_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The second link that claims a component is reported, at its line, with both names."""
+    """A component claimed by a second link is reported at the second claim, with both links."""
     text = (
         TWO
         + """
@@ -109,7 +109,7 @@ def test_two_links_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_components_in_no_link_are_listed(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """One error lists what is left over, a subassembly as a whole where all of it is."""
+    """One error lists unassigned components, a subassembly as one entry if all of it is unassigned."""
     shop = _motor_shop()
     hand = shop.group("hand")
     shop.box("palm", parent=hand)
@@ -122,7 +122,7 @@ def test_components_in_no_link_are_listed(tmp_path: Path, found: ReadDiagnostics
 
 
 def test_misspelt_part_comes_with_near_matches(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A path without a match is an error at its place, and the error about unassigned components refers to it."""
+    """A path without a match is an error with similar names; the error about unassigned components refers to it."""
     build(_motor_shop(), tmp_path, TWO + "    links: {base: {parts: [plate, motor]}, arm: {parts: [hron]}}\n", found)
     (fault,) = found
     assert fault.code == "SB301"
@@ -131,7 +131,7 @@ def test_misspelt_part_comes_with_near_matches(tmp_path: Path, found: ReadDiagno
 
 
 def test_every_unbound_path_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Unknown and ambiguous paths in links and rules are all reported at once."""
+    """All unknown and ambiguous paths in links and rules are reported in one run."""
     shop = _motor_shop()
     other = shop.group("other")
     shop.box("horn", parent=other)
@@ -148,7 +148,7 @@ def test_every_unbound_path_is_told(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A claim on ignored components, or ones claimed more closely, causes a warning with the reason."""
+    """A claim on ignored components, or on ones claimed more closely, is a warning with the reason."""
     shop = Workshop()
     pair = shop.group("pair")
     shop.box("x", parent=pair)
@@ -168,7 +168,7 @@ def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None
 
 
 def test_binding_by_number_draws_one_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """All paths that hold by ``#n`` alone are collected in one warning."""
+    """All paths that depend on ``#n`` alone are collected in one warning."""
     text = TWO + '    links: {base: {rest: true}, arm: {parts: ["motor/screw#1", "motor/screw#2"]}}\n'
     assert build(_motor_shop(), tmp_path, text, found) is not None
     (fault,) = found
@@ -177,7 +177,7 @@ def test_binding_by_number_draws_one_warning(tmp_path: Path, found: ReadDiagnost
 
 
 def test_named_occurrences_draw_none(tmp_path: Path) -> None:
-    """``#n`` on siblings that have names of their own is safe enough."""
+    """``#n`` on siblings with their own names causes no warning."""
     shop = Workshop()
     shop.box("motor", occurrence="left motor")
     shop.box("motor", occurrence="right motor")

@@ -1,4 +1,4 @@
-"""Simple shapes enclose their points, and are the smallest there are where that is known."""
+"""Primitives enclose their points, and are the smallest ones where those are known."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ AXES = np.eye(3)
 
 
 def test_smallest_ball_of_known_shapes() -> None:
-    """The radius is half the diagonal of a cube or a square, and half the longest side of an obtuse triangle."""
+    """The radius of the smallest ball is half the diagonal of a cube, or half the longest side of a triangle."""
     center, radius = smallest_ball(CORNERS + np.array([1, 2, 3]))
     np.testing.assert_allclose(center, (1, 2, 3), atol=1e-12)
     assert radius == pytest.approx(np.sqrt(3) / 2, rel=1e-12)
@@ -27,7 +27,7 @@ def test_smallest_ball_of_known_shapes() -> None:
 
 @given(arrays(np.float64, st.tuples(st.integers(1, 30), st.integers(2, 3)), elements=st.floats(-1, 1, width=32)))
 def test_smallest_ball_encloses_and_is_held(points: np.ndarray) -> None:
-    """No point is outside, and no ball with its centre a little aside is smaller."""
+    """The smallest ball encloses all points, and no ball with a slightly moved centre is smaller."""
     center, radius = smallest_ball(points)
     assert np.linalg.norm(points - center, axis=1).max() <= radius + 1e-9
     for direction in np.vstack([np.eye(points.shape[1]), -np.eye(points.shape[1])]):
@@ -36,7 +36,7 @@ def test_smallest_ball_encloses_and_is_held(points: np.ndarray) -> None:
 
 
 def test_box() -> None:
-    """The box is along the axes, in the middle of the points."""
+    """The box is aligned with the axes and centred on the points."""
     fit = box_around(CORNERS * (0.1, 0.2, 0.3) + (1, 2, 3))
     assert fit is not None
     np.testing.assert_allclose(fit[0].size, (0.1, 0.2, 0.3))
@@ -44,7 +44,7 @@ def test_box() -> None:
 
 
 def test_sphere() -> None:
-    """The sphere around a box has its half diagonal."""
+    """The sphere around a box has half its diagonal as radius."""
     fit = sphere_around(CORNERS * (0.3, 0.4, 1.2))
     assert fit is not None
     assert fit[0].radius == pytest.approx(0.65)
@@ -52,7 +52,7 @@ def test_sphere() -> None:
 
 @pytest.mark.parametrize("rpy", [(0, 0, 0), (np.pi / 2, 0, 0), (0, np.pi / 2, 0)])
 def test_cylinder_finds_its_axis(rpy: tuple[float, float, float]) -> None:
-    """Of the three axes the one of a rod gives the smallest cylinder, with its radius and length."""
+    """The smallest of three axis-aligned cylinders around a rod has its radius and length."""
     R = rotation_from_rpy(rpy)
     fit = cylinder_around(rod_mesh(0.01, 0.05, 64).vertices @ R.T + (1, 0, 0), AXES)
     assert fit is not None
@@ -63,7 +63,7 @@ def test_cylinder_finds_its_axis(rpy: tuple[float, float, float]) -> None:
 
 
 def test_cylinder_along_an_axis_line() -> None:
-    """A slanting rod needs its own direction among the candidates."""
+    """The cylinder of a slanting rod needs the rod's axis among the candidates."""
     R = rotation_from_rpy((0.4, 0.5, 0.6))
     points = rod_mesh(0.01, 0.05, 64).vertices @ R.T
     fit = cylinder_around(points, [*AXES, R[:, 2]])
@@ -73,7 +73,7 @@ def test_cylinder_along_an_axis_line() -> None:
 
 
 def test_capsule() -> None:
-    """A stadium is its own capsule; a short cylinder gets one that extends beyond its edges."""
+    """The capsule of a stadium is the stadium; that of a short cylinder extends beyond its ends."""
     angles = np.linspace(0, np.pi / 2, 9)
     profile = [(0.01 * np.cos(t), 0.03 + 0.01 * np.sin(t)) for t in angles]
     turns = np.linspace(0, 2 * np.pi, 32, endpoint=False)
@@ -89,7 +89,7 @@ def test_capsule() -> None:
 
 @given(arrays(np.float64, st.tuples(st.integers(4, 30), st.just(3)), elements=st.floats(-1, 1, width=32)))
 def test_shapes_enclose(points: np.ndarray) -> None:
-    """Every point is inside every shape."""
+    """Every point is inside every primitive."""
     points = points.astype(np.float64)
     if (fit := cylinder_around(points, AXES)) is not None:
         local = fit[1].inverse().apply(points)
@@ -102,7 +102,7 @@ def test_shapes_enclose(points: np.ndarray) -> None:
 
 
 def test_flat_points_leave_no_room() -> None:
-    """What has no thickness has no box and no cylinder across, but a sphere."""
+    """Flat points have a sphere, but no box and no cylinder."""
     flat = CORNERS * (0.1, 0.1, 0.0)
     assert box_around(flat) is None
     assert cylinder_around(flat, [AXES[2]]) is None
@@ -110,7 +110,7 @@ def test_flat_points_leave_no_room() -> None:
 
 
 def test_smallest_ball_is_the_same_to_the_last_bit() -> None:
-    """Products and sums alone: no version of numpy or of its LAPACK shows in the centre and the radius."""
+    """The smallest ball does not depend on the version of numpy or LAPACK, to the last bit."""
     points = np.array([[0.013, 0.001, 0.0], [-0.011, 0.007, 0.003], [0.001, -0.012, 0.005], [0.002, 0.003, 0.014]])
     center, radius = smallest_ball(points)
     assert center.tolist() == [0.0002720800135616215, 0.0006573147991184949, 0.002362010510255976]

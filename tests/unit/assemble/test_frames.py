@@ -34,7 +34,7 @@ def _expect(robot: Robot, position_mm: tuple[float, float, float], R: object = n
 
 
 def test_explicit(tmp_path: Path) -> None:
-    """Numbers are relative to the assembly; ``offset`` is applied in the frame they give."""
+    """A pose in numbers is relative to the assembly; ``offset`` is applied in its frame."""
     shop = _two([], [], at(5, 6, 7, (0, 0, np.pi / 2)))
     turned = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     _expect(built(shop, tmp_path, _joint("{xyz: [1 mm, 2 mm, 3 mm], rpy: [0, 0, 90 deg]}")), (1, 2, 3), turned)
@@ -43,7 +43,7 @@ def test_explicit(tmp_path: Path) -> None:
 
 
 def test_relative_to_a_component_or_link(tmp_path: Path) -> None:
-    """A name of a link counts before one of a component; a link's frame is where it was drawn."""
+    """A name denotes a link before a component; the frame of a link is that of the drawn pose."""
     shop = Workshop()
     shop.box("base")
     shop.box("arm", (10, 10, 10), at(5, 6, 7, (0, 0, np.pi / 2)))
@@ -64,7 +64,7 @@ def test_relative_to_a_component_or_link(tmp_path: Path) -> None:
 
 
 def test_component_and_center(tmp_path: Path) -> None:
-    """A component's own frame, and the middle of its bounding box along the assembly's axes."""
+    """``component`` is the component's frame; ``center`` the centre of its bounding box along the assembly's axes."""
     shop = Workshop()
     shop.box("base")
     arm = shop.group("arm", X_PC=at(100, 0, 0, (0, 0, np.pi / 2)))
@@ -78,7 +78,7 @@ def test_component_and_center(tmp_path: Path) -> None:
 
 
 def test_ignored_components_can_be_named(tmp_path: Path) -> None:
-    """Components in no link can still define an origin."""
+    """An origin may name an ignored component."""
     shop = _two([], [])
     shop.box("marker", (1, 1, 1), at(3, 4, 5))
     text = _joint("{center: marker}") + "    parts: {marker: {ignore: true}}\n"
@@ -86,7 +86,7 @@ def test_ignored_components_can_be_named(tmp_path: Path) -> None:
 
 
 def test_axis_of(tmp_path: Path) -> None:
-    """The line of a component's faces: z along it by the sign rule, origin in the middle of the selected faces."""
+    """``axis_of`` is the line of a component's faces: z along it by the sign rule, origin in their middle."""
     holes = [axis((10, 0, 0), (0, -1, 0), 8, 20), axis((10, 30, 0), (0, 1, 0), 3, 10), axis((40, 0, 0), (0, 1, 0), 3)]
     shop = _two(holes, [])
     along_y = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
@@ -97,7 +97,7 @@ def test_axis_of(tmp_path: Path) -> None:
 
 
 def test_axis_of_a_subassembly(tmp_path: Path) -> None:
-    """Faces of everything below a component count, wherever it is turned to."""
+    """``axis_of`` a subassembly uses the faces of all its components, in any orientation."""
     shop = Workshop()
     shop.box("base")
     arm = shop.group("arm", X_PC=at(0, 0, 50, (np.pi / 2, 0, 0)))
@@ -106,24 +106,24 @@ def test_axis_of_a_subassembly(tmp_path: Path) -> None:
 
 
 def test_mate_and_auto(tmp_path: Path) -> None:
-    """``auto``, written or omitted, is the mate between the parts of both links, with its origin in their overlap."""
+    """``auto``, explicit or by default, is the mate between the parts of both links, its origin in their overlap."""
     shop = _two(
         [axis((20, 0, 0), radius=8, length=10), axis((0, 20, 0), radius=2)],
         [axis((0, 0, 0), radius=7.9, length=40, bore=False), axis((-20, 20, 0), radius=2)],
         at(20, 0, 15),
     )
-    # Bore from -5 to 5, shaft from -5 to 35: what they share is the bore.
+    # Bore from -5 to 5, shaft from -5 to 35: their overlap is the bore.
     for origin in ("auto", "{auto: true}", '{mate: ["base", "arm"]}', '{mate: ["arm", "base"]}'):
         _expect(built(shop, tmp_path, _joint(origin)), (20, 0, 0))
     left_out = HEAD + "    joints: {j: {type: continuous, parent: base, child: arm}}\n"
     _expect(built(shop, tmp_path, left_out), (20, 0, 0))
-    # The pins beside it are apart: from -5 to 5, and from 10 to 20.
+    # The pins beside it do not overlap: from -5 to 5, and from 10 to 20.
     _expect(built(shop, tmp_path, _joint("{radius: 2 mm}")), (0, 20, 7.5))
     _expect(built(shop, tmp_path, _joint("{near: [0, 20 mm, 0], offset: {xyz: [0, 0, 1 mm]}}")), (0, 20, 8.5))
 
 
 def test_auto_looks_at_all_parts_of_both_links(tmp_path: Path) -> None:
-    """A horn that is the child's although it is inside the parent's motor makes the axis; an ignored screw does not."""
+    """``auto`` uses all parts of both links, such as a horn within the parent's motor, and no ignored ones."""
     shop = Workshop()
     motor = shop.group("motor")
     shop.box("case", parent=motor, axes=[axis((0, 0, 0), radius=6)])
@@ -135,12 +135,12 @@ def test_auto_looks_at_all_parts_of_both_links(tmp_path: Path) -> None:
     links: {base: {rest: true}, arm: {parts: [arm, horn]}}
     joints: {j: {type: continuous, parent: base, child: arm}}
 """
-    # With the screw, its hole would be a rival: 4 mm against 5 mm.
+    # With the screw, its hole would be a second candidate: 4 mm against 5 mm.
     _expect(built(shop, tmp_path, text + "    parts: {screw: {ignore: true}}\n"), (0, 0, 0))
 
 
 def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Rivals are an error at the origin, each with the snippet that takes it."""
+    """Ambiguous axes are an error at the origin, with a snippet for each."""
     bolts = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3), axis((0, 10, 0), radius=2)]
     shop = _two(bolts, bolts)
     assert build(shop, tmp_path, _joint("auto"), found) is None
@@ -157,7 +157,7 @@ def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnosti
 
 
 def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """``axis_of`` that fits several lines offers the same."""
+    """An ambiguous ``axis_of`` lists a snippet for each line."""
     shop = _two([axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=2.9)], [])
     assert build(shop, tmp_path, _joint("{axis_of: base}"), found) is None
     (fault,) = found
@@ -169,7 +169,7 @@ def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadD
 
 
 def test_no_axis_tells_near_misses(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """If two links share no line, lines less than 2 mm apart are reported, with snippets to paste."""
+    """If two links share no line, lines less than 2 mm apart are reported, with snippets."""
     shop = _two([axis((10, 0, 0), radius=5), axis((30, 0, 0), radius=1)], [axis((11.57, 0, 0), radius=4)])
     assert build(shop, tmp_path, _joint("auto"), found) is None
     (fault,) = found
@@ -181,7 +181,7 @@ def test_no_axis_tells_near_misses(tmp_path: Path, found: ReadDiagnostics) -> No
 
 
 def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Faces on one line with a gap of 228 mm make no joint by themselves; the error lists what would select them."""
+    """Faces on one line with a gap of 228 mm are no joint; the error lists the selectors for them."""
     horn = [axis((0, 0, 0), radius=10, length=4, bore=False)]
     bracket = [axis((0, 0, 234), radius=10.2, length=8)]
     shop = _two(horn, bracket)
@@ -197,19 +197,19 @@ def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, found: ReadD
     )
     assert first.help == ("origin: {auto: true, radius: 10.2 mm}",)
     assert second.help == ('origin: {mate: ["base", "arm"], radius: 10.2 mm}',)
-    for chosen in (first.help[0], second.help[0], "origin: {near: [0, 0, 0]}"):  # a choice is no guess
+    for chosen in (first.help[0], second.help[0], "origin: {near: [0, 0, 0]}"):  # a choice in the sidecar is explicit
         _expect(built(shop, tmp_path, _joint(chosen.removeprefix("origin: "))), (0, 0, 116))
 
 
 def test_a_fit_beats_a_wider_line_without_contact(tmp_path: Path) -> None:
-    """The pin in its bore is the axis, although a line with wider faces apart from each other is there, too."""
+    """A pin in its bore is preferred to a line whose wider faces are apart."""
     base = [axis((0, 0, 0), radius=10, length=4, bore=False), axis((40, 0, 0), radius=2, length=10, bore=False)]
     arm = [axis((0, 0, 234), radius=10.2, length=8), axis((40, 0, 0), radius=2.1, length=10)]
     _expect(built(_two(base, arm), tmp_path, _joint("auto")), (40, 0, 0))
 
 
 def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Such a line is taken with a warning, and without one where the sidecar selects it."""
+    """A line of faces that touch without fitting is a warning, unless the sidecar selects it."""
     shop = _two(
         [axis((0, 0, 0), radius=5, length=4)], [axis((0, 0, 1), radius=10, length=4, bore=False), axis((20, 0, 0))]
     )
@@ -228,7 +228,7 @@ def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadD
 
 
 def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A screw in its hole is taken before a wide line that touches, but not without a word."""
+    """A screw in its hole is preferred to a wide line of touching faces, with a warning."""
     base = [axis((0, 0, 0), radius=20), axis((40, 0, 0), radius=2, bore=False)]
     arm = [axis((0, 0, 0), radius=10, bore=False), axis((40, 0, 0), radius=2.1)]
     robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
@@ -240,7 +240,7 @@ def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, found:
 
 
 def test_a_wide_line_that_touches_beats_a_bolt_circle(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where bolt holes meet on several lines and nothing decides between them, a line twice as wide is the axis."""
+    """Among equal bolt holes on several lines, a line twice as wide is the axis."""
     bolts = [axis((x, y, 0), radius=1.2) for x, y in ((12, 0), (-12, 0), (0, 12), (0, -12))]
     base = [axis((0, 0, 0), radius=5, bore=False), *bolts]
     arm = [axis((0, 0, 0), radius=7), *bolts]
@@ -251,14 +251,14 @@ def test_a_wide_line_that_touches_beats_a_bolt_circle(tmp_path: Path, found: Rea
 
 
 def test_a_slide_takes_any_of_parallel_lines(tmp_path: Path) -> None:
-    """Two equal guides are no rivals for a prismatic joint."""
+    """For a prismatic joint two parallel guides are not ambiguous."""
     guides = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3)]
     text = _joint("auto", "prismatic", ", limits: {lower: 0, upper: 10 mm}")
     _expect(built(_two(guides, guides), tmp_path, text), (10, 0, 0))
 
 
 def test_auto_without_parts(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A link without parts shares no line, and the message has the reason; a misspelt path is not reported twice."""
+    """A link without parts shares no line, and the message has the reason; a misspelt path is reported once."""
     shop = _two([axis((0, 0, 0))], [])
     inertial = "{mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}"
     empty = _joint("auto").replace("arm: {parts: [arm]}", f"arm: {{inertial: {inertial}}}")
@@ -269,7 +269,7 @@ def test_auto_without_parts(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_paths_in_origins_are_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """An unknown component and one without extent are errors at their own place in the origin."""
+    """An unknown component, and one without extent, are errors at their place in the origin."""
     shop = _two([], [])
     shop.group("nothing")
     assert build(shop, tmp_path, _joint("{component: amr}"), found) is None
@@ -280,12 +280,12 @@ def test_paths_in_origins_are_checked(tmp_path: Path, found: ReadDiagnostics) ->
     first = next(iter(found))
     assert first.message == "joint 'j': no component 'amr' in robot.step"
     lines = HEAD.splitlines()
-    column = _joint("{component: amr}").splitlines()[-1].index("amr") + 1 - 4  # the workshop takes away the indent
+    column = _joint("{component: amr}").splitlines()[-1].index("amr") + 1 - 4  # the workshop removes the indent
     assert (first.span.line, first.span.column) == (3 + len(lines) + 1, column)
 
 
 def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A joint relative to its own child, or two relative to each other's, is reported once."""
+    """A joint relative to its own child, and two joints relative to each other's, are one error each."""
     shop = _two([], [])
     shop.box("tip")
     text = """
@@ -302,7 +302,7 @@ def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics)
 
 
 def test_root_frame(tmp_path: Path) -> None:
-    """The root's frame is the assembly's unless ``root`` overrides it; everything follows from it."""
+    """The root frame is the assembly's unless ``root`` sets it; all other frames are relative to it."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)])
     plain = built(shop, tmp_path, _joint("auto"))
     root = "    root: {link: base, frame: {axis_of: base, offset: {xyz: [0, 0, -40 mm]}}}\n"
@@ -315,7 +315,7 @@ def test_root_frame(tmp_path: Path) -> None:
 
 
 def test_named_frames(tmp_path: Path) -> None:
-    """A frame is where its origin is, in its link's frame."""
+    """A named frame has the pose of its origin in its link's frame."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
     text = _joint("auto") + "    frames: {tool: {link: arm, origin: {xyz: [20 mm, 0, 60 mm], rpy: [0, 90 deg, 0]}}}\n"
     (frame,) = built(shop, tmp_path, text).frames
@@ -342,7 +342,7 @@ def test_named_frames(tmp_path: Path) -> None:
     ],
 )
 def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -> None:
-    """The joint table states the source of each frame."""
+    """The joint table has the source of each frame."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
     made = build_robot(shop.assembly, sidecar(tmp_path, _joint(origin)), lambda: shop.measures, Diagnostics())
     assert made is not None
@@ -352,7 +352,7 @@ def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -
 
 @pytest.mark.parametrize("kind", ["fixed", "revolute"])
 def test_one_rule_for_all_kinds(kind: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Only slides may take any of several lines."""
+    """Only prismatic joints accept any of several parallel lines."""
     guides = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3)]
     extra = ", limits: {lower: -1, upper: 1}" if kind == "revolute" else ""
     assert build(_two(guides, guides), tmp_path, _joint("auto", kind, extra), found) is None

@@ -1,4 +1,4 @@
-"""Joints, closures and actuators: poses at q = 0 from what the CAD drew, checked by moving the robot."""
+"""Joints, closures and actuators: poses at q = 0 from the drawing, checked by moving the robot."""
 
 from math import cos, inf, pi, radians, sin
 from pathlib import Path
@@ -38,7 +38,7 @@ def _com_in_world(robot: Robot, link: str, q: dict[str, float]) -> np.ndarray:
 
 @pytest.mark.parametrize(("zero_a", "zero_b"), [(0.0, 0.0), (30.0, 0.0), (-20.0, 75.0)])
 def test_the_drawn_pose_is_q_equal_zero_key(zero_a: float, zero_b: float, tmp_path: Path) -> None:
-    """At q = ``zero`` every part is where the CAD drew it; at q = 0 the chain is turned back by ``zero``."""
+    """At q = ``zero`` every part has its drawn pose; at q = 0 the chain is moved back by ``zero``."""
     text = (
         CHAIN
         + f"""
@@ -51,7 +51,7 @@ def test_the_drawn_pose_is_q_equal_zero_key(zero_a: float, zero_b: float, tmp_pa
     robot = built(_chain(), tmp_path, text)
     np.testing.assert_allclose(_com_in_world(robot, "upper", _drawn(robot)), (0, 0, 0.05), atol=1e-12)
     np.testing.assert_allclose(_com_in_world(robot, "lower", _drawn(robot)), (0, 0, 0.15), atol=1e-12)
-    # The second joint turns about the y axis as drawn, the first about the y axis of its own frame, rolled by 0.2.
+    # As drawn, the second joint turns about the y axis, the first about the y axis of its own frame, rolled by 0.2.
     R_a = rotation_about((0, cos(0.2), sin(0.2)), -radians(zero_a))
     R_b = rotation_about((0, 1, 0), -radians(zero_b))
     np.testing.assert_allclose(_com_in_world(robot, "upper", {}), R_a @ (0, 0, 0.05), atol=1e-12)
@@ -59,7 +59,7 @@ def test_the_drawn_pose_is_q_equal_zero_key(zero_a: float, zero_b: float, tmp_pa
 
 
 def test_the_joint_frame_is_where_the_origin_says(tmp_path: Path) -> None:
-    """At q = 0 the child's frame is the frame of the origin for any ``zero``; everything below it is rotated back."""
+    """At q = 0 the child's frame is that of the origin for any ``zero``; everything below it is rotated back."""
     text = (
         CHAIN
         + """
@@ -83,7 +83,7 @@ def test_the_joint_frame_is_where_the_origin_says(tmp_path: Path) -> None:
 
 
 def test_slides_are_slid_back(tmp_path: Path) -> None:
-    """A prismatic joint that was drawn 20 mm out is 20 mm further in at q = 0, along its axis."""
+    """A prismatic joint drawn 20 mm out is 20 mm further in at q = 0, along its axis."""
     text = (
         CHAIN
         + """
@@ -101,7 +101,7 @@ def test_slides_are_slid_back(tmp_path: Path) -> None:
 
 
 def test_limits_dynamics_mimic(tmp_path: Path) -> None:
-    """Everything of a joint arrives in SI; defaults fill what it leaves open, the first pattern that sets a field."""
+    """Limits, dynamics and mimics are in SI; missing fields come from the first default pattern that sets them."""
     text = (
         CHAIN
         + """
@@ -128,7 +128,7 @@ def test_limits_dynamics_mimic(tmp_path: Path) -> None:
 
 
 def test_order_is_root_first_depth_first(tmp_path: Path) -> None:
-    """Parents come before children, branches in the order of the sidecar's joints, joints as their children."""
+    """Joints are depth-first from the root, in the sidecar's order; links are in the order of their joints."""
     shop = Workshop()
     for name in "abcde":
         shop.box(name)
@@ -144,7 +144,7 @@ def test_order_is_root_first_depth_first(tmp_path: Path) -> None:
 
 
 def _four_bar_shop(zero: float) -> tuple[Workshop, str]:
-    """A parallelogram of pins at the corners of a unit of 100 mm, and its sidecar; the crank is drawn upright."""
+    """A parallelogram linkage of 100 mm by 200 mm, and its sidecar; the crank is drawn upright."""
     shop = Workshop()
     corners = {"a": (0, 0), "b": (0, 100), "c": (200, 100), "d": (200, 0)}
     for name, ends in (("ground", "ad"), ("crank", "ab"), ("coupler", "bc"), ("rocker", "cd")):
@@ -169,12 +169,12 @@ def _four_bar_shop(zero: float) -> tuple[Workshop, str]:
 
 @pytest.mark.parametrize("zero", [0.0, 0.7])
 def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The two frames of a closure coincide in the drawn pose, and all along the motion of a parallelogram."""
+    """The two frames of a closure coincide in the drawn pose and along the motion of a parallelogram."""
     shop, text = _four_bar_shop(zero)
     robot = built(shop, tmp_path, text)
     (closure,) = robot.closures
     assert (closure.kind, closure.link_a, closure.link_b) == (JointKind.REVOLUTE, "coupler", "rocker")
-    # The rods of the parallelogram are drawn along x and y; links turned by zero see them turned back.
+    # The rods are drawn along x and y; in links with a zero they are rotated back.
     np.testing.assert_allclose(closure.X_AF.p, rotation_about((0, 0, 1), zero) @ (0.2, 0, 0), atol=1e-12)
     np.testing.assert_allclose(closure.X_BF.p, rotation_about((0, 0, 1), -zero) @ (0, 0.1, 0), atol=1e-12)
     for turn in (0.0, 0.5, -1.2):
@@ -187,7 +187,7 @@ def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, found: ReadDiagno
 
 
 def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """With their axes, pitch and forces in SI."""
+    """Joints of every kind have their axes, pitch and forces in SI."""
     text = (
         CHAIN
         + """
@@ -233,7 +233,7 @@ def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) 
 
 
 def test_tidy_leaves_no_noise() -> None:
-    """Numbers that differ from simple ones by the last bits become the simple ones; others are kept."""
+    """Numbers that differ from simple ones in the last bits are rounded; others are kept."""
     pose = tidy(Pose.of(rotation_about((0, 0, 1), pi / 2), (0.1 + 2e-17, -0.0, 1 / 3)))
     assert pose.rotation == ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     assert pose.position == (0.1, 0.0, 0.333333333333)

@@ -36,7 +36,7 @@ def _mass(link: Link) -> MassProperties:
 
 
 def test_each_field_comes_from_the_first_rule_that_sets_it(tmp_path: Path) -> None:
-    """Density by rule, by a rule's material, by the STEP, by the defaults, in this order, with its source."""
+    """The density is that of a rule, a rule's material, the STEP or the defaults, in this order, with its source."""
     shop = Workshop()
     shop.box("a", density=7850)
     shop.box("b", density=7850)
@@ -64,7 +64,7 @@ def test_each_field_comes_from_the_first_rule_that_sets_it(tmp_path: Path) -> No
 
 
 def test_own_density_beats_the_material_of_the_same_rule(tmp_path: Path) -> None:
-    """Where one rule has both, the number counts."""
+    """In one rule, a density takes precedence over a material."""
     shop = Workshop()
     shop.box("a")
     text = "    materials: {pla: {density: 1240}}\n    parts: {a: {material: pla, density: 300}}\n" + ONE
@@ -72,7 +72,7 @@ def test_own_density_beats_the_material_of_the_same_rule(tmp_path: Path) -> None
 
 
 def test_step_density_and_defaults(tmp_path: Path) -> None:
-    """The STEP's density beats the defaults unless it is to be ignored."""
+    """The density of the STEP takes precedence over the defaults unless it is ignored."""
     shop = Workshop()
     shop.box("a", density=7850)
     shop.box("b")
@@ -88,7 +88,7 @@ def test_step_density_and_defaults(tmp_path: Path) -> None:
 
 
 def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A name from the STEP is looked up in ``materials``: after rules and the STEP's density, before the defaults."""
+    """A material named in the STEP is looked up in ``materials``, after rules and the STEP's density."""
     shop = Workshop()
     parts = {"ruled": None, "dense": 2700.0, "named": None, "colored": None, "unlisted": None, "unnamed": None}
     for i, (name, density) in enumerate(parts.items()):
@@ -123,7 +123,7 @@ def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -
 
 
 def test_a_missing_density_names_the_material(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where the STEP names the material of what has no density, the remedy is a line in ``materials``, and it works."""
+    """If the STEP names the material of a part without density, the remedy is a line in ``materials``, which works."""
     shop = Workshop()
     shop.made_of(shop.box("a"), "PLA")
     assert build(shop, tmp_path, ONE, found) is None
@@ -136,7 +136,7 @@ def test_a_missing_density_names_the_material(tmp_path: Path, found: ReadDiagnos
 
 
 def test_rules_reach_down(tmp_path: Path) -> None:
-    """A rule on a subassembly counts for all below it."""
+    """A rule on a subassembly applies to everything below it."""
     shop = Workshop()
     motor = shop.group("motor")
     shop.box("case", parent=motor)
@@ -146,7 +146,7 @@ def test_rules_reach_down(tmp_path: Path) -> None:
 
 
 def test_missing_density_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Every component without a density is named in one error with the remedy."""
+    """All components without a density are in one error with the remedy."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", density=7850)
@@ -159,7 +159,7 @@ def test_missing_density_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> 
 
 
 def test_one_density_for_everything_is_suspicious(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The same STEP density on every definition draws a warning, unless it is ignored, overruled, or not the same."""
+    """Equal STEP densities of all definitions are a warning, unless they are ignored or overridden."""
     shop = Workshop()
     shop.box("a", density=7850)
     shop.box("b", X_PC=at(20, 0, 0), density=7850)
@@ -183,7 +183,7 @@ def test_one_density_for_everything_is_suspicious(tmp_path: Path, found: ReadDia
 
 
 def test_link_mass_is_the_sum_of_its_parts(tmp_path: Path) -> None:
-    """Mass, com and inertia of a link of turned and shifted solids equal the closed forms, in its own frame."""
+    """Mass, com and inertia of a link of moved solids equal the closed forms, in the link's frame."""
     shop = Workshop()
     shop.box("plate", (100, 40, 6), at(10, 20, 30, (0.3, -0.2, 0.9)))
     shop.rod("rod", 5, 80, at(-40, 5, 12, (1.1, 0.4, -0.3)))
@@ -211,7 +211,7 @@ def test_link_mass_is_the_sum_of_its_parts(tmp_path: Path) -> None:
 
 
 def test_mass_on_a_component_scales_its_inertia(tmp_path: Path) -> None:
-    """A measured mass keeps com and shape of the inertia, with or without a density."""
+    """A measured mass keeps the com and scales the inertia, with or without a density."""
     shop = Workshop()
     shop.box("a", (10, 20, 30), at(5, 0, 0))
     robot = built(shop, tmp_path, "    parts: {a: {mass: 60 g}}\n" + ONE)
@@ -224,7 +224,7 @@ def test_mass_on_a_component_scales_its_inertia(tmp_path: Path) -> None:
 
 
 def test_mass_of_a_subassembly_is_shared_by_computed_mass_across_links(tmp_path: Path) -> None:
-    """The total of each occurrence is split by density times volume among all below it, whichever link they are in."""
+    """The mass of a subassembly is shared among its parts by density times volume, whichever link they are in."""
     shop = Workshop()
     for i in range(2):
         motor = shop.group("motor", X_PC=at(100 * i, 0, 0), occurrence=f"motor:{i + 1}")
@@ -246,7 +246,7 @@ def test_mass_of_a_subassembly_is_shared_by_computed_mass_across_links(tmp_path:
 
 
 def test_mass_of_a_subassembly_is_shared_by_volume_if_a_density_is_missing(tmp_path: Path) -> None:
-    """One missing density below it, and only volumes count."""
+    """If a density is missing, the mass of a subassembly is shared by volume."""
     shop = Workshop()
     motor = shop.group("motor")
     shop.box("case", (10, 10, 30), parent=motor, density=9000)
@@ -256,7 +256,7 @@ def test_mass_of_a_subassembly_is_shared_by_volume_if_a_density_is_missing(tmp_p
 
 
 def test_ignored_parts_get_no_share(tmp_path: Path) -> None:
-    """What is ignored weighs nothing, and the rest has the whole mass."""
+    """Ignored parts get no share; the others have the whole mass."""
     shop = Workshop()
     motor = shop.group("motor")
     shop.box("case", parent=motor)
@@ -277,14 +277,14 @@ def _nested_shop() -> Workshop:
 
 
 def test_of_nested_masses_the_outer_is_the_total(tmp_path: Path) -> None:
-    """What was measured within stays as it is, and the rest of the outer mass is shared among the others."""
+    """Of nested masses the inner ones are kept, and the rest of the outer one is shared among the other parts."""
     text = "    defaults: {density: 1000}\n    parts: {motor: {mass: 40 g}, arm: {mass: 200 g}}\n" + ONE
     masses = _masses(built(_nested_shop(), tmp_path, text))
     assert masses == pytest.approx({"arm/motor/case": 0.01, "arm/motor/horn": 0.03, "arm/tube": 0.04, "arm/cap": 0.12})
 
 
 def test_a_glob_that_matches_a_part_of_its_match_weighs_once(tmp_path: Path) -> None:
-    """One rule on a subassembly and on a part of it is the total of the subassembly."""
+    """A rule that matches a subassembly and a part of it gives the mass of the subassembly."""
     shop = Workshop()
     motor = shop.group("XL-430")
     shop.box("XL-430 case", (10, 10, 10), parent=motor)
@@ -295,7 +295,7 @@ def test_a_glob_that_matches_a_part_of_its_match_weighs_once(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("outer", ["30 g", "40 g"])
 def test_nested_masses_that_contradict(outer: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Inner masses that leave nothing for the rest are not used; the outer one is divided, with a warning."""
+    """Inner masses that leave nothing for the rest are replaced by shares of the outer mass, with a warning."""
     text = f"    defaults: {{density: 1000}}\n    parts: {{motor: {{mass: 40 g}}, arm: {{mass: {outer}}}}}\n" + ONE
     robot = build(_nested_shop(), tmp_path, text, found)
     assert robot is not None
@@ -307,7 +307,7 @@ def test_nested_masses_that_contradict(outer: str, tmp_path: Path, found: ReadDi
 
 
 def test_nested_masses_that_do_not_add_up(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where every part was measured, their sum must be the outer mass; it is, or the outer one counts."""
+    """If every part has a mass and the sum differs from the outer mass, the outer one is used."""
     text = "    parts: {motor: {mass: 40 g}, tube: {mass: 10 g}, cap: {mass: 50 g}, arm: {mass: 100 g}}\n" + ONE
     assert _masses(built(_nested_shop(), tmp_path, text))["arm/cap"] == pytest.approx(0.05)
     robot = build(_nested_shop(), tmp_path, text.replace("100 g", "90 g"), found)
@@ -317,7 +317,7 @@ def test_nested_masses_that_do_not_add_up(tmp_path: Path, found: ReadDiagnostics
 
 
 def test_mass_on_a_surface_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A mass needs a volume to be in."""
+    """A mass on a surface body is an error."""
     shop = Workshop()
     shop.box("sheet", kind=BodyKind.SURFACE)
     shop.box("plate", density=1000)
@@ -339,7 +339,7 @@ def test_surfaces_weigh_nothing_and_are_drawn(tmp_path: Path, found: ReadDiagnos
 
 
 def test_a_solid_without_volume_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid that neither kernel nor mesh can measure is not massless, unless its link needs no mass."""
+    """A solid without measurable volume is an error, unless its link needs no mass."""
     shop = Workshop()
     shop.box("broken", kind=BodyKind.SURFACE)
     object.__setattr__(shop.bodies[0], "kind", BodyKind.SOLID)
@@ -351,7 +351,7 @@ def test_a_solid_without_volume_is_an_error(tmp_path: Path, found: ReadDiagnosti
 
 
 def test_inertial_overrules(tmp_path: Path) -> None:
-    """``inertial`` is com in the link's frame and inertia about it along the link's axes, with products as in URDF."""
+    """``inertial`` is com in the link's frame and inertia about it along the link's axes; products as in URDF."""
     shop = Workshop()
     shop.box("a")
     text = """
@@ -368,7 +368,7 @@ def test_inertial_overrules(tmp_path: Path) -> None:
 
 
 def test_inertial_mass_alone_scales(tmp_path: Path) -> None:
-    """A mass alone keeps the computed com, and scales the inertia; parts without a density share it by volume."""
+    """``inertial`` with a mass alone keeps the com and scales the inertia; parts without density share by volume."""
     shop = Workshop()
     shop.box("a", (10, 10, 30), at(0, 0, 0), density=5000)
     shop.box("b", (10, 10, 10), at(0, 0, 20))
@@ -380,7 +380,7 @@ def test_inertial_mass_alone_scales(tmp_path: Path) -> None:
 
 
 def test_inertial_mass_on_nothing(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A mass alone on a link without volumes cannot be placed."""
+    """``inertial`` with a mass alone on a link without volumes is an error."""
     shop = Workshop()
     shop.box("a", density=1)
     text = TWO.replace("arm: {parts: [arm]}", "arm: {inertial: {mass: 1}}")
@@ -389,7 +389,7 @@ def test_inertial_mass_on_nothing(tmp_path: Path, found: ReadDiagnostics) -> Non
 
 
 def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """``auto`` writes the mesh's value within a thousandth of the exact one, else the exact, and reports which."""
+    """``mass: auto`` uses the mesh within 1e-3 of the exact solid, else the exact solid, and reports which."""
     shop = Workshop()
     shop.rod("fine", sides=256)
     shop.rod("coarse", X_PC=at(20, 0, 0), sides=24)
@@ -410,7 +410,7 @@ def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics)
 
 
 def test_com_and_inertia_count_too(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A mesh whose volume is right but whose com or inertia is not gives way to the exact solid."""
+    """The exact solid is used if com or inertia of the mesh deviate, even if its volume does not."""
     for fault in ("com", "inertia"):
         shop = Workshop()
         shop.box("a", density=1000)
@@ -424,7 +424,7 @@ def test_com_and_inertia_count_too(tmp_path: Path, found: ReadDiagnostics) -> No
 
 
 def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """``mass: exact`` takes the solid throughout; ``mass: mesh`` the finest mesh, and warns where it is off."""
+    """``mass: exact`` uses the solid; ``mass: mesh`` the finest mesh, with a warning if it deviates."""
     shop = Workshop()
     shop.rod("a", sides=24, density=1000)
     exact = 1000 * np.pi * 0.004**2 * 0.02
@@ -442,7 +442,7 @@ def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> No
 
 @pytest.mark.parametrize("mode", ["auto", "mesh", "exact"])
 def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """In every mode an uncertain solid has no mass properties, unless its link has an inertial of its own."""
+    """Uncertain mass properties are an error in every mode, unless the link has an ``inertial``."""
     shop = Workshop()
     shop.box("a", density=1000)
     object.__setattr__(shop.bodies[0], "exact_error", 0.04)
@@ -457,7 +457,7 @@ def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path:
 
 
 def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """If the mesh encloses nothing the exact solid is used, with the reason; a closed tessellation is sufficient."""
+    """With an open mesh the exact solid is used, with the reason; a closed tessellation is sufficient."""
     shop = Workshop()
     shop.box("a", density=1000)
     shop.box("b", X_PC=at(20, 0, 0), density=2000)
@@ -473,7 +473,7 @@ def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_total_does_not_depend_on_the_links(tmp_path: Path) -> None:
-    """However components are dealt out, the whole robot weighs the same and has its com at the same place."""
+    """Mass and com of the whole robot do not depend on the assignment of components to links."""
     shop = Workshop()
     shop.box("arm", (30, 20, 10), at(3, 4, 5, (0.1, 0.2, 0.3)))
     shop.rod("post", 6, 50, at(-9, 0, 7))

@@ -1,4 +1,4 @@
-"""Names of meshes are valid everywhere, unique, and readable where they can be."""
+"""Mesh names are valid file names, unique, and readable."""
 
 import re
 
@@ -27,18 +27,18 @@ from stepbot.assemble.names import UniqueNames, ascii_name
     ],
 )
 def test_names_read_like_their_source(name: str, expected: str) -> None:
-    """Accents are dropped, Cyrillic is transliterated, the rest becomes underscores; no Windows devices."""
+    """Accents are dropped, Cyrillic is transliterated, other characters become underscores; no Windows devices."""
     assert ascii_name(name) == expected
 
 
 @given(st.text(max_size=100))
 def test_any_text_gives_a_valid_name(text: str) -> None:
-    """For any CAD name, the result has letters, digits, underscores and hyphens only."""
+    """The name for any CAD name has letters, digits, underscores and hyphens only."""
     assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", ascii_name(text))
 
 
 def test_unique_whatever_the_case() -> None:
-    """Names that a file system cannot distinguish are numbered."""
+    """Names that differ only in case are numbered."""
     names = UniqueNames()
     assert [names.unique(name) for name in ("Bolt", "bolt", "bolt_2", "BOLT")] == [
         "Bolt",

@@ -1,4 +1,4 @@
-"""`up` and `forward`: a robot drawn in any orientation is the robot that is drawn upright."""
+"""`up` and `forward`: a robot drawn in any orientation equals the robot drawn upright."""
 
 from itertools import product
 from pathlib import Path
@@ -27,7 +27,7 @@ TEXT = """
 
 
 def drawn(turned: Array, root: str, folder: Path) -> Robot:
-    """A foot and an arm, the whole assembly turned by a rotation (3, 3)."""
+    """A foot and an arm, the whole assembly rotated by R (3, 3)."""
     X = Pose.of(turned)
     shop = Workshop()
     shop.box("foot", (100, 60, 10), X @ at(5, 0, 5))
@@ -36,7 +36,7 @@ def drawn(turned: Array, root: str, folder: Path) -> Robot:
 
 
 def assert_same(one: Robot, other: Robot) -> None:
-    """Two robots weigh the same, in the same places, and move the same way."""
+    """Assert that two robots have equal masses, positions and motions."""
     for link, expected in zip(one.links, other.links, strict=True):
         assert link.name == expected.name
         np.testing.assert_allclose(link.mass_properties.mass, expected.mass_properties.mass, rtol=1e-12)
@@ -55,7 +55,7 @@ def assert_same(one: Robot, other: Robot) -> None:
 def test_against_the_assembly_turned_upright(up: str, forward: str, tmp_path: Path) -> None:
     """Each of the 24 orientations gives the robot of the upright drawing."""
     z, x = vector(up), vector(forward)  # type: ignore[arg-type]
-    turned = np.column_stack([x, np.cross(z, x), z])  # takes an upright drawing to this one
+    turned = np.column_stack([x, np.cross(z, x), z])  # rotates an upright drawing to this one
     assert np.linalg.det(turned) == pytest.approx(1.0)
     upright = drawn(np.eye(3), "{link: base}", tmp_path)
     assert_same(drawn(turned, f"{{up: {up}, forward: {forward}}}", tmp_path), upright)
@@ -73,14 +73,14 @@ def test_against_the_assembly_turned_upright(up: str, forward: str, tmp_path: Pa
     ],
 )
 def test_defaults(root: str, forward: str, tmp_path: Path) -> None:
-    """Forward is x unless that is up or down; up is z."""
+    """`forward` defaults to x unless that is up or down; `up` defaults to z."""
     up = root.partition("up: ")[2].strip("{}") or "z"
     expected = drawn(np.eye(3), f"{{up: {up}, forward: {forward}}}", tmp_path)
     assert_same(drawn(np.eye(3), root, tmp_path), expected)
 
 
 def test_y_is_up(tmp_path: Path) -> None:
-    """A point above the foot along the CAD's y is above the base; the CAD's x stays, and its z points to the right."""
+    """With `up: y` a point above the foot along y is above the base; the CAD's x stays, its z is to the right."""
     robot = drawn(np.eye(3), "{up: y}", tmp_path)
     X_CW = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
     foot = robot.links[0].mass_properties
@@ -97,7 +97,7 @@ def test_with_a_frame(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("root", ["{up: y, forward: -y}", "{up: x, forward: x}", "{forward: z}"])
 def test_forward_along_up(root: str) -> None:
-    """Directions along one axis are an error with those that are left."""
+    """`forward` along `up` is an error that lists the remaining directions."""
     text = f"version: 1\nrobot: r\nstep: r.step\nroot: {root}\nlinks: {{base: {{rest: true}}}}\n"
     found = Diagnostics()
     sidecar = parse_sidecar(text, Path("r.robot.yaml"), found)

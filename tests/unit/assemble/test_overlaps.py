@@ -1,4 +1,4 @@
-"""Mass that overlapping solids count twice, against closed forms, and cases that are not overlaps."""
+"""Mass counted twice by overlapping solids, against closed forms, and pairs that do not overlap."""
 
 import os
 import signal
@@ -34,7 +34,7 @@ CUBE = 1e-6
 
 
 def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -> Overlaps:
-    """What overlaps in the only link."""
+    """The overlaps of the only link."""
     found = Diagnostics()
     binder = Binder(shop.assembly, sidecar(folder, text), found)
     materials = assign_materials(binder)
@@ -45,7 +45,7 @@ def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -
 
 
 def test_boxes_that_overlap(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Two boxes that share a quarter of each: a warning at the link, with both names, the volume and the mass."""
+    """Two boxes that share a quarter are a warning at the link, with both names, the volume and the mass."""
     shop = Workshop()
     shop.box("left", (40, 10, 10))
     shop.box("right", (40, 10, 10), at(30, 0, 0))
@@ -58,7 +58,7 @@ def test_boxes_that_overlap(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_the_mass_in_the_file_is_not_changed(tmp_path: Path) -> None:
-    """Mass counted twice is reported, not subtracted."""
+    """Mass counted twice is reported and not subtracted."""
     shop = Workshop()
     shop.box("a", density=1000)
     shop.box("b", X_PC=at(5, 0, 0), density=1000)
@@ -73,7 +73,7 @@ def test_the_mass_in_the_file_is_not_changed(tmp_path: Path) -> None:
     ids=["touch", "apart", "press fit of half a micron", "5e-4 of each", "2e-3 of each"],
 )
 def test_touching_and_press_fits_are_none(gap: float, pairs: int, tmp_path: Path) -> None:
-    """Cubes of 10 mm side by side: an overlap counts from a thousandth of the smaller one on."""
+    """Adjacent cubes of 10 mm do not overlap; an overlap counts from 1e-3 of the smaller one."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(gap, 0, 0))
@@ -84,7 +84,7 @@ def test_touching_and_press_fits_are_none(gap: float, pairs: int, tmp_path: Path
 
 
 def test_a_shaft_in_its_bore_is_none(tmp_path: Path) -> None:
-    """A rod beside a rod: the prisms of two cylinders that touch along a line share nothing that counts."""
+    """The prisms of two cylinders that touch along a line have a negligible overlap."""
     shop = Workshop()
     shop.rod("a", radius=5, sides=24)
     shop.rod("b", radius=5, X_PC=at(9.95, 0, 0, (0, 0, 0.13)), sides=24)
@@ -92,7 +92,7 @@ def test_a_shaft_in_its_bore_is_none(tmp_path: Path) -> None:
 
 
 def test_the_lighter_material_gives_way(tmp_path: Path) -> None:
-    """A steel rod in plastic that has no hole: the plastic in its place is counted, at the density of plastic."""
+    """A steel rod in plastic without a hole counts the plastic in its place, at the density of plastic."""
     shop = Workshop()
     shop.box("block", (40, 40, 40), density=1200)
     shop.rod("screw", 4, 20, density=7850, sides=256)
@@ -103,7 +103,7 @@ def test_the_lighter_material_gives_way(tmp_path: Path) -> None:
 
 
 def test_what_was_measured_is_not_counted_twice(tmp_path: Path) -> None:
-    """A motor that was weighed sticks in a bracket: the bracket's share counts; two weighed parts share nothing."""
+    """A weighed motor in a bracket counts the bracket's share; two weighed parts count nothing."""
     shop = Workshop()
     shop.box("bracket", (40, 40, 40), density=2700)
     shop.box("motor", (20, 20, 20), density=9000)
@@ -113,7 +113,7 @@ def test_what_was_measured_is_not_counted_twice(tmp_path: Path) -> None:
 
 
 def test_a_solid_without_triangles(tmp_path: Path) -> None:
-    """Where the mesher made nothing of a solid, its exact mass counts and the others are compared without it."""
+    """A solid without triangles has its exact mass; the others are compared without it."""
     shop = Workshop()
     for name, x in (("a", 0), ("b", 5), ("c", 5)):
         shop.box(name, X_PC=at(x, 0, 0), density=1000)
@@ -123,7 +123,7 @@ def test_a_solid_without_triangles(tmp_path: Path) -> None:
 
 
 def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """With an ``inertial`` nothing is counted twice, and parts in two links are not compared."""
+    """A link with an ``inertial`` counts nothing twice, and parts in two links are not compared."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(5, 0, 0))
@@ -137,7 +137,7 @@ def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: R
 
 
 def test_equal_pairs_are_intersected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Twenty pairs of the same parts in the same relative pose, however turned as a whole, cost one intersection."""
+    """Twenty pairs of the same parts in the same relative pose cost one intersection, in any orientation."""
     from stepbot.geometry.solids.manifolds import Intersection, Solid
     from stepbot.geometry.spatial import Pose
 
@@ -166,7 +166,7 @@ def test_equal_pairs_are_intersected_once(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_what_three_share_counts_twice_and_not_thrice(tmp_path: Path) -> None:
-    """The same part three times at one place: three pairs, and two of three are too much."""
+    """A part three times at one place has three overlapping pairs, and counts twice too often."""
     shop = Workshop()
     first = shop.box("a")
     shop.again(first, at(0, 0, 0))
@@ -177,7 +177,7 @@ def test_what_three_share_counts_twice_and_not_thrice(tmp_path: Path) -> None:
 
 
 def test_a_part_that_is_there_twice_is_named(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The help for a copy at the same place is a snippet that leaves it out, and the snippet works."""
+    """The help for a copy at the same place is a snippet that ignores it, and the snippet works."""
     shop = Workshop()
     first = shop.box("bolt", occurrence="bolt:1")
     shop.again(first, at(0, 0, 0), occurrence="bolt:2")
@@ -191,7 +191,7 @@ def test_a_part_that_is_there_twice_is_named(tmp_path: Path, found: ReadDiagnost
 
 
 def test_little_overlaps_are_a_note(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Less than a thousandth of the link's mass is no warning, but a note with the heaviest pair."""
+    """An overlap below 1e-3 of the link's mass is a note with the heaviest pair."""
     shop = Workshop()
     shop.box("block", (100, 100, 100))
     shop.box("pin", (4, 4, 10), at(0, 0, 50))
@@ -204,7 +204,7 @@ def test_little_overlaps_are_a_note(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Beyond the limit of faces, and on meshes that do not close, pairs are named with the most that they can weigh."""
+    """Pairs beyond the limit of faces, or with open meshes, are listed with their largest possible mass."""
     shop = Workshop()
     shop.box("a", (40, 10, 10))
     shop.box("b", (40, 10, 10), at(20, 0, 0))
@@ -225,7 +225,7 @@ def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) ->
 
 
 def overlap_with_an_open_mesh() -> Workshop:
-    """Two overlapping boxes, one of them with a mesh that is not closed."""
+    """Two overlapping boxes, one of them with an open mesh."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(5, 0, 0))
@@ -236,14 +236,14 @@ def overlap_with_an_open_mesh() -> Workshop:
 
 
 def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid with an open mesh has the mass of its exact shape; its overlaps are unknown, which is reported."""
+    """A solid with an open mesh has its exact mass; its unknown overlaps are reported."""
     assert build(overlap_with_an_open_mesh(), tmp_path, WATER + ONE, found) is not None
     assert found.codes() == ["SB505", "SB514"]
     assert list(found)[1].notes == ('"a" and "b": a mesh is not watertight; at most 0.5 g are counted twice',)
 
 
 def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same solids are intersected once; another place, density or link is another question."""
+    """The same solids are intersected once; another pose, density or link is a separate cache entry."""
     asked: list[Solid] = []
     intersection = Solid.intersection
     monkeypatch.setattr(Solid, "intersection", lambda a, b, X_AB: (asked.append(a), intersection(a, b, X_AB))[1])
@@ -285,7 +285,7 @@ def _row_of_blocks(count: int) -> Workshop:
 
 
 def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The process that measured gives the same overlaps as this one."""
+    """The mesh worker finds the same overlaps as this process."""
     shop = _row_of_blocks(4)
     with Worker(MESH_WORKER) as process:
         meshes = tuple(body.mesh for body in shop.assembly.bodies)
@@ -299,7 +299,7 @@ def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_the_death_of_that_process_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """As an error: the mass counted twice is unknown."""
+    """A worker that dies is an error: the mass counted twice is unknown."""
     with Worker(MESH_WORKER) as process:
         os.kill(process.pid, signal.SIGKILL)
         _search(_row_of_blocks(2), tmp_path, found, process).report()

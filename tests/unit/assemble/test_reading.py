@@ -1,4 +1,4 @@
-"""Mesh tolerances of links reach the bodies of their parts."""
+"""Mesh tolerances of links apply to the bodies of their parts."""
 
 from pathlib import Path
 
@@ -17,12 +17,12 @@ joints:
   b: {type: fixed, parent: arm, child: motor, origin: {xyz: [0, 0, 0]}}
 """
 OWN = {"base": 0.1e-3, "arm": 0.2e-3, "motor": 0.3e-3}
-"""Tolerance [m] that a link sets where it sets one."""
+"""Tolerance [m] of links that set one."""
 ROBOT = 1e-3
 
 
 def _shop() -> Workshop:
-    """``arm`` with a tube and a ``motor`` of two parts in it; a plate beside."""
+    """``arm`` with a tube and a ``motor`` of two parts; a plate beside it."""
     shop = Workshop()
     shop.box("plate", (10, 10, 10))
     arm = shop.group("arm")
@@ -39,7 +39,7 @@ def _shop() -> Workshop:
     [{"arm": "arm", "motor": "motor"}, {"arm": "arm/tube", "motor": "arm"}, {"arm": "**/tube", "motor": "**/motor"}],
 )
 def test_each_body_is_meshed_as_its_link_says(tmp_path: Path, fine: tuple[str, ...], parts: dict[str, str]) -> None:
-    """A part named apart follows its own link, not the one around it; the link with `rest` has tolerances too."""
+    """A part assigned separately has the tolerance of its own link; a link with `rest` has tolerances, too."""
     claims = {"base": "rest: true", **{link: f"parts: ['{path}']" for link, path in parts.items()}}
     links = "".join(
         f"  {link}: {{{claim}{f', mesh: {{tolerance: {OWN[link]} m}}' if link in fine else ''}}}\n"
@@ -58,7 +58,7 @@ def test_each_body_is_meshed_as_its_link_says(tmp_path: Path, fine: tuple[str, .
 
 
 def test_without_tolerances_of_links_the_geometry_depends_on_no_link(tmp_path: Path) -> None:
-    """To change the parts of a link costs no reading of the STEP."""
+    """Without tolerances of links, a change of their parts does not read the STEP again."""
     loaded = sidecar(
         tmp_path, f"links: {{base: {{rest: true}}, arm: {{parts: [arm]}}, motor: {{parts: [motor]}}}}\n{JOINTS}"
     )

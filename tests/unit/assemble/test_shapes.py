@@ -1,4 +1,4 @@
-"""What is drawn and what is touched: colours, sharing, hulls, fits, and who decides."""
+"""Visuals and collisions: colours, sharing, hulls, fitted primitives, and precedence."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ def test_occurrences_share_one_mesh(tmp_path: Path) -> None:
 
 
 def test_one_piece_per_colour(tmp_path: Path) -> None:
-    """Faces of several colours become one mesh each; together they are the body; equal occurrences share them."""
+    """Faces of several colours become one mesh each, which together are the body; equal occurrences share them."""
     shop = Workshop()
     first = shop.box("case", face_colors=(RED, None, BLUE))
     shop.again(first, at(50, 0, 0), color=GREEN)
@@ -57,7 +57,7 @@ def test_one_piece_per_colour(tmp_path: Path) -> None:
 
 
 def test_faces_that_end_up_equal_are_one_piece(tmp_path: Path) -> None:
-    """Colour groups that have the same colour in an occurrence are not cut apart."""
+    """Groups of faces that have the same colour in an occurrence are one mesh."""
     shop = Workshop()
     shop.box("case", face_colors=(GREEN, None), color=GREEN)
     assert [v.geometry for v in built(shop, tmp_path, ONE).root.visuals] == [MeshRef("case")]
@@ -74,7 +74,7 @@ def test_faces_that_end_up_equal_are_one_piece(tmp_path: Path) -> None:
     ],
 )
 def test_colour_precedence(extra: str, expected: list[Rgba], tmp_path: Path) -> None:
-    """A rule's colour beats its material's, which beats the STEP's faces, which beat the occurrence's."""
+    """Colour precedence: rule, material, the STEP's faces, occurrence."""
     shop = Workshop()
     shop.box("case", face_colors=(RED, None), color=GREEN)
     materials = '    materials: {blue: {color: "#0000ff"}, plain: {density: 1}}\n'
@@ -90,7 +90,7 @@ def test_colour_precedence(extra: str, expected: list[Rgba], tmp_path: Path) -> 
     ],
 )
 def test_default_colour(defaults: str, expected: Rgba, tmp_path: Path) -> None:
-    """What nothing gives a colour has the default's, the default material's, or grey."""
+    """Without a colour a part has that of the defaults, of the default material, or grey."""
     shop = Workshop()
     shop.box("case")
     text = f"""
@@ -102,7 +102,7 @@ def test_default_colour(defaults: str, expected: Rgba, tmp_path: Path) -> None:
 
 
 def test_visual_false(tmp_path: Path) -> None:
-    """A component's ``visual`` beats its link's; what is not drawn is still touched and weighed."""
+    """``visual`` of a component takes precedence over its link's; without a visual it has collision and mass."""
     shop = Workshop()
     shop.box("a")
     shop.box("b")
@@ -114,7 +114,7 @@ def test_visual_false(tmp_path: Path) -> None:
 
 
 def test_names_of_meshes(tmp_path: Path) -> None:
-    """Products of the same name, in any case, and parts of several bodies get unique names."""
+    """Products with equal names, in any case, and parts of several bodies have unique mesh names."""
     shop = Workshop()
     shop.box("Größe 1")
     shop.box("grosse_1")
@@ -132,7 +132,7 @@ def test_names_of_meshes(tmp_path: Path) -> None:
 
 
 def test_hull_is_the_default(tmp_path: Path) -> None:
-    """The hull of an L is convex, encloses it, has the volume of the closed form, and is made once per definition."""
+    """The hull of an L is convex, encloses it, has the closed form's volume, and exists once per definition."""
     shop = Workshop()
     first = shop.box("ell")
     shop.again(first, at(90, 0, 0))
@@ -144,7 +144,7 @@ def test_hull_is_the_default(tmp_path: Path) -> None:
     hull = _mesh(robot, robot.root.collisions[0])
     a, b, c = (hull.vertices[hull.faces[:, i]] for i in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
-    assert volume == pytest.approx((0.03 * 0.03 - 0.5 * 0.02 * 0.02) * 0.01, rel=1e-6)  # positive: faces look outwards
+    assert volume == pytest.approx((0.03 * 0.03 - 0.5 * 0.02 * 0.02) * 0.01, rel=1e-6)  # positive: faces point outwards
     normals = np.cross(b - a, c - a)
     heights = np.einsum("fi,vfi->vf", normals, hull.vertices[:, None] - a[None])
     assert (heights <= 1e-12).all()
@@ -155,7 +155,7 @@ def test_hull_is_the_default(tmp_path: Path) -> None:
     [("box", Box), ("cylinder", Cylinder), ("sphere", Sphere), ("capsule", Capsule), ("mesh", MeshRef)],
 )
 def test_shapes_by_word(word: str, kind: type, tmp_path: Path) -> None:
-    """``collision`` of a link makes its shape of each component, in the component's own axes."""
+    """``collision`` of a link sets the shape of each component, in the component's own axes."""
     shop = Workshop()
     shop.box("a", (10, 20, 30), at(5, 6, 7, (0.3, 0.2, 0.1)))
     robot = built(shop, tmp_path, ONE.replace("rest: true", f"rest: true, collision: {word}"))
@@ -170,7 +170,7 @@ def test_shapes_by_word(word: str, kind: type, tmp_path: Path) -> None:
 
 
 def test_a_rod_fits_its_cylinder(tmp_path: Path) -> None:
-    """A slanting rod gets its own cylinder, along its own axis line."""
+    """The cylinder of a slanting rod is along its axis line."""
     shop = Workshop()
     shop.rod("rod", 4, 50, at(0, 0, 0, (0.4, 0.5, 0)))
     collision = _collision(built(shop, tmp_path, ONE.replace("rest: true", "rest: true, collision: cylinder")))
@@ -180,7 +180,7 @@ def test_a_rod_fits_its_cylinder(tmp_path: Path) -> None:
 
 
 def test_a_component_beats_its_link(tmp_path: Path) -> None:
-    """``collision`` in ``parts`` counts before the link's, for merged shapes and lists as well."""
+    """``collision`` in ``parts`` takes precedence over the link's, for merged shapes and lists as well."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(20, 0, 0))
@@ -196,7 +196,7 @@ def test_a_component_beats_its_link(tmp_path: Path) -> None:
 
 
 def test_merged_shapes(tmp_path: Path) -> None:
-    """``{merge: ...}`` makes one shape around all components of the link, in the link's frame."""
+    """``{merge: ...}`` is one shape around all components of the link, in the link's frame."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(20, 0, 0))
@@ -214,7 +214,7 @@ def test_merged_shapes(tmp_path: Path) -> None:
 
 
 def test_given_primitives(tmp_path: Path) -> None:
-    """A list of shapes is taken as it is, in the link's frame, in place of the components' own."""
+    """A list of shapes replaces the components' own, in the link's frame."""
     shop = Workshop()
     shop.box("a")
     text = """
@@ -239,7 +239,7 @@ def test_given_primitives(tmp_path: Path) -> None:
 
 
 def test_flat_bodies_have_no_hull(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A label without thickness is displayed, has no collision shape, and causes one warning."""
+    """A flat label has a visual, no collision, and one warning."""
     shop = Workshop()
     shop.box("plate")
     shop.box("label", (30, 20, 0), kind=BodyKind.SURFACE)
@@ -254,7 +254,7 @@ def test_flat_bodies_have_no_hull(tmp_path: Path, found: ReadDiagnostics) -> Non
 
 
 def test_hull_of_too_few_points() -> None:
-    """Three points, or points of a plane, have no hull."""
+    """Three points, or coplanar points, have no hull."""
     assert convex_hull(np.eye(3)) is None
     assert convex_hull(CORNERS * (1, 1, 0)) is None
     assert convex_hull(CORNERS) is not None

@@ -1,4 +1,4 @@
-"""The warning that an assembly is drawn with another axis up: where it is due, and where it is not."""
+"""The warning about an assembly drawn with another axis up."""
 
 from itertools import product
 from pathlib import Path
@@ -25,7 +25,7 @@ TEXT = """
 def codes(
     up: Direction, folder: Path, root: str = "", axis: str = "z", foot: float = 100.0, arm: float = 200.0
 ) -> list[str]:
-    """What is reported of a foot, a post on it and an arm that turns on it, drawn with an axis up."""
+    """The codes for a foot, a post on it and an arm that turns on it, drawn with an axis up."""
     forward: Direction = "y" if up.endswith("x") else "x"
     X = Pose.of(rotation_of(up, forward))
     shop = Workshop()
@@ -40,7 +40,7 @@ def codes(
 
 @pytest.mark.parametrize("up", DIRECTIONS)
 def test_arms_in_all_orientations(up: Direction, tmp_path: Path) -> None:
-    """An arm on a foot is seen to lie on its side, and how to turn it; one that stands or hangs is not reported."""
+    """An arm lying on its side is reported with the axis to set; one that stands or hangs is not."""
     found = codes(up, tmp_path)
     if up.endswith("z"):
         assert found == []
@@ -53,12 +53,12 @@ def test_arms_in_all_orientations(up: Direction, tmp_path: Path) -> None:
     "root", ["root: {up: z}", "root: {up: y}", "root: {forward: y}", "root: {frame: {component: foot}}"]
 )
 def test_a_sidecar_that_says_it(root: str, tmp_path: Path) -> None:
-    """Whoever gives an axis or a frame is not asked."""
+    """A sidecar that sets an axis or a frame causes no warning."""
     assert codes("y", tmp_path, root) == []
 
 
 def test_weak_evidence(tmp_path: Path) -> None:
-    """Without a vertical joint, with a small foot, or with an assembly that is low, nothing is reported."""
+    """Without a vertical joint, with a small foot, or with a low assembly, there is no warning."""
     assert codes("y", tmp_path) != []
     assert codes("y", tmp_path, axis="x") == []
     assert codes("y", tmp_path, foot=32.0) == []

@@ -1,4 +1,4 @@
-"""Bodies of STEP files that enclose no volume: they are drawn, and their mass must come from the sidecar."""
+"""Bodies without volume have visuals, and mass only from the sidecar."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ GIVEN = "inertial: {mass: 5 g, com: [60 mm, 0, 0], inertia: {ixx: 1e-6, iyy: 2e-
 
 
 def _convert(drawing: Drawing | Path, folder: Path, text: str, found: Diagnostics) -> Robot | None:
-    """The checked robot, as `convert` makes it; the reader's diagnostics are ignored here."""
+    """The checked robot, as `convert` builds it; the reader's diagnostics are ignored here."""
     path = drawing if isinstance(drawing, Path) else drawing.path
     assembly = read_here(path, Diagnostics())
     assert assembly is not None
@@ -38,7 +38,7 @@ def _convert(drawing: Drawing | Path, folder: Path, text: str, found: Diagnostic
 
 
 def test_a_surface_is_drawn_and_weighs_nothing(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A sheet beside a block: both are seen, the link weighs what the block does, and a note names the sheet."""
+    """A sheet beside a block: both are visible, the link has the block's mass, and a note names the sheet."""
     drawing = parts.write_surface_body(tmp_path / "robot.step")
     robot = _convert(drawing, tmp_path, WATER + ONE, found)
     assert robot is not None
@@ -51,7 +51,7 @@ def test_a_surface_is_drawn_and_weighs_nothing(tmp_path: Path, found: ReadDiagno
 
 
 def test_a_link_of_surfaces_needs_an_inertial(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A link that moves and is made of a sheet alone is an error that names it; with an ``inertial`` it is fine."""
+    """A moving link of a sheet alone is an error that names it; with an ``inertial`` it is valid."""
     drawing = parts.write_surface_body(tmp_path / "robot.step")
     _convert(drawing, tmp_path, WATER + TWO % "", found)
     fault = next(d for d in found if d.severity == "error")
@@ -71,7 +71,7 @@ def test_a_link_of_surfaces_needs_an_inertial(tmp_path: Path, found: ReadDiagnos
 
 @pytest.mark.parametrize("link", ["", ", inertial: {mass: 5 g}"], ids=["by a rule", "by its link"])
 def test_mass_alone_on_a_surface_is_an_error(link: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A mass without a position: one error at the mass, with the remedy."""
+    """A mass without a com on a surface is one error at the mass, with the remedy."""
     rule = "" if link else "    parts: {sheet: {mass: 5 g}}\n"
     drawing = parts.write_surface_body(tmp_path / "robot.step")
     assert _convert(drawing, tmp_path, WATER + rule + TWO % link, found) is None
@@ -81,7 +81,7 @@ def test_mass_alone_on_a_surface_is_an_error(link: str, tmp_path: Path, found: R
 
 
 def test_a_solid_that_does_not_close(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A box without its lid is no surface: weighing it is an error unless the link is given its mass as a whole."""
+    """A box without a lid is not a surface: its mass is an error unless the link has an ``inertial``."""
     drawing = parts.write_open_solid(tmp_path / "robot.step")
     assert _convert(drawing, tmp_path, WATER + ONE, found) is None
     (fault,) = found
@@ -111,7 +111,7 @@ def test_closed_triangles_have_a_volume(tmp_path: Path, found: ReadDiagnostics) 
 
 
 def test_open_triangles_have_none(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A tessellated box with a hole is drawn, weighs nothing, and a note names it; a mass for it is one error."""
+    """A tessellated box with a hole has a visual and no mass; a note names it; a mass for it is one error."""
     drawing = parts.write_tessellated(tmp_path / "robot.step", closed=False)
     robot = _convert(drawing, tmp_path, WATER + ONE, found)
     assert robot is not None
@@ -126,7 +126,7 @@ def test_open_triangles_have_none(tmp_path: Path, found: ReadDiagnostics) -> Non
 
 
 def test_real_triangles_that_do_not_close(corpus: Path, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Triangles of an AP242 file that are open: drawn, named, and one error for a rule that weighs all of it."""
+    """Open triangles of an AP242 file have a visual and a note; a rule with a mass for all of it is one error."""
     step = corpus / "tessellated_only_ap242.step"
     robot = _convert(step, tmp_path, WATER + ONE, found)
     assert robot is not None

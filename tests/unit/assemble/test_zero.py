@@ -1,4 +1,4 @@
-"""`zero` of every kind of joint, against products of exponentials and an engine."""
+"""`zero` of every kind of joint, against products of exponentials and MuJoCo."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -56,7 +56,7 @@ def _text(kinds: tuple[str, ...]) -> str:
 
 
 def _exponential(kind: str, X_WJ: Pose, moved: float) -> Array:
-    """How a joint that moves by ``moved`` from where it is drawn moves what hangs on it: (4, 4), in the world."""
+    """Motion (4, 4), in the world, of a joint by ``moved`` from its drawn position."""
     a = X_WJ.R @ AXIS
     turn, slide = {"prismatic": (0.0, 1.0), "screw": (1.0, PITCH)}.get(kind, (1.0, 0.0))
     twist = np.zeros((4, 4))
@@ -71,7 +71,7 @@ def _corners(shop: Workshop, index: int) -> Array:
 
 
 def _expected(shop: Workshop, kinds: tuple[str, ...], q: dict[str, float]) -> list[Array]:
-    """Corners of every link's box in the world, from nothing but the drawing and the sidecar's numbers."""
+    """Corners of every link's box in the world, from the drawing and the sidecar's numbers only."""
     X, found = np.eye(4), [_corners(shop, 1)]
     for i, kind in enumerate(kinds):
         X = X @ _exponential(kind, ORIGINS[i], q[f"j{i}"] - ZEROS[kind])
@@ -91,10 +91,10 @@ def _built_corners(robot: Robot, q: dict[str, float]) -> list[Array]:
 
 
 def _same(a: list[Array], b: list[Array]) -> None:
-    """The same corners, in any order."""
+    """Assert that two sets of corners are equal, in any order."""
     for x, y in zip(a, b, strict=True):
         distances = np.linalg.norm(x[:, None, :] - y[None, :, :], axis=2)
-        assert distances.min(axis=0).max() < 5e-9  # vertices lie on a grid of a nanometre
+        assert distances.min(axis=0).max() < 5e-9  # vertices are on a grid of a nanometre
         assert distances.min(axis=1).max() < 5e-9
 
 
@@ -108,7 +108,7 @@ CHAINS = [
 
 @pytest.mark.parametrize("kinds", CHAINS)
 def test_zero_of_every_kind(kinds: tuple[str, ...], tmp_path: Path) -> None:
-    """Links several joints deep are where the drawing and the sidecar's numbers put them, drawn, at 0, and anywhere."""
+    """Links several joints deep are at the expected poses, as drawn, at 0, and at random positions."""
     shop = _shop()
     robot = built(shop, tmp_path, _text(kinds))
     drawn = {f"j{i}": ZEROS[kind] for i, kind in enumerate(kinds)}
@@ -121,7 +121,7 @@ def test_zero_of_every_kind(kinds: tuple[str, ...], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kinds", CHAINS)
 def test_zero_in_an_engine(kinds: tuple[str, ...], tmp_path: Path) -> None:
-    """MuJoCo has the links of the written file there, too; the slide of a screw follows its angle."""
+    """MuJoCo has the links of the written file at the same poses; the slide of a screw follows its angle."""
     mujoco = pytest.importorskip("mujoco")
     shop = _shop()
     robot = built(shop, tmp_path, _text(kinds))
@@ -145,7 +145,7 @@ def test_zero_in_an_engine(kinds: tuple[str, ...], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", [kind for kind in JointKind if kind.value not in ZEROS])
 def test_other_kinds_refuse_zero(kind: JointKind, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A joint without a single position has no `zero`: an error at its place, never silence."""
+    """`zero` of a joint without a single position is an error at its place."""
     extra = ", axis2: x" if kind is JointKind.UNIVERSAL else ""
     text = HEAD + (
         "links: {base: {rest: true}, arm: {parts: [arm]}}\n"

@@ -73,7 +73,7 @@ def rod_mesh(radius: float, length: float, sides: int) -> TriMesh:
 
 
 class Workshop:
-    """Collects components; the root is there from the start, at index 0."""
+    """Collects components below a root, which has index 0."""
 
     def __init__(self, product: str = "robot") -> None:
         self.components: list[Component] = [Component(0, -1, "", ".", product, product, 1)]
@@ -81,7 +81,7 @@ class Workshop:
         self.measures: list[VolumeProperties | None] = []
 
     def group(self, name: str, parent: int = 0, X_PC: Pose = IDENTITY, occurrence: str = "") -> int:
-        """A component without a body, which contains others."""
+        """A component without a body that contains others."""
         return self._add(name, parent, X_PC, occurrence)
 
     def box(
@@ -97,7 +97,7 @@ class Workshop:
         occurrence: str = "",
         kind: BodyKind = BodyKind.SOLID,
     ) -> int:
-        """A box around its frame's origin; ``face_colors`` go round its twelve triangles."""
+        """A box around its frame's origin; ``face_colors`` are assigned to its twelve triangles in turn."""
         x, y, z = (MM * c for c in size)
         properties = None
         if kind is BodyKind.SOLID:
@@ -146,11 +146,11 @@ class Workshop:
         return self._add_body(name, parent, X_PC, occurrence, body, prism, density, None)
 
     def made_of(self, index: int, material: str) -> None:
-        """Give a component the name of a material, as the STEP does."""
+        """Set the material name of a component, as the STEP does."""
         self.components[index] = replace(self.components[index], material=material)
 
     def again(self, index: int, X_PC: Pose, parent: int = 0, occurrence: str = "", color: Rgba | None = None) -> int:
-        """Another occurrence of a component that has a body."""
+        """Another occurrence of a component with a body."""
         first = self.components[index]
         new = self._add(first.product, parent, X_PC, occurrence)
         self.components[new] = replace(
@@ -160,7 +160,7 @@ class Workshop:
 
     @property
     def assembly(self) -> Assembly:
-        """What has been collected, with canonical paths."""
+        """The assembly of the collected components, with canonical paths."""
         names = assign_paths([NamedComponent(c.parent, c.product, c.occurrence) for c in self.components])
         named = [
             replace(c, segment=n.segment, path=n.path, ordinal=n.ordinal, by_ordinal_only=n.by_ordinal_only)
@@ -202,7 +202,7 @@ HEAD = "version: 1\nrobot: test\nstep: robot.step\n"
 
 
 def sidecar(folder: Path, text: str) -> Sidecar:
-    """A sidecar that is valid on its own; the tests' text is added to version, robot and step."""
+    """A valid sidecar: version, robot and step, followed by the given text."""
     path = folder / "test.robot.yaml"
     path.write_text(HEAD + textwrap.dedent(text), encoding="utf-8")
     found = Diagnostics()
@@ -214,7 +214,7 @@ def sidecar(folder: Path, text: str) -> Sidecar:
 
 
 def build(shop: Workshop, folder: Path, text: str, found: Diagnostics) -> Robot | None:
-    """The robot that a sidecar makes of what is in the workshop."""
+    """The robot of a sidecar and the workshop's assembly."""
     return robot_of(build_robot(shop.assembly, sidecar(folder, text), lambda: shop.measures, found))
 
 
@@ -227,7 +227,7 @@ def robot_of(built: Built | None) -> Robot | None:
 
 
 def built(shop: Workshop, folder: Path, text: str) -> Robot:
-    """The same, of input without a fault that would be an error."""
+    """The robot of a sidecar without errors."""
     found = Diagnostics()
     robot = build(shop, folder, text, found)
     assert robot is not None, "\n".join(map(str, found))

@@ -46,7 +46,7 @@ def shop() -> Workshop:
 
 @pytest.mark.parametrize("elbow", [JointKind.REVOLUTE, JointKind.UNIVERSAL])
 def test_another_root_leaves_the_motion_as_it_was(elbow: JointKind, tmp_path: Path) -> None:
-    """From any root on, the same joint positions put the links at the same places towards each other."""
+    """From another root, the same joint positions give the same relative poses of the links."""
     draft = chain(elbow)
     before, _ = built(draft, tmp_path, shop())
     after, _ = built(rerooted(draft, "hand"), tmp_path, shop())
@@ -68,13 +68,13 @@ def test_another_root_leaves_the_motion_as_it_was(elbow: JointKind, tmp_path: Pa
 
 
 def test_unknown_root_is_refused() -> None:
-    """A link that is not there cannot stand."""
+    """A root that is not a link is rejected."""
     with pytest.raises(KeyError):
         rerooted(chain(), "nobody")
 
 
 def test_alternative_takes_the_joint_s_place(tmp_path: Path) -> None:
-    """Another kind on the same line keeps the origin; one elsewhere brings its own, and neither needs review."""
+    """An alternative of another kind keeps the origin; one on another line has its own; neither needs review."""
     slide = Alternative(JointKind.PRISMATIC, "base", "arm", Confidence(0.6), HINGE.point, HINGE.direction)
     turn = Alternative(JointKind.CONTINUOUS, "base", "arm", Confidence(0.6), (0.0, 0.0, 0.01), (1.0, 0.0, 0.0))
     weak = replace(HINGE, confidence=Confidence(0.7), review="?", alternatives=(slide, turn))
@@ -88,7 +88,7 @@ def test_alternative_takes_the_joint_s_place(tmp_path: Path) -> None:
 
 
 def test_joint_can_be_confirmed_or_fixed(tmp_path: Path) -> None:
-    """What is confirmed loses its mark; what is fixed keeps the guess as a line to uncomment."""
+    """A confirmed joint loses its mark; a fixed one keeps the inferred joint as a comment."""
     draft = replace(DRAFT, joints=(replace(HINGE, confidence=Confidence(0.7), review="?"),))
     assert not confirmed(draft, "elbow").joints[0].is_reviewed
     still = fixed(draft, "elbow")

@@ -4,7 +4,7 @@ from stepbot.authoring.clusters import Clusters
 
 
 def test_what_is_kept_apart_stays_apart_through_joins() -> None:
-    """A joint between two parts keeps apart everything that is welded to them later."""
+    """A joint between two parts separates everything that is joined to them later."""
     found = Clusters(range(5))
     assert found.forbid(0, 1)
     assert found.join(0, 2)
@@ -15,14 +15,14 @@ def test_what_is_kept_apart_stays_apart_through_joins() -> None:
 
 
 def test_a_joint_inside_one_body_is_refused() -> None:
-    """Two parts that are one already cannot be kept apart."""
+    """Two parts of one set cannot be separated."""
     found = Clusters(range(2))
     assert found.join(0, 1)
     assert not found.forbid(0, 1)
 
 
 def test_what_is_allowed_again_can_be_joined() -> None:
-    """A joint that is taken back no longer keeps its sides apart."""
+    """A removed joint no longer separates its sides."""
     found = Clusters(range(2))
     found.forbid(0, 1)
     found.allow(0, 1)

@@ -7,7 +7,7 @@ from stepbot.robot.model import JointKind
 
 
 def joint(score: float, review: str = "") -> DraftJoint:
-    """A hinge by its score and what to review of it."""
+    """A hinge with a score and review notes."""
     origin = OriginSnippet(OriginForm.MATE, ("a", "b"))
     place = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
     return DraftJoint(
@@ -27,11 +27,11 @@ def joint(score: float, review: str = "") -> DraftJoint:
     ("score", "sure", "chosen"), [(SURE, True, True), (0.79, False, True), (CHOSEN - 0.01, False, False)]
 )
 def test_scores_sort_joints_into_three_kinds(score: float, sure: bool, chosen: bool) -> None:
-    """A joint of 0.8 needs no mark, one below has one, one below 0.5 is not drafted."""
+    """A joint from 0.8 has no mark, one below has a mark, one below 0.5 is not drafted."""
     found = joint(score)
     assert (found.confidence.is_sure, found.confidence.is_chosen, found.is_reviewed) == (sure, chosen, not sure)
 
 
 def test_a_reason_to_review_marks_even_a_sure_joint() -> None:
-    """A joint with a review note is marked for any score."""
+    """A joint with a review note is marked at any score."""
     assert joint(0.95, "could also be revolute").is_reviewed

@@ -1,4 +1,4 @@
-"""What contacts leave free, against the freedoms of the classical joints."""
+"""Degrees of freedom that contacts leave, against those of the classical joints."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def test_freedom_of_classical_joints(kind: str, fits: list[Fit], patches: list[P
 
 
 def test_axis_of_a_hinge_of_two_balls_runs_through_both() -> None:
-    """The direction is that between the balls, the point on their line."""
+    """The axis of two balls is the line through their centres."""
     found = freedom([], [], [ball(AT), ball(AT + 0.05 * Z)], AT + 0.01 * Z, 0.05)
     assert found.kind == FreedomKind.REVOLUTE
     assert found.point is not None

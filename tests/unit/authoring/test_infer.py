@@ -1,4 +1,4 @@
-"""Drafts of robots whose joints are known, from their STEP files alone."""
+"""Drafts from the STEP alone, of robots whose joints are known."""
 
 from collections.abc import Callable
 from functools import cache
@@ -46,7 +46,7 @@ def test_four_bar_is_a_loop_of_four_hinges(drafted: Callable[[str], Draft]) -> N
 
 
 def test_slider_crank_has_one_slide(drafted: Callable[[str], Draft]) -> None:
-    """The loop allows the piston to slide and not to turn."""
+    """The loop leaves the piston a slide and no rotation."""
     draft = drafted("stepbot_slider_crank")
     assert sorted(j.type for j in (*draft.joints, *draft.closures)) == ["prismatic", "revolute", "revolute", "revolute"]
 
@@ -61,14 +61,14 @@ def test_every_part_is_claimed_by_one_link(drafted: Callable[[str], Draft]) -> N
 
 
 def test_joints_are_mates_where_the_drawing_has_them(drafted: Callable[[str], Draft]) -> None:
-    """A pin in its bore is written as the mate of both parts, and the axis is that of the frame."""
+    """A pin in its bore is drafted as the mate of both parts, with the axis of the frame."""
     for joint in drafted("stepbot_four_bar").joints:
         assert joint.origin.form == OriginForm.MATE
         assert joint.axis == "z"
 
 
 def test_evidence_stands_with_every_joint(drafted: Callable[[str], Draft]) -> None:
-    """Each joint names a fact, and each that is not sure carries a mark."""
+    """Each joint has evidence, and each uncertain one a mark."""
     for joint in drafted("stepbot_quadruped").joints:
         assert joint.confidence.evidence
         assert joint.is_reviewed or joint.confidence.score >= 0.8
@@ -76,7 +76,7 @@ def test_evidence_stands_with_every_joint(drafted: Callable[[str], Draft]) -> No
 
 @pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
 def test_same_assembly_same_draft(sources: Sources) -> None:
-    """Two runs agree in every number and every word."""
+    """Two drafts of an assembly agree in every number and text."""
     folder = "stepbot_slider_crank"
     assert infer(assembly(folder), "robot", sources) == infer(assembly(folder), "robot", sources)
 
@@ -91,21 +91,21 @@ def test_rods_between_balls_do_not_spin() -> None:
 
 
 def test_struts_slide_without_names() -> None:
-    """The six legs of a Stewart platform slide: each is a shaft in a bore between two swivels."""
+    """The six legs of a Stewart platform are slides: a shaft in a bore between two swivels."""
     draft = infer(assembly("stepbot_stewart"), "stewart", Sources(names=False))
     kinds = [j.type for j in (*draft.joints, *draft.closures)]
     assert kinds.count(JointKind.PRISMATIC) == 6
 
 
 def test_motors_by_their_use() -> None:
-    """Without names and tree, equal blocks that drive about one axis of theirs, mounted off it, give all 18 joints."""
+    """Without names and tree, equal motors mounted off their axes give all 18 joints."""
     draft = infer(assembly("stepbot_hexapod"), "hexapod", Sources(names=False, tree=False))
     assert [j.type for j in draft.joints] == [JointKind.REVOLUTE] * 18
     assert all(j.is_reviewed for j in draft.joints)
 
 
 def test_fingers_slide_towards_each_other() -> None:
-    """Two equal fingers of each hand slide on it in opposite directions, by their names and for review."""
+    """Two equal fingers of each hand slide in opposite directions, by their names and marked for review."""
     draft = infer(assembly("abb_yumi"), "yumi")
     slides = [j for j in draft.joints if j.type == JointKind.PRISMATIC]
     assert len(slides) == 4

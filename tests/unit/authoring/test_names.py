@@ -1,4 +1,4 @@
-"""What names hint at."""
+"""Roles suggested by component names."""
 
 import pytest
 
@@ -35,5 +35,5 @@ from stepbot.authoring.names import Role, roles
     ],
 )
 def test_first_role_of_a_name(name: str, role: Role | None) -> None:
-    """A standard, a catalogue number or a whole word gives a role; a part of a word and a motor's holder do not."""
+    """A standard, a catalogue number or a whole word gives the role; part of a word or a motor's bracket does not."""
     assert next(iter(roles(name)), None) == role

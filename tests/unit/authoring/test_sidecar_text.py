@@ -1,4 +1,4 @@
-"""Drafts written as sidecars: what comes out is read back, checked and built."""
+"""Drafts written as sidecars, which are then read, checked and built."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -60,7 +60,7 @@ def shop() -> Workshop:
 
 
 def read(text: str, folder: Path) -> tuple[Sidecar, Diagnostics]:
-    """The sidecar that a text is, with what its own checks find."""
+    """The sidecar of a text, and the findings of its checks."""
     path = folder / "test.robot.yaml"
     path.write_bytes(text.encode())
     found = Diagnostics()
@@ -71,7 +71,7 @@ def read(text: str, folder: Path) -> tuple[Sidecar, Diagnostics]:
 
 
 def built(draft: Draft, folder: Path, made: Workshop | None = None) -> tuple[Robot, Diagnostics]:
-    """The robot of a draft; there may be warnings, and no errors."""
+    """The robot of a draft; warnings are allowed, errors are not."""
     sidecar, found = read(sidecar_text(draft, "robot.step"), folder)
     made = made or shop()
     result = build_robot(made.assembly, sidecar, lambda: made.measures, found)
@@ -81,7 +81,7 @@ def built(draft: Draft, folder: Path, made: Workshop | None = None) -> tuple[Rob
 
 
 def uncommented(text: str, line: str) -> str:
-    """A sidecar in which a commented joint takes the place of the one above it."""
+    """A sidecar in which a commented joint replaces the one above it."""
     lines = text.split("\n")
     at = next(i for i, one in enumerate(lines) if line in one)
     start = max(i for i in range(at) if lines[i].startswith("  elbow:"))
@@ -90,7 +90,7 @@ def uncommented(text: str, line: str) -> str:
 
 
 def test_sure_joint_is_written_with_its_evidence_and_no_mark(tmp_path: Path) -> None:
-    """What is sure carries its score and facts as a comment, limits to fill in, and no REVIEW."""
+    """A certain joint has its score and evidence as a comment, limits to fill in, and no REVIEW."""
     text = sidecar_text(DRAFT, "robot.step")
     assert "  # score 0.90: shaft of r 4 mm in bore of r 4 mm; 10 mm engaged\n  elbow:\n" in text
     assert "REVIEW" not in text.partition("joints:")[2]
@@ -131,13 +131,13 @@ def test_text_is_the_smallest_that_says_all() -> None:
 
 
 def test_code_page_that_was_given_is_kept(tmp_path: Path) -> None:
-    """Names that were read in a code page are read so again."""
+    """A given encoding is written into the sidecar."""
     sidecar, _ = read(sidecar_text(DRAFT, "robot.step", encoding="cp1251"), tmp_path)
     assert sidecar.document.step_encoding == "cp1251"
 
 
 def test_weak_joint_is_marked_with_other_readings_to_uncomment(tmp_path: Path) -> None:
-    """Below 0.8 there is a REVIEW, and each alternative is a line that builds when it takes the joint's place."""
+    """Below 0.8 a joint has a REVIEW mark, and each commented alternative builds in its place."""
     slide = Alternative(JointKind.PRISMATIC, "base", "arm", Confidence(0.6, ("no stop",)), HINGE.point, HINGE.direction)
     other = Alternative(JointKind.BALL, "base", "arm", Confidence(0.5), (0.01, 0.0, 0.0))
     across = Alternative(JointKind.CONTINUOUS, "base", "arm", Confidence(0.5), (0.0, 0.0, 0.0), (0.0, 0.6, 0.8))
@@ -160,7 +160,7 @@ def test_weak_joint_is_marked_with_other_readings_to_uncomment(tmp_path: Path) -
 
 
 def test_joint_that_is_not_chosen_is_fixed_with_the_guess_beneath(tmp_path: Path) -> None:
-    """Below 0.5 a joint of the tree is a comment; the links stay connected by a fixed joint."""
+    """Below 0.5 a joint of the tree is a comment; a fixed joint connects the links."""
     draft = replace(DRAFT, joints=(replace(HINGE, confidence=Confidence(0.4)),))
     assert built(draft, tmp_path)[0].joints[0].kind is JointKind.FIXED
     sidecar, found = read(uncommented(sidecar_text(draft, "robot.step"), "a guess, score 0.40"), tmp_path)
@@ -170,7 +170,7 @@ def test_joint_that_is_not_chosen_is_fixed_with_the_guess_beneath(tmp_path: Path
 
 @pytest.mark.parametrize("score", [0.9, 0.3])
 def test_closures(score: float, tmp_path: Path) -> None:
-    """A closure is written like a joint, below 0.5 as a comment; a section without entries is a comment too."""
+    """A closure is written like a joint, below 0.5 as a comment; an empty section is a comment, too."""
     closure = DraftClosure(
         "loop", JointKind.REVOLUTE, PIN, "z", HINGE.point, HINGE.direction, Confidence(score), ("base", "arm"),
         link_a="base", link_b="arm",
@@ -180,7 +180,7 @@ def test_closures(score: float, tmp_path: Path) -> None:
 
 
 def test_every_kind_of_joint_is_valid(tmp_path: Path) -> None:
-    """Each type gets the keys that it requires and no others; an unknown pitch is not written as a number."""
+    """Each type has the keys that it requires and no others; an unknown pitch is not written."""
     for kind in JointKind:
         joint = replace(
             HINGE, type=kind, axis="x", axis2="y", origin=OriginSnippet(OriginForm.XYZ, rpy=(0.1, 0.0, 1.0))
@@ -193,7 +193,7 @@ def test_every_kind_of_joint_is_valid(tmp_path: Path) -> None:
 
 
 def test_limits_and_drawn_position_are_written_in_their_units(tmp_path: Path) -> None:
-    """Limits that a file states are degrees or millimetres, beside the position that is drawn."""
+    """Limits stated in the file are degrees or millimetres, beside the drawn position."""
     turning = replace(HINGE, limits=DraftLimits(-1.5707963267948966, 0.5, "stated in the STEP"), zero=0.25)
     text = sidecar_text(replace(DRAFT, joints=(turning,)), "robot.step")
     assert "limits: {lower: -90 deg, upper: 28.64788976 deg}" in text
@@ -207,7 +207,7 @@ def test_limits_and_drawn_position_are_written_in_their_units(tmp_path: Path) ->
 
 
 def test_names_are_made_valid_and_unique(tmp_path: Path) -> None:
-    """Names that formats reserve, share or cannot hold are replaced; a link keeps its name before a joint."""
+    """Reserved, duplicate or invalid names are replaced; of a link and a joint the link keeps its name."""
     names = ("world", "a/b <x>", "a_b_x", "yes", "Größe v2:1", "arm\u2028", "__x__")
     links = [DraftLink("arm", (), Confidence(1.0), rest=True), *(DraftLink(n, (n,), Confidence(1.0)) for n in names)]
     joints = [replace(HINGE, name="arm", parent="arm", child=n, origin=OriginSnippet(OriginForm.XYZ)) for n in names]
@@ -225,7 +225,7 @@ def test_names_are_made_valid_and_unique(tmp_path: Path) -> None:
 
 
 def test_paths_of_any_characters_are_quoted(tmp_path: Path) -> None:
-    """Quotes, stars, slashes, hashes, colons and controls in the names of parts survive, in lists of any length."""
+    """Quotes, stars, slashes, hashes, colons and control characters in part names survive, in lists of any length."""
     names = ["a: b", "c #1", 'in "quotes"', "it's", "s*r", "x/y", "back\\slash", "tab\tbed", "{a}", "[b]", "ünï", "- z"]
     made = Workshop()
     made.box("base", axes=[axis((0, 0, 10))])
@@ -241,7 +241,7 @@ def test_paths_of_any_characters_are_quoted(tmp_path: Path) -> None:
 
 
 def test_materials_get_typical_densities_and_the_rest_a_placeholder(tmp_path: Path) -> None:
-    """A material with a known name gets its density, others a placeholder, each with a REVIEW."""
+    """A material of known name has its typical density, others a placeholder, each with a REVIEW mark."""
     made = shop()
     made.made_of(2, "ABS Plastic, black")
     draft = replace(DRAFT, without_density=("ABS Plastic, black", "Unobtainium: #7", ""))
@@ -254,7 +254,7 @@ def test_materials_get_typical_densities_and_the_rest_a_placeholder(tmp_path: Pa
 
 
 def test_comments_end_where_their_line_ends(tmp_path: Path) -> None:
-    """Line breaks in evidence, which may hold names of parts, do not end a comment early."""
+    """Line breaks in evidence, which may contain part names, do not end a comment."""
     evil = "line\nrobot: evil\u2028{"
     other = Alternative(JointKind.FIXED, evil, evil, Confidence(0.5, (evil,)))
     joint = replace(HINGE, confidence=Confidence(0.7, (evil,)), review=evil, alternatives=(other,))
@@ -275,6 +275,6 @@ def test_comments_end_where_their_line_ends(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_typical_densities(name: str, density: float | None) -> None:
-    """Names of catalogues in several languages are known by their words; part of a word is no word."""
+    """Catalogue names in several languages are recognized by whole words."""
     typical = typical_density(name)
     assert (typical.density if typical else None) == density

@@ -1,4 +1,4 @@
-"""Drafts from the kinematic pairs of a STEP file, built into robots."""
+"""Drafts from the kinematic pairs of a STEP file."""
 
 from dataclasses import replace
 from math import cos, pi, sin
@@ -16,7 +16,7 @@ from tests.unit.assemble.workshop import Workshop, at
 from tests.unit.authoring.test_sidecar_text import built
 
 ON_BASE, ON_ARM = Pose(position=(45.0, 5.0, 0.0)), Pose(position=(-5.0, 5.0, 0.0))
-"""In millimetres; they meet where the arm is drawn, 50 mm along x."""
+"""[mm]; they coincide where the arm is drawn, 50 mm along x."""
 HINGE = KinematicPair("hinge", "REVOLUTE_PAIR", (0, 1), (ON_BASE, ON_ARM), (5,), True)
 LINKS = (KinematicLink("base"), KinematicLink("arm"))
 
@@ -30,7 +30,7 @@ def shop() -> Workshop:
 
 
 def drafted(*pairs: KinematicPair, links: tuple[KinematicLink, ...] = LINKS, base: int | None = 0) -> Draft:
-    """The draft of some pairs; parts get a placeholder for their density."""
+    """The draft of some pairs; parts have a placeholder density."""
     draft = draft_of_mechanism(Mechanism(links, pairs, base), shop().assembly, "robot")
     assert draft is not None
     return replace(draft, without_density=("",))
@@ -45,7 +45,7 @@ def drafted(*pairs: KinematicPair, links: tuple[KinematicLink, ...] = LINKS, bas
     ],
 )  # fmt: skip
 def test_every_kind_of_pair_is_built(dofs: tuple[int, ...], kind: JointKind, tmp_path: Path) -> None:
-    """The degrees of freedom of a pair decide the kind of its joint, and the sidecar of it builds without a mark."""
+    """The degrees of freedom of a pair determine the kind of its joint; the sidecar builds without a mark."""
     draft = drafted(replace(HINGE, dofs=dofs))
     assert not any(joint.is_reviewed for joint in draft.joints)
     assert draft.joints[0].confidence.score == 1.0
@@ -60,14 +60,14 @@ def test_every_kind_of_pair_is_built(dofs: tuple[int, ...], kind: JointKind, tmp
 
 
 def test_screw_keeps_its_pitch(tmp_path: Path) -> None:
-    """A pitch in the file's unit of length per turn becomes metres per radian."""
+    """A pitch in the file's length unit per turn is converted to metres per radian."""
     screw = replace(HINGE, kind="SCREW_PAIR", dofs=(2, 5), pitch=2.0, is_stated=False)
     joint = built(drafted(screw), tmp_path, shop())[0].joints[0]
     assert (joint.kind, joint.pitch) == (JointKind.SCREW, pytest.approx(0.002 / (2 * pi)))
 
 
 def test_range_and_drawn_position_count_from_the_pair_s_own_zero(tmp_path: Path) -> None:
-    """Where the second placement is drawn turned by 0.3, the joint is drawn at 0.3, within the range of the file."""
+    """If the second placement is drawn rotated by 0.3, the joint is drawn at 0.3, within the file's range."""
     turned = Pose.of([[cos(0.3), -sin(0.3), 0], [sin(0.3), cos(0.3), 0], [0, 0, 1]], ON_ARM.position)
     pair = replace(HINGE, placements=(ON_BASE, turned), bounds=(-1.5, 0.5))
     joint = built(drafted(pair), tmp_path, shop())[0].joints[0]
@@ -77,7 +77,7 @@ def test_range_and_drawn_position_count_from_the_pair_s_own_zero(tmp_path: Path)
 
 
 def test_slider_drawn_away_from_zero(tmp_path: Path) -> None:
-    """Of a slider the drawn position is the distance between the placements, and the range is a length."""
+    """The drawn position of a slider is the distance between its placements, and its range is a length."""
     away = Pose(position=(-5.0, 5.0, 7.5))
     pair = replace(HINGE, kind="PRISMATIC_PAIR", dofs=(2,), placements=(ON_BASE, away), bounds=(-10.0, 30.0))
     joint = built(drafted(pair), tmp_path, shop())[0].joints[0]
@@ -85,7 +85,7 @@ def test_slider_drawn_away_from_zero(tmp_path: Path) -> None:
 
 
 def test_joint_is_turned_round_where_the_base_is_the_second_link(tmp_path: Path) -> None:
-    """From the second link on, the same motion is about the opposite axis, with the same range."""
+    """From the second link on, the motion is about the opposite axis, with the same range."""
     pair = replace(HINGE, bounds=(-1.5, 0.5))
     joint = built(drafted(pair, base=1), tmp_path, shop())[0].joints[0]
     assert (joint.parent, joint.child, joint.axis) == ("arm", "base", (0.0, 0.0, -1.0))
@@ -93,7 +93,7 @@ def test_joint_is_turned_round_where_the_base_is_the_second_link(tmp_path: Path)
 
 
 def test_drawn_position_outside_of_the_range_is_reviewed(tmp_path: Path) -> None:
-    """A contradiction between drawing and range is marked, and the sidecar builds all the same."""
+    """A drawn position outside the range is marked, and the sidecar still builds."""
     draft = drafted(replace(HINGE, bounds=(0.5, 1.0)))
     assert "range" in draft.joints[0].review
     _, found = built(draft, tmp_path, shop())
@@ -101,27 +101,27 @@ def test_drawn_position_outside_of_the_range_is_reviewed(tmp_path: Path) -> None
 
 
 def test_placements_in_the_frame_of_the_assembly_are_taken_as_such() -> None:
-    """Where both placements are one in the assembly's frame, they are not moved by their components."""
+    """Placements in the assembly's frame are not moved by their components."""
     (joint,) = drafted(replace(HINGE, placements=(ON_BASE, ON_BASE))).joints
     assert joint.point == pytest.approx((0.045, 0.005, 0.0))
     assert not joint.is_reviewed
 
 
 def test_placements_that_do_not_meet_are_reviewed() -> None:
-    """Two placements whose axes miss each other are no evidence of one axis."""
+    """Two placements whose axes do not intersect are marked for review."""
     (joint,) = drafted(replace(HINGE, placements=(ON_BASE, Pose(position=(-5.0, 6.0, 0.0))))).joints
     assert "do not coincide" in joint.review
     assert not joint.confidence.is_sure
 
 
 def test_direction_that_the_file_leaves_out_is_reviewed() -> None:
-    """A slider without flags follows the standard, which not every program does."""
+    """A slider without flags has the direction of the standard, and is marked for review."""
     (joint,) = drafted(replace(HINGE, kind="PRISMATIC_PAIR", dofs=(0,), is_stated=False)).joints
     assert "standard" in joint.review
 
 
 def test_second_way_round_is_a_closure(tmp_path: Path) -> None:
-    """A pair between links that are connected already closes a loop."""
+    """A pair between links that are already connected is a closure."""
     second = replace(HINGE, name="again", placements=(ON_BASE, ON_ARM))
     draft = drafted(replace(HINGE, bounds=(-1.0, 1.0)), replace(second, bounds=(-1.0, 1.0)))
     assert [closure.name for closure in draft.closures] == ["again"]
@@ -129,7 +129,7 @@ def test_second_way_round_is_a_closure(tmp_path: Path) -> None:
 
 
 def test_link_that_no_pair_connects_is_held_by_the_base(tmp_path: Path) -> None:
-    """Two mechanisms in one file make one tree, with a mark where they were joined."""
+    """Two mechanisms in one file become one tree, with a mark at the added joint."""
     made = shop()
     made.box("table", X_PC=at(0, 80, 0))
     made.box("lid", X_PC=at(0, 80, 20))
@@ -145,7 +145,7 @@ def test_link_that_no_pair_connects_is_held_by_the_base(tmp_path: Path) -> None:
 
 
 def test_occurrences_that_links_refer_to_count_before_names() -> None:
-    """Links with any name, or none, find their components by the usages that the file associates with them."""
+    """Links are bound to components by the usages in the file before names."""
     links = (
         KinematicLink("", (Occurrence("robot", "arm", 1),)),
         KinematicLink("x", (Occurrence("robot", "base", 1),)),
@@ -155,7 +155,7 @@ def test_occurrences_that_links_refer_to_count_before_names() -> None:
 
 
 def test_links_that_are_no_components_make_no_draft() -> None:
-    """What cannot be found among the components is not guessed."""
+    """Links that match no component are not drafted."""
     mechanism = Mechanism((KinematicLink("base"), KinematicLink("nowhere")), (HINGE,), 0)
     assert draft_of_mechanism(mechanism, shop().assembly, "robot") is None
     several = Workshop()
@@ -166,7 +166,7 @@ def test_links_that_are_no_components_make_no_draft() -> None:
 
 
 def test_turned_components_turn_the_axis(tmp_path: Path) -> None:
-    """Placements count in the frames of their components, however these are turned."""
+    """Placements are in the frames of their components, in any orientation."""
     made = Workshop()
     made.box("base", X_PC=at(0, 0, 0, (pi / 2, 0, 0)))
     made.box("arm", X_PC=at(50, 0, 0, (pi / 2, 0, 0)))

@@ -1,4 +1,4 @@
-"""Stops of joints: where lugs meet, in closed form, and what is no stop."""
+"""Stops of joints by collision of lugs, against closed forms, and contacts that are no stop."""
 
 from math import asin, pi
 
@@ -30,7 +30,7 @@ def turning(still: tuple[Shape, ...], moving: tuple[Shape, ...]) -> Question:
 
 
 def test_lugs_stop_a_turn_where_they_meet() -> None:
-    """Two lugs, a quarter turn apart, meet at the angle at which their sides do: by the inner corner of the lug."""
+    """Two lugs, a quarter turn apart, stop where the inner corner of one meets the side of the other."""
     lug = (0.02, WIDTH, 0.01)
     moving = box(1, (RADIUS, 0.0, 0.0), lug)
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
@@ -44,12 +44,12 @@ def test_lugs_stop_a_turn_where_they_meet() -> None:
 
 
 def test_shaft_in_its_bore_stops_nothing() -> None:
-    """Round faces about the axis pass along themselves, however coarse their meshes are, and flush ends too."""
+    """Round faces about the axis do not collide with themselves, for any mesh; nor do flush ends."""
     assert find_stops((turning((tube(0, 0.01, 0.02),), (tube(1, 0.005, 0.01),)),)) == (Stops(()),)
 
 
 def test_slide_stops_at_both_ends() -> None:
-    """A block between two cheeks, 10 mm and 30 mm away, stops there to a thousandth of the travel."""
+    """A block between two cheeks, 10 mm and 30 mm away, stops there, to 1e-3 of its travel."""
     cheeks = (box(0, (-0.02, 0.0, 0.0), (0.01, 0.02, 0.02)), box(1, (0.04, 0.0, 0.0), (0.01, 0.02, 0.02)))
     block = box(2, (0.0, 0.0, 0.0), (0.01, 0.01, 0.01))
     floor = box(3, (0.0, 0.0, -0.01), (0.2, 0.02, 0.01))
@@ -61,13 +61,13 @@ def test_slide_stops_at_both_ends() -> None:
 
 
 def test_parts_that_meet_as_drawn_are_no_stop() -> None:
-    """Lugs that overlap in the drawing tell nothing of where they stop."""
+    """Lugs that overlap as drawn give no stop."""
     still, moving = box(0, (RADIUS, 0.0, 0.0), (0.02, 0.01, 0.01)), box(1, (RADIUS, 0.002, 0.001), (0.02, 0.01, 0.01))
     assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0].found)
 
 
 def test_same_stops_every_time() -> None:
-    """The same question has the same answer, to the last bit."""
+    """The result is deterministic to the last bit."""
     moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
     question = turning((still,), (moving,))
@@ -75,7 +75,7 @@ def test_same_stops_every_time() -> None:
 
 
 def test_pairs_beyond_the_bound_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pair of parts that was not compared is no pair without a stop."""
+    """Pairs of parts beyond the limit are counted as not compared."""
     monkeypatch.setattr(stops, "_MOST", 100)
     moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))

@@ -1,4 +1,4 @@
-"""`init` drafts the axis that is up for arms drawn on their side, and leaves it out for those that stand."""
+"""`init` drafts `up` for arms drawn on their side, and omits it for upright ones."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,13 +19,13 @@ from tests.unit.step.here import read_quietly
 
 @pytest.fixture(scope="module")
 def arm(robot_library: Path) -> Assembly:
-    """A desk arm, as it stands."""
+    """A desk arm, drawn upright."""
     return read_quietly(robot_library / "stepbot_desk_arm" / "desk_arm.step", ReadOptions(faces=True))
 
 
 @pytest.mark.parametrize("up", DIRECTIONS)
 def test_a_real_arm_in_all_orientations(up: Direction, arm: Assembly) -> None:
-    """The line of the sidecar turns the robot upright, with its evidence above."""
+    """The drafted line rotates the robot upright, with its evidence in a comment."""
     X = Pose.of(rotation_of(up, "y" if up.endswith("x") else "x"))
     turned = replace(arm, components=tuple(replace(c, X_WC=X @ c.X_WC) for c in arm.components))
     draft = infer(turned, "arm")

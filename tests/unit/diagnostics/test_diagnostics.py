@@ -11,27 +11,27 @@ COULD_NOT_RUN = next(code.id for code in CODES.values() if code.could_not_run)
 
 
 def test_place_is_clickable() -> None:
-    """A place prints as editors and terminals understand it."""
+    """A place is printed as `file:line:column`."""
     assert str(Span("arm.robot.yaml", 14, 7)) == "arm.robot.yaml:14:7"
     assert str(Span("arm.xml", 14)) == "arm.xml:14"
     assert str(Span("arm.step")) == "arm.step"
 
 
 def test_headline_is_complete() -> None:
-    """The first line has place, severity, code and message."""
+    """The headline has place, severity, code and message."""
     diagnostic = Diagnostic("SB001", "error", "no such file", Span("arm.step", 3, 4))
     assert str(diagnostic) == "arm.step:3:4: error[SB001]: no such file"
 
 
 def test_severity_is_the_codes(found: Diagnostics) -> None:
-    """A finding is as severe as its code."""
+    """The severity of a finding is that of its code."""
     assert found.add(WARNING, "w", Span("a")).severity == "warning"
     assert found.add(ERROR, "e", Span("a")).severity == "error"
     assert [d.message for d in found] == ["w", "e"]
 
 
 def test_unknown_code_is_refused(found: Diagnostics) -> None:
-    """A code that is not in the table is our bug."""
+    """An unknown code raises an error."""
     with pytest.raises(KeyError):
         found.add("SB000", "?", Span("a"))
 
@@ -50,7 +50,7 @@ def test_finding_is_kept_once(found: Diagnostics) -> None:
     [([], 0), ([WARNING], 0), ([ERROR, WARNING], 1), ([ERROR, COULD_NOT_RUN], 2), ([COULD_NOT_RUN], 2)],
 )
 def test_exit_code(codes: list[str], exit_code: int) -> None:
-    """0 clean, 1 findings, 2 could not run; the worst finding decides."""
+    """The exit code is 0 for clean, 1 for findings, 2 for could not run; the worst finding decides."""
     found = Diagnostics()
     for code in codes:
         found.add(code, "m", Span("a"))
@@ -59,7 +59,7 @@ def test_exit_code(codes: list[str], exit_code: int) -> None:
 
 
 def test_strict_turns_warnings_into_errors(found: Diagnostics) -> None:
-    """After make_strict a warning is an error, and ends the stage."""
+    """After `make_strict` a warning is an error and ends the stage."""
     found.add(WARNING, "w", Span("a"))
     found.raise_if_errors()
     found.make_strict()
@@ -70,7 +70,7 @@ def test_strict_turns_warnings_into_errors(found: Diagnostics) -> None:
 
 
 def test_error_carries_all_findings(found: Diagnostics) -> None:
-    """The exception at the end of a stage has warnings too; its text has only the errors."""
+    """The exception at the end of a stage contains warnings, too; its text has only the errors."""
     found.add(WARNING, "harmless", Span("a"))
     found.add(ERROR, "bad", Span("a"))
     with pytest.raises(StepbotError) as raised:
@@ -81,7 +81,7 @@ def test_error_carries_all_findings(found: Diagnostics) -> None:
 
 
 def test_near_matches() -> None:
-    """A misspelt name gets the nearest candidates, without duplicates; an unrelated name gets none."""
+    """A misspelt name has its nearest candidates, without duplicates; an unrelated name has none."""
     assert did_you_mean("forarm", ["forearm", "wrist"]) == ("did you mean 'forearm'?",)
     assert did_you_mean("xyz", ["forearm", "wrist"]) == ()
     assert did_you_mean("BASE", ["base", "case"]) == ("did you mean 'base'?",)

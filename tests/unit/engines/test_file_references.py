@@ -1,4 +1,4 @@
-"""What engines must not read is found before any of them reads it."""
+"""Files with references that engines must not follow are rejected before any engine reads them."""
 
 import os
 from pathlib import Path
@@ -13,7 +13,7 @@ pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes her
 
 
 def codes(path: Path, text: str, written_in: str) -> list[str]:
-    """The codes by which a file with this text is refused."""
+    """The codes of a file with this text."""
     path.write_text(text, encoding="utf-8")
     return [one.code for one in refusals(str(path), written_in)]
 
@@ -27,7 +27,7 @@ def test_entities_are_refused_before_they_are_expanded(tmp_path: Path) -> None:
 
 
 def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
-    """Includes beside the file and below are read, also in what is included; those that lead out are refused."""
+    """Includes in the folder and below are read, also nested ones; those outside are rejected."""
     inside = tmp_path / "scene"
     (inside / "parts").mkdir(parents=True)
     (tmp_path / "outside.xml").write_text("<mujoco/>", encoding="utf-8")
@@ -47,7 +47,7 @@ def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
 
 
 def test_link_out_of_the_folder_is_no_way_around(tmp_path: Path) -> None:
-    """What counts is where a symbolic link leads."""
+    """The target of a symbolic link counts."""
     (tmp_path / "outside.xml").write_text("<mujoco/>", encoding="utf-8")
     (tmp_path / "scene").mkdir()
     try:
@@ -60,7 +60,7 @@ def test_link_out_of_the_folder_is_no_way_around(tmp_path: Path) -> None:
 
 @pipes
 def test_pipes_are_refused_wherever_they_are_named(tmp_path: Path) -> None:
-    """As a mesh, a side of a texture, an include; in a folder for meshes; by a relative path and by a package's."""
+    """A pipe is rejected as a mesh, a texture, an include, by a mesh folder, a relative path or a package path."""
     os.mkfifo(tmp_path / "pipe.obj")
     mesh = '<robot name="r"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
     for name in ("pipe.obj", f"file://{tmp_path}/pipe.obj", "package://arm/pipe.obj"):
@@ -77,7 +77,7 @@ def test_pipes_are_refused_wherever_they_are_named(tmp_path: Path) -> None:
 
 
 def test_ordinary_files_are_admitted(tmp_path: Path) -> None:
-    """Meshes that are there, missing, or elsewhere on the disk are checked by the engines."""
+    """Existing, missing and external meshes are left to the engines."""
     (tmp_path / "a.obj").write_text("v 0 0 0\n", encoding="utf-8")
     (tmp_path / "in").mkdir()
     mesh = '<robot name="r"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
@@ -87,7 +87,7 @@ def test_ordinary_files_are_admitted(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["<include/>", '<world name="w"><include/></world>'])
 def test_include_beside_the_model_is_not_left_out_in_silence(tmp_path: Path, text: str) -> None:
-    """A world that includes another model is not read as if it held the one alone."""
+    """A world that includes another model is rejected instead of read without it."""
     path = tmp_path / "world.sdf"
     path.write_text(f'<sdf version="1.9"><model name="m"/>{text}</sdf>', encoding="utf-8")
     with pytest.raises(EngineCannotRead, match="include"):
@@ -96,7 +96,7 @@ def test_include_beside_the_model_is_not_left_out_in_silence(tmp_path: Path, tex
 
 @pipes
 def test_linked_description_is_looked_at_where_engines_read_it(tmp_path: Path) -> None:
-    """What a file names is beside the file itself, not beside a link to it."""
+    """References are relative to the file itself, not to a link to it."""
     (tmp_path / "there").mkdir()
     (tmp_path / "here").mkdir()
     os.mkfifo(tmp_path / "there" / "pipe.obj")
@@ -110,7 +110,7 @@ def test_linked_description_is_looked_at_where_engines_read_it(tmp_path: Path) -
 
 @pipes
 def test_link_to_a_pipe_is_a_pipe(tmp_path: Path) -> None:
-    """Links to pipes and to devices are refused as they are; height fields and skins too."""
+    """Links to pipes and devices are rejected like them, also for height fields and skins."""
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "a.obj").symlink_to(tmp_path / "pipe")
     (tmp_path / "b.obj").symlink_to("/dev/zero")
@@ -125,7 +125,7 @@ def test_link_to_a_pipe_is_a_pipe(tmp_path: Path) -> None:
 
 @pipes
 def test_settings_of_included_files_hold_in_all(tmp_path: Path) -> None:
-    """A folder for meshes that an included file sets, and names without their folders (`strippath`)."""
+    """Settings of an included file apply to all: a mesh folder, and `strippath`."""
     (tmp_path / "other").mkdir()
     (tmp_path / "scene").mkdir()
     os.mkfifo(tmp_path / "other" / "pipe.obj")

@@ -14,7 +14,7 @@ BAR = os.fsdecode(b"b\xe4r")
 @pytest.mark.skipif(sys.platform != "linux", reason="file names are Unicode there")
 @pytest.mark.parametrize("name", ["arm.urdf", f"{BAR}.urdf"])
 def test_what_is_beside_a_file_is_beside_its_other_path(tmp_path: Path, name: str) -> None:
-    """Whether the file's own name is not UTF-8 or that of a folder above; folders above are found from there."""
+    """A file beside the opened one is found if the name of the file, or of a folder above it, is not UTF-8."""
     folder = tmp_path / BAR / "robots" / "arm"
     (folder / "meshes").mkdir(parents=True)
     (folder.parent / "shared.obj").write_bytes(b"s")
@@ -30,7 +30,7 @@ def test_what_is_beside_a_file_is_beside_its_other_path(tmp_path: Path, name: st
 
 
 def test_relative_path_is_in_the_current_folder_of_the_call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One relative path in two folders is two files, in one process too."""
+    """A relative path is resolved in the current folder of each call, in one process too."""
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         monkeypatch.chdir(tmp_path / name)
@@ -38,6 +38,6 @@ def test_relative_path_is_in_the_current_folder_of_the_call(tmp_path: Path, monk
 
 
 def test_path_in_utf8_stays(tmp_path: Path) -> None:
-    """No link is made."""
+    """A UTF-8 path needs no link."""
     (tmp_path / "arm.urdf").write_bytes(b"")
     assert openable(tmp_path / "arm.urdf") == (tmp_path / "arm.urdf").resolve()

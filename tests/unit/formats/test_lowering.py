@@ -51,7 +51,7 @@ from tests.robots import (
 every_format = pytest.mark.parametrize("format_", FORMATS)
 ALWAYS_IN_URDF = "SB707"
 LEFT_OUT = {"urdf": ["SB703", "SB727"], "sdf": ["SB703", "SB727", "SB729"], "mjcf": ["SB727"]}
-"""What each format has no place for, of a robot that has every drive and every sensor."""
+"""Features that each format lacks, of a robot with every actuator and sensor."""
 
 
 def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
@@ -79,12 +79,12 @@ def test_every_notion_is_declared(format_: str) -> None:
 
 
 SAID_BY_WHO_LOADS = {Feature.FIXED_BASE, Feature.FLOATING_BASE, Feature.INITIAL_POSE}
-"""What a file may leave to the one who loads it: no part of the robot is lost."""
+"""Settings that a file may leave to its loader; no part of the robot is lost."""
 
 
 @every_format
 def test_every_loss_is_an_error_when_strict(format_: str) -> None:
-    """What a format leaves out draws a warning, which ``--strict`` makes an error."""
+    """A feature that a format omits is a warning, and an error with ``--strict``."""
     for feature, support in FORMATS[format_].expresses.items():
         if support.level is Level.REPORTED and feature not in SAID_BY_WHO_LOADS:
             assert CODES[support.code].severity == "warning", feature
@@ -98,14 +98,14 @@ def test_every_loss_is_an_error_when_strict(format_: str) -> None:
 
 @every_format
 def test_what_is_not_exact_is_handled(format_: str) -> None:
-    """A feature without exact support cannot go unreported."""
+    """Each feature without exact support is reported."""
     handled = {*lowering._HANDLINGS, Feature.RESERVED_NAME}
     not_exact = {feature for feature, s in FORMATS[format_].expresses.items() if s.level is not Level.EXACT}
     assert not_exact <= handled
 
 
 def test_mapping_page_is_fresh() -> None:
-    """``docs/mapping.md`` is what the writers declare."""
+    """``docs/mapping.md`` lists the writers' declarations."""
     page = Path(__file__).resolve().parents[3] / "docs" / "mapping.md"
     assert page.read_text(encoding="utf-8") == mapping_page(), "stale, run `make generate`"
 
@@ -113,7 +113,7 @@ def test_mapping_page_is_fresh() -> None:
 @every_format
 @pytest.mark.parametrize("name", ROBOTS)
 def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
-    """Supported features are unchanged."""
+    """Supported features are unchanged by lowering."""
     once = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
     assert lower(once, FORMATS[format_], Diagnostics()) == once
 
@@ -121,13 +121,13 @@ def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
 @every_format
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name != "sliding_closure"])  # cut open elsewhere in MJCF
 def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
-    """Mass stays, and so does where the links of the robot are, in the drawn pose and around it."""
+    """Lowering keeps mass and the poses of links, in the drawn pose and around it."""
     robot = ROBOTS[name]()
     said = lower(robot, FORMATS[format_], Diagnostics())
     assert sum(link.mass_properties.mass for link in said.links) == pytest.approx(
         sum(link.mass_properties.mass for link in robot.links), rel=1e-15
     )
-    # Names may differ and zeros move, but not the joint above a link.
+    # Names and zeros may differ, the parent joint of a link may not.
     above = {joint.child: joint for joint in said.joints}
     renamed = {joint.name: above[joint.child] for joint in robot.joints}
     for q in (initial_configuration(robot), *configurations(robot, 3)):
@@ -142,7 +142,7 @@ def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
 
 
 def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
-    """The loss of a loop is a warning that names the closure and both links."""
+    """An omitted closure is a warning that names the closure and both links."""
     said = lower(four_bar(), FORMATS["urdf"], found)
     assert said.closures == ()
     (message,) = [str(d) for d in found if d.code == "SB701"]
@@ -152,7 +152,7 @@ def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
 
 
 def test_urdf_bounds_what_is_unlimited() -> None:
-    """One-sided and missing limits get a number; a revolute joint without position limits becomes continuous."""
+    """Missing and one-sided limits get a number; a revolute joint without position limits becomes continuous."""
     said = lowered(slider(), "urdf", "SB704", "SB725")
     assert said.joint_by_name["slide"].limit == Limit(-UNLIMITED, 0.25, 0.5, 30.0)
     assert said.joint_by_name["lift"].limit == Limit(-0.02, 0.1, UNLIMITED, UNLIMITED)
@@ -164,7 +164,7 @@ def test_urdf_bounds_what_is_unlimited() -> None:
 
 
 def test_springs_and_armatures_are_said_where_there_is_room() -> None:
-    """URDF has springs in an extension and no armature, SDFormat no armature, MJCF both."""
+    """URDF has springs in an extension and no armature, SDFormat springs and no armature, MJCF both."""
     robot = pendulum()
     dynamics = JointDynamics(damping=1.0, friction=2.0, stiffness=3.0, spring_reference=0.5, armature=4.0)
     robot = replace(robot, joints=(replace(robot.joints[0], dynamics=dynamics),))
@@ -174,7 +174,7 @@ def test_springs_and_armatures_are_said_where_there_is_room() -> None:
 
 
 def test_frames_become_links_in_urdf() -> None:
-    """A frame is a link without mass at the end, on a fixed joint of a name that is free."""
+    """A frame is a massless link at the end, on a fixed joint with a free name."""
     said = lowered(two_link_arm(), "urdf", "SB703", "SB706", "SB708", "SB725")
     assert said.links[-2:] == (Link("tool0"), Link("camera"))
     assert [joint.name for joint in said.joints[-2:]] == ["tool0_mount", "camera_mount"]
@@ -183,7 +183,7 @@ def test_frames_become_links_in_urdf() -> None:
 
 
 def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> None:
-    """Where links, joints and frames share one namespace, joints and frames are renamed, with all references."""
+    """Where links, joints and frames share one namespace, duplicate joints and frames are renamed everywhere."""
     robot = odd_names()
     robot = replace(robot, frames=(*robot.frames, Frame("joint no. 1", "末端"), Frame("звено 1,5", "末端")))
     said = lower(robot, FORMATS["sdf"], found)
@@ -196,7 +196,7 @@ def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> 
 
 
 def test_capsules_become_cylinder_and_spheres() -> None:
-    """The three shapes reach as far as the capsule did."""
+    """A cylinder and two spheres have the extent of the capsule."""
     robot = primitives()
     said = lowered(robot, "urdf", "SB709")
     (capsule,) = [c for c in robot.links[1].collisions if c.name.startswith("capsule")]
@@ -208,7 +208,7 @@ def test_capsules_become_cylinder_and_spheres() -> None:
 
 
 def test_loop_zeros_move_only_in_loops() -> None:
-    """Joints above the loop, or outside it, keep their zero."""
+    """Joints above or outside the loop keep their zero."""
     said = lowered(four_bar_with_zeros(), "sdf", "SB704", "SB711", "SB725")
     assert [joint.drawn_position for joint in said.joints] == [0.0, 0.0, 0.0]
     robot = four_bar_with_zeros()
@@ -233,7 +233,7 @@ def test_loop_zeros_move_only_in_loops() -> None:
 def test_joints_of_several_freedoms_are_split(
     format_: str, kind: JointKind, chain: dict[str, str], found: ReadDiagnostics
 ) -> None:
-    """Into joints of one degree of freedom; the links in between have neither mass nor shape, with a warning."""
+    """A multi-dof joint becomes single joints; the links between them have neither mass nor shape, with a warning."""
     robot = pendulum()
     said = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
     assert {joint.name: joint.kind for joint in said.joints} == {f"swing{end}": k for end, k in chain.items()}
@@ -245,7 +245,7 @@ def test_joints_of_several_freedoms_are_split(
 
 @pytest.mark.parametrize("format_", ["sdf", "mjcf"])
 def test_formats_keep_the_joints_that_they_have(format_: str, found: ReadDiagnostics) -> None:
-    """Ball, universal and screw as they are."""
+    """Ball, universal and screw joints that a format supports are unchanged."""
     for kind in (JointKind.BALL, JointKind.UNIVERSAL, JointKind.SCREW):
         robot = replace(pendulum(), joints=(replace(pendulum().joints[0], kind=kind, pitch=0.001),))
         assert lower(robot, FORMATS[format_], found).joints[0].kind is kind
@@ -254,7 +254,7 @@ def test_formats_keep_the_joints_that_they_have(format_: str, found: ReadDiagnos
 
 @pytest.mark.parametrize(("format_", "forces"), [("sdf", False), ("mjcf", True)])
 def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, found: ReadDiagnostics) -> None:
-    """A limit of effort in both formats, damping in SDFormat; each with a warning."""
+    """The effort limit of a ball joint is omitted in both formats, damping in SDFormat, each with a warning."""
     robot = ROBOTS["ball"]()
     said = lower(robot, FORMATS[format_], found).joints[0]
     assert said.limit == Limit()
@@ -263,7 +263,7 @@ def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, f
 
 
 def test_a_sliding_closure_is_cut_at_a_pin(found: ReadDiagnostics) -> None:
-    """MJCF has no constraint that slides: the piston's cylinder is a joint there, and the wrist closes the loop."""
+    """MJCF has no sliding constraint: the cylinder becomes a joint, and the wrist closes the loop."""
     robot = sliding_closure()
     said = lower(robot, FORMATS["mjcf"], found)
     assert [(closure.name, closure.kind) for closure in said.closures] == [("wrist", JointKind.REVOLUTE)]
@@ -275,7 +275,7 @@ def test_a_sliding_closure_is_cut_at_a_pin(found: ReadDiagnostics) -> None:
 
 @pytest.mark.parametrize("actuated", [(), ("big_end",), ("shaft",), ("wrist", "big_end")])
 def test_a_loop_cut_elsewhere_moves_alike(actuated: tuple[str, ...]) -> None:
-    """Whichever joint the loop is cut at, every point of every link goes the same way, and nothing changes its mass."""
+    """For any joint that closes the loop, every point of every link moves equally, and masses are unchanged."""
     robot = sliding_closure()
     robot = replace(robot, actuators=tuple(Actuator(name, name, ActuatorKind.MOTOR) for name in actuated))
     said = reroot_loops(robot)
@@ -286,7 +286,7 @@ def test_a_loop_cut_elsewhere_moves_alike(actuated: tuple[str, ...]) -> None:
         for q in way:
             driven = driven_joints(robot)
             known = {name: q[name] for name in driven if name in said.joint_by_name}
-            if len(known) < len(driven):  # the driven joint is what closes the loop now
+            if len(known) < len(driven):  # the driven joint closes the loop now
                 continue
             guess = {name: q.get(name, 0.0) for name in said.joint_by_name}
             closed = close_loops(said, guess, driven)
@@ -297,7 +297,7 @@ def test_a_loop_cut_elsewhere_moves_alike(actuated: tuple[str, ...]) -> None:
 
 
 def test_a_sliding_closure_without_a_plain_pin_is_an_error(found: ReadDiagnostics) -> None:
-    """A limit or a drive has no place in a constraint: no file is better than one without it."""
+    """A sliding closure without a plain pin to cut is an error: a constraint has no dynamics, limits or actuator."""
     robot = sliding_closure()
     joints = tuple(replace(joint, dynamics=JointDynamics(damping=1.0)) for joint in robot.joints)
     assert render(replace(robot, joints=joints), "mjcf", found) == {}
@@ -308,7 +308,7 @@ def test_a_sliding_closure_without_a_plain_pin_is_an_error(found: ReadDiagnostic
     ("format_", "name"), [("urdf", "world"), ("sdf", "world"), ("sdf", "__model__"), ("sdf", "a::b"), ("mjcf", "world")]
 )
 def test_reserved_names_are_errors(format_: str, name: str, found: ReadDiagnostics) -> None:
-    """A link that a reader would take for something else is not written."""
+    """A link named like a reserved word of the format is an error."""
     robot = pendulum()
     root = replace(robot.root, name=name)
     robot = replace(robot, links=(root, robot.links[1]), joints=(replace(robot.joints[0], parent=name),))
@@ -317,7 +317,7 @@ def test_reserved_names_are_errors(format_: str, name: str, found: ReadDiagnosti
 
 
 def test_floating_base_is_said_where_it_can_be(found: ReadDiagnostics) -> None:
-    """Only URDF leaves it to its reader."""
+    """Only URDF leaves the base to its reader."""
     robot = replace(pendulum(), base=Base.FLOATING)
     for format_ in FORMATS:
         lower(robot, FORMATS[format_], found)
@@ -326,7 +326,7 @@ def test_floating_base_is_said_where_it_can_be(found: ReadDiagnostics) -> None:
 
 @pytest.mark.parametrize("facets", [20, 2000])
 def test_concave_collisions_are_named_for_mujoco(facets: int) -> None:
-    """MuJoCo collides with hulls: a trough that something should lie in is reported, however fine its mesh."""
+    """Concave collisions are reported for MuJoCo, which uses hulls, however fine their mesh is."""
     robot = one_link()
     asset = MeshAsset("trough", trough(facets))
     link = replace(robot.root, collisions=(Collision("touched", MeshRef("trough")),))

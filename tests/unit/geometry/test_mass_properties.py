@@ -24,7 +24,7 @@ X_AB = Pose.of(rotation_from_rpy((0.3, -1.1, 2.0)), (1000.0, -2000.0, 500.0))
 
 
 def box() -> TriMesh:
-    """A box of 30 x 50 x 70 mm, its corner in the origin."""
+    """A box of 30 x 50 x 70 mm with a corner at the origin."""
     return TriMesh.of(CORNERS * SIZE, FACES)
 
 
@@ -41,7 +41,7 @@ def test_box() -> None:
 
 
 def test_far_from_the_origin() -> None:
-    """Kilometres away, where the vertices themselves are rounded to nanometres, six digits remain."""
+    """Kilometres from the origin, where vertices are rounded to nanometres, six digits remain."""
     far = measured(box().moved(X_AB))
     near = measured(box())
     assert far is not None
@@ -54,7 +54,7 @@ def test_far_from_the_origin() -> None:
 
 
 def test_the_order_of_summation_makes_no_difference() -> None:
-    """The same bytes whichever way thousands of terms are summed, as processors and versions of numpy do."""
+    """The bytes do not depend on the order of summation, which differs between processors and versions of numpy."""
     rng = np.random.default_rng(5)
     angles = 2 * np.pi * np.arange(2000) / 2000
     rim = np.c_[np.cos(angles), np.sin(angles), np.zeros(2000)]
@@ -79,12 +79,12 @@ def test_the_order_of_summation_makes_no_difference() -> None:
     ids=["empty", "open", "inside out", "one face turned", "flat"],
 )
 def test_no_volume(mesh: TriMesh) -> None:
-    """What does not enclose a volume has no mass properties."""
+    """A mesh without volume has no mass properties."""
     assert measured(mesh) is None
 
 
 def test_in_a_process_of_its_own() -> None:
-    """There, without what trimesh imports beside: the same numbers to the last bit; here nothing changes."""
+    """In a separate process without trimesh's optional imports the numbers are equal to the last bit."""
     meshes = (box(), box().moved(X_AB), TriMesh.of(CORNERS, FACES[1:]))
     before = {name for name in ("scipy", "networkx") if name in sys.modules}
     assert call_isolated(MESH_WORKER, "measures", meshes) == tuple(map(measured, meshes))
@@ -93,7 +93,7 @@ def test_in_a_process_of_its_own() -> None:
 
 
 def test_what_is_withheld_comes_back() -> None:
-    """After the import, scipy can be imported."""
+    """scipy can be imported after trimesh."""
     program = (
         "import sys; from stepbot.geometry.mass_properties import prepare; prepare();"
         "assert 'trimesh.triangles' in sys.modules; assert 'scipy' not in sys.modules; import scipy, networkx"

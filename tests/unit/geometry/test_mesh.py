@@ -12,7 +12,7 @@ TETRAHEDRON = TriMesh.of([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1
 
 
 def read_obj(content: bytes) -> tuple[str, np.ndarray, np.ndarray]:
-    """Object name, vertices and faces of an OBJ, read the slow way."""
+    """Object name, vertices and faces of an OBJ, by a simple parser."""
     words = [line.split(" ", 1) for line in content.decode().splitlines()]
     (name,) = [rest for key, rest in words if key == "o"]
     vertices = np.array([list(map(float, rest.split())) for key, rest in words if key == "v"])
@@ -22,7 +22,7 @@ def read_obj(content: bytes) -> tuple[str, np.ndarray, np.ndarray]:
 
 @given(st.lists(st.tuples(*[st.floats(-1000, 1000)] * 3), min_size=4, max_size=20))
 def test_obj_reads_back_to_the_same_doubles(points: list[tuple[float, float, float]]) -> None:
-    """Every coordinate is on the grid of nanometres, and its text means the same double."""
+    """Every coordinate is on the grid of nanometres, and its text is read back as the same double."""
     mesh = TriMesh.of(points, [(0, 1, 2), (1, 2, 3)])
     name, vertices, faces = read_obj(obj_bytes(mesh, "part"))
     assert name == "part"
@@ -33,7 +33,7 @@ def test_obj_reads_back_to_the_same_doubles(points: list[tuple[float, float, flo
 
 
 def test_last_bits_of_a_kernel_do_not_show() -> None:
-    """Coordinates that differ by less than the grid give the same bytes, and zero has no sign."""
+    """Coordinates that differ by less than the grid have the same bytes, and zero has no sign."""
     moved = TriMesh.of(TETRAHEDRON.vertices + 1e-13, TETRAHEDRON.faces)
     signed = TriMesh.of(TETRAHEDRON.vertices * [-1, 1, 1], TETRAHEDRON.faces)
     assert obj_bytes(moved, "a") == obj_bytes(TETRAHEDRON, "a")
@@ -41,7 +41,7 @@ def test_last_bits_of_a_kernel_do_not_show() -> None:
 
 
 def test_triangle_gets_a_fourth_vertex() -> None:
-    """A mesh that MuJoCo would refuse for want of vertices is written with the same surface and one more."""
+    """A mesh of three vertices, which MuJoCo rejects, is written with the same surface and one more vertex."""
     triangle = TriMesh.of([(0, 0, 0), (3, 0, 0), (0, 3, 0)], [(0, 1, 2)])
     _, vertices, faces = read_obj(obj_bytes(triangle, "a"))
     np.testing.assert_array_equal(vertices, [(0, 0, 0), (3, 0, 0), (0, 3, 0), (1, 1, 0)])
@@ -51,7 +51,7 @@ def test_triangle_gets_a_fourth_vertex() -> None:
 
 
 def test_names_may_have_any_letters() -> None:
-    """The name of the object is written in UTF-8."""
+    """The name of the object is in UTF-8."""
     assert obj_bytes(TETRAHEDRON, "звено groß").decode().startswith("o звено groß\n")
 
 
@@ -65,7 +65,7 @@ def test_names_may_have_any_letters() -> None:
     ],
 )
 def test_broken_meshes_are_refused(vertices: list[tuple[float, ...]], faces: list[tuple[int, ...]]) -> None:
-    """Vertices must be finite, faces must name vertices."""
+    """Vertices must be finite, and faces must refer to vertices."""
     with pytest.raises(ValueError, match="vertex"):
         TriMesh.of(vertices, faces)
 
@@ -79,7 +79,7 @@ def test_meshes_cannot_be_changed() -> None:
 
 
 def test_moved_subset_and_joined() -> None:
-    """Moving turns and shifts, a subset keeps the vertices that it uses, joining adds one after the other."""
+    """Moving rotates and shifts, a subset keeps the vertices in use, joining concatenates."""
     turned = TETRAHEDRON.moved(Pose.from_xyz_rpy((1, 2, 3), (0, 0, np.pi / 2)))
     np.testing.assert_allclose(turned.vertices, [(1, 2, 3), (1, 3, 3), (0, 2, 3), (1, 2, 4)], atol=1e-15)
     half = TETRAHEDRON.subset(np.array([True, False, False, False]))

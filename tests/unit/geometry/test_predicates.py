@@ -1,4 +1,4 @@
-"""Predicates of meshes, against trimesh and shapes that are known."""
+"""Predicates of meshes, against trimesh and known shapes."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def _diagonal(mesh: TriMesh) -> float:
 @pytest.mark.parametrize("name", [*CONVEX, *OTHERS])
 @pytest.mark.parametrize("dent", [1e-7, 1e-4])
 def test_convex(name: str, dent: float) -> None:
-    """Known in any pose and size, on the grid of nanometres; a mesh inside out is not convex."""
+    """Convexity of known shapes in any pose and size on the grid; an inverted mesh is not convex."""
     mesh = _mesh(name)
     for scale in (1e-1, 1.0, 30.0):
         moved = TriMesh.of(mesh.vertices * scale, mesh.faces).moved(TURNED)
@@ -64,7 +64,7 @@ def test_convex(name: str, dent: float) -> None:
 
 
 def test_convex_but_for_a_dent() -> None:
-    """A dent counts from the given depth on."""
+    """A dent counts if it is deeper than the given depth."""
     for depth in (1e-6, 1e-4, 1e-2):
         mesh = dented_box(depth)
         assert is_watertight(mesh.faces)
@@ -74,7 +74,7 @@ def test_convex_but_for_a_dent() -> None:
 
 @pytest.mark.parametrize("facets", [10, 100, 2000])
 def test_hollow_is_found_however_fine_the_mesh(facets: int) -> None:
-    """A trough 13 mm deep, of facets whose edges are reflex by nanometres."""
+    """A trough 13 mm deep is concave, although the edges of its facets are reflex by nanometres."""
     mesh = trough(facets)
     assert is_watertight(mesh.faces)
     assert not is_convex(mesh, 1e-4 * _diagonal(mesh))
@@ -82,7 +82,7 @@ def test_hollow_is_found_however_fine_the_mesh(facets: int) -> None:
 
 @pytest.mark.parametrize("name", [*CONVEX, *OTHERS])
 def test_watertight_as_trimesh_finds(name: str) -> None:
-    """Also with one face turned, missing or repeated."""
+    """Watertightness agrees with trimesh, also with a face flipped, missing or repeated."""
     mesh = _mesh(name)
     faces = mesh.faces
     turned = np.concatenate([faces[:1, ::-1], faces[1:]])
@@ -92,12 +92,12 @@ def test_watertight_as_trimesh_finds(name: str) -> None:
 
 
 def test_no_faces_are_not_watertight() -> None:
-    """Nothing encloses nothing."""
+    """A mesh without faces is not watertight."""
     assert not is_watertight(np.empty((0, 3), np.int32))
 
 
 def test_encloses() -> None:
-    """Points inside a tetrahedron are distinguished from those outside, at any distance; also with inverted faces."""
+    """Points inside a tetrahedron are distinguished from those outside, at any distance, also with inverted faces."""
     for mesh in (TETRAHEDRON, TriMesh.of(TETRAHEDRON.vertices, TETRAHEDRON.faces[:, ::-1])):
         assert encloses(mesh, (0.25, 0.25, 0.25))
         assert encloses(mesh, (0.3333, 0.3333, 0.3333))
@@ -107,7 +107,7 @@ def test_encloses() -> None:
 
 
 def test_flat() -> None:
-    """Coplanar vertices in any pose; a plate a millimetre thick is not flat."""
+    """Coplanar vertices are flat in any pose; a plate a millimetre thick is not."""
     square = TriMesh.of([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)])
     assert is_flat(square)
     assert is_flat(square.moved(TURNED))

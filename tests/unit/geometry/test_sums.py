@@ -1,4 +1,4 @@
-"""Sums are exact, rounded once, and the same on every Python."""
+"""Sums are exact, rounded once, and equal on every Python."""
 
 import ast
 import re
@@ -17,17 +17,17 @@ COUNTS = re.compile(
     r"len\(|map\(len,|int\(|1\b|count$|any\(|(map\()?self(\._lines)?\.has\b|_straighten_face\(|sizes\["
     r"|.*(\.size| (==|!=|is not|in) .*|nthreads\(\)\.values\(\))$"
 )
-"""What the built-in ``sum`` may add: whole numbers, whose sum no Python rounds."""
+"""Arguments allowed for the built-in ``sum``: whole numbers."""
 
 
 @given(st.lists(st.floats(-1e300, 1e300), max_size=30))
 def test_sum_is_exact(values: list[float]) -> None:
-    """The sum of fractions, rounded to a double."""
+    """The sum is that of the exact fractions, rounded to a double."""
     assert exact_sum(values) == float(sum(map(Fraction, values)))
 
 
 def test_sum_of_what_is_not_finite() -> None:
-    """As adding them one by one: infinite, or NaN."""
+    """Non-finite sums are infinite or NaN, as by adding."""
     assert exact_sum([1e308, 1e308]) == inf
     assert exact_sum([1.0, -inf]) == -inf
     assert isnan(exact_sum([inf, -inf]))
@@ -35,14 +35,14 @@ def test_sum_of_what_is_not_finite() -> None:
 
 
 def test_masses_are_summed_exactly() -> None:
-    """Ten bodies of 0.1 kg: 1 kg on every Python; added one by one, they are 1.1e-16 kg short."""
+    """Ten bodies of 0.1 kg have 1 kg; added one by one they are 1.1e-16 kg short."""
     assert (
         combined([MassProperties.of(0.1, (0.0, 0.0, 0.0), [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 1e-4]])] * 10).mass == 1.0
     )
 
 
 def _summed() -> list[tuple[str, str]]:
-    """Where the source calls ``sum`` without a start, which arrays have, and what it adds."""
+    """Calls of ``sum`` without a start in the source, and their arguments."""
     found = []
     for file in sorted(SOURCE.rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
@@ -55,7 +55,7 @@ def _summed() -> list[tuple[str, str]]:
 
 
 def test_built_in_sum_only_counts() -> None:
-    """It compensates for rounding from Python 3.12 on, not before: numbers with fractions take `exact_sum`."""
+    """Fractions are added by `exact_sum`: the built-in ``sum`` compensates for rounding only from Python 3.12 on."""
     summed = _summed()
     assert len(summed) > 10
     assert [place for place in summed if not COUNTS.match(place[1])] == []

@@ -7,14 +7,14 @@ from tests.conftest import ReadDiagnostics
 
 
 def make(folder: Path, *names: str) -> None:
-    """Empty files."""
+    """Create empty files."""
     for name in names:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text("", encoding="utf-8")
 
 
 def test_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """All sidecars below, in order; none in hidden folders, no files with similar names."""
+    """All sidecars below a folder are found in order; none in hidden folders, and no files with similar names."""
     names = ["b/robot.yaml", "a/arm.robot.yml", "c.robot.yaml"]
     make(tmp_path, *names, ".git/x.robot.yaml", "a/myrobot.yaml", "a/arm.robot.yaml.orig", "robots.yaml")
     sidecars = find_sidecars([tmp_path], found)
@@ -22,7 +22,7 @@ def test_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_list(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A list names sidecars and folders relative to itself; each is taken once."""
+    """A list names sidecars and folders relative to itself; each is used once."""
     make(tmp_path, "robots/a.robot.yaml", "other/b.robot.yaml")
     (tmp_path / "all.txt").write_text("# ours\n\nother/b.robot.yaml\nrobots\n", encoding="utf-8")
     sidecars = find_sidecars([tmp_path / "all.txt", tmp_path / "robots" / "a.robot.yaml"], found)
@@ -30,7 +30,7 @@ def test_list(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A folder without sidecars and a missing list are reported; a missing sidecar is reported later."""
+    """A folder without sidecars and a missing list are errors; a missing sidecar is reported later."""
     assert find_sidecars([tmp_path, tmp_path / "no.txt", tmp_path / "no.robot.yaml"], found) == [
         tmp_path / "no.robot.yaml"
     ]
@@ -38,7 +38,7 @@ def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_names(tmp_path: Path) -> None:
-    """The robot is named after its sidecar; after the folder if the file name is generic."""
+    """A robot is named after its sidecar, or after the folder if the file name is generic."""
     assert robot_name(Path("x/arm.robot.yaml")) == "arm"
     assert robot_name(Path("x/arm.yml")) == "arm"
     assert robot_name(tmp_path / "arm7" / "robot.yaml") == "arm7"

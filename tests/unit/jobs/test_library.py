@@ -1,4 +1,4 @@
-"""Finding robots of the library, and reading their pages."""
+"""Robots of the library and their pages."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ def _robot(place: Path, folder: str = "maker_crank", page: str = PAGE) -> Librar
 
 
 def test_page_tells_overview_facts_and_tables(tmp_path: Path) -> None:
-    """Markup goes, paragraphs become one line, tables become rows."""
+    """A page is read without markup: paragraphs as one line, tables as rows."""
     robot = _robot(tmp_path)
     assert (robot.name, robot.short_name, robot.step) == ("maker_crank", "crank", robot.folder / "crank.step")
     assert robot.overview() == "A slider-crank, as in every engine. It is small."
@@ -55,7 +55,7 @@ def test_page_tells_overview_facts_and_tables(tmp_path: Path) -> None:
 
 
 def test_page_that_is_not_generated_yet_tells_less(tmp_path: Path) -> None:
-    """Between drawing a robot and converting it there are no facts and no tables."""
+    """A page without a generated part has no facts and no tables."""
     robot = _robot(tmp_path, page="# crank\n\nA crank.\n")
     assert (robot.summary(), robot.facts(), robot.table("Joints")) == ("A crank.", "", [])
 
@@ -73,7 +73,7 @@ def test_every_robot_of_the_checkout_is_found_and_told(robot_library: Path) -> N
 
 
 def test_names_with_and_without_makers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A maker's name may be left out while only one maker has a robot of this name."""
+    """A maker's name is optional if only one maker has a robot of that name."""
     monkeypatch.setattr(library, "_PLACES", (tmp_path / "absent", tmp_path))
     assert library_robots() == ()
     crank = _robot(tmp_path)

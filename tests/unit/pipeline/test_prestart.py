@@ -1,4 +1,4 @@
-"""When the kernel is started before anything else: where a STEP will be read, and nowhere else."""
+"""The kernel is started early if a STEP will be read, and only then."""
 
 from pathlib import Path
 
@@ -27,7 +27,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.parametrize("written", ["a b.step", '"a b.step"', "'a b.step'", "a b.step   # the arm"])
 def test_step_that_the_sidecar_names(tmp_path: Path, started: list[str], written: str) -> None:
-    """However the name is written, the STEP is found beside the sidecar."""
+    """The STEP is found beside the sidecar in each spelling of its name."""
     sidecar = tmp_path / "arm.robot.yaml"
     sidecar.write_text(SIDECAR.format(written), encoding="utf-8")
     assert warmup.started_kernel(sidecar, Options(tmp_path)) is None
@@ -37,7 +37,7 @@ def test_step_that_the_sidecar_names(tmp_path: Path, started: list[str], written
 
 
 def test_no_kernel_for_what_was_read(tmp_path: Path, started: list[str]) -> None:
-    """Geometry in the cache needs no kernel, until the STEP changes."""
+    """Cached geometry starts no kernel until the STEP changes."""
     step, cache = tmp_path / "arm.step", Cache(tmp_path / "kept")
     step.write_bytes(b"one")
     options = Options(tmp_path, step=step, cache=cache)
@@ -48,7 +48,7 @@ def test_no_kernel_for_what_was_read(tmp_path: Path, started: list[str]) -> None
 
 
 def test_rubbish_starts_nothing(tmp_path: Path, started: list[str]) -> None:
-    """What is no sidecar at all costs no process."""
+    """A file that is not a sidecar starts no process."""
     assert warmup.started_kernel(tmp_path, Options(tmp_path)) is None
     (tmp_path / "x").write_bytes(bytes(range(256)))
     assert warmup.started_kernel(tmp_path / "x", Options(tmp_path)) is None

@@ -1,4 +1,4 @@
-"""The report: rows for the terminal, JSON that keeps its schema, the same bytes for the same input."""
+"""The report: rows for the terminal, JSON that conforms to its schema, deterministic bytes."""
 
 import json
 from dataclasses import replace
@@ -28,19 +28,19 @@ ABSENT = Check("a.xml", "mjcf", "mujoco", "load", Status.NOT_RUN, why="mujoco is
 
 @pytest.fixture(scope="module")
 def validator() -> jsonschema.Draft202012Validator:
-    """For the schema, which is valid itself."""
+    """A validator for the schema, which is valid itself."""
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)
 
 
 def faults(validator: jsonschema.Draft202012Validator, document: object) -> list[str]:
-    """What the schema finds wrong in a report, and where."""
+    """Errors of a report by the schema, with their places."""
     return [f"{fault.json_path}: {fault.message}" for fault in validator.iter_errors(document)]
 
 
 def test_one_row_per_file_and_engine() -> None:
-    """In the order of the checks; failed beats passed beats not run."""
+    """Rows are in the order of the checks; failed takes precedence over passed, passed over not run."""
     rows = Report((NAMES, PASSED, NEARER, NOT_RUN, FAILED, ABSENT)).rows()
     assert [(row.file, row.engine, row.status) for row in rows] == [
         ("a.urdf", "mujoco", Status.PASSED),
@@ -55,7 +55,7 @@ def test_one_row_per_file_and_engine() -> None:
 
 
 def test_the_worst_is_the_nearest_to_its_tolerance() -> None:
-    """Not the largest number; of a failed row, the worst that failed."""
+    """The worst check is the nearest to its tolerance; of a failed row, the worst failed one."""
     rows = Report((PASSED, NEARER, replace(FAILED, file="a.urdf", engine="mujoco"))).rows()
     assert rows[0].worst is not None
     assert rows[0].worst.quantity == "mass"
@@ -64,32 +64,32 @@ def test_the_worst_is_the_nearest_to_its_tolerance() -> None:
 
 
 def test_same_reasons_are_told_once() -> None:
-    """With all the quantities that they hold for."""
+    """Equal reasons are merged, with all their quantities."""
     row = Report((NOT_RUN, replace(NOT_RUN, quantity="limits"))).rows()[0]
     assert row.why == "mimic, limits not run: mujoco does not tell"
 
 
 def test_files_compared_with_several_others_have_several_rows() -> None:
-    """Checks are distinguished by their reference."""
+    """Checks against several references have several rows."""
     assert len(Report((PASSED, replace(PASSED, against="b.urdf (mujoco)"))).rows()) == 2
 
 
 def test_failed_means_a_failed_check() -> None:
-    """What was not run is no failure, and no success either."""
+    """A report fails by a failed check, not by one that was not run."""
     assert Report((FAILED, PASSED)).failed
     assert not Report((PASSED, NOT_RUN)).failed
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_robot_keeps_the_schema(name: str, validator: jsonschema.Draft202012Validator) -> None:
-    """Loops, mimics, frames, limits without end and all."""
+    """Reports of all robots conform to the schema: loops, mimics, frames, infinite limits."""
     robot = ROBOTS[name]()
     report = Report((PASSED, NOT_RUN, FAILED), {"mujoco": "4.0"}, robot, 1, ("one",), (("a", "b", None),))
     assert faults(validator, json.loads(report_bytes(report, Diagnostics()))) == []
 
 
 def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validator, found: ReadDiagnostics) -> None:
-    """Mass sources, measured bodies, names, notes and diagnostics."""
+    """A report with mass sources, measured bodies, names, notes and diagnostics conforms to the schema."""
     found.add("SB810", "links overlap", Span("arm.step", 3, 4), help=["move them"], notes=["by 1 mm"])
     source = ComponentMass("arm/upper", 0.9, 2700.0, 0.9 / 2700.0, "parts rule '**'", "mesh")
     given = ComponentMass("arm/motor", 0.1, None, 5e-5, "parts rule 'motor'", "given")
@@ -111,7 +111,7 @@ def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validat
 
 
 def test_joint_table_keeps_the_schema(validator: jsonschema.Draft202012Validator) -> None:
-    """Rows with all that they can hold, and with nothing but names."""
+    """Rows of the joint table conform to the schema, with all optional values and with none."""
     sides = (Side("a/pin", 0.004, bore=False), Side("b/hub", 0.0041, bore=True))
     rival = Rival(Basis.TOUCH, (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.002,), 0.5)
     fit = Evidence(Basis.FIT, "axis", sides, 0.01, rivals=(rival,), doubt="a wider axis")
@@ -123,7 +123,7 @@ def test_joint_table_keeps_the_schema(validator: jsonschema.Draft202012Validator
 
 
 def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012Validator) -> None:
-    """As when files are compared with each other."""
+    """The report of a comparison of files, which has no robot, conforms to the schema."""
     document = report_document(Report((PASSED, FAILED, ABSENT)), Diagnostics())
     assert faults(validator, document) == []
     assert document["robot"] is None
@@ -131,7 +131,7 @@ def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012
 
 
 def test_what_no_engine_tells_is_counted_apart() -> None:
-    """Checks that passed in stepbot's own parsers are counted as passed, and also separately."""
+    """Checks passed in stepbot's own parsers only are counted as passed, and separately."""
     read_back = replace(PASSED, file="a.sdf", format="sdf", engine="reader")
     report = Report(
         (PASSED, read_back, replace(read_back, file="a.urdf", engine="extensions"), FAILED),
@@ -147,7 +147,7 @@ def test_what_no_engine_tells_is_counted_apart() -> None:
 
 
 def test_the_schema_describes_everything(validator: jsonschema.Draft202012Validator) -> None:
-    """Nothing may be added or left out in silence."""
+    """The schema allows no further key and requires all."""
     document = report_document(Report((PASSED,), robot=four_bar()), Diagnostics())
     for change in (lambda d: d.pop("checks"), lambda d: d["robot"]["links"][0].update(weight=1)):
         broken = json.loads(json.dumps(document))
@@ -156,7 +156,7 @@ def test_the_schema_describes_everything(validator: jsonschema.Draft202012Valida
 
 
 def test_what_is_infinite_is_null() -> None:
-    """JSON has no infinity."""
+    """Infinity is null in JSON."""
     robot = two_link_arm()
     joint = replace(robot.joints[0], limit=Limit(-inf, 1.0))
     document = report_document(Report(robot=replace(robot, joints=(joint, robot.joints[1]))), Diagnostics())
@@ -167,7 +167,7 @@ def test_what_is_infinite_is_null() -> None:
 
 
 def test_the_whole_is_the_sum_of_the_links_as_drawn() -> None:
-    """Mass, centre and inertia of the robot in the drawn pose, which is not q = 0."""
+    """Mass, centre and inertia of the whole robot are those of the drawn pose, which is not q = 0."""
     robot = two_link_arm()
     document = report_document(Report(robot=robot), Diagnostics())["robot"]
     assert document["mass"] == pytest.approx(sum(link.mass_properties.mass for link in robot.links), rel=1e-15)
@@ -177,7 +177,7 @@ def test_the_whole_is_the_sum_of_the_links_as_drawn() -> None:
 
 
 def test_the_same_report_has_the_same_bytes() -> None:
-    """UTF-8, one newline at the end, names as they are."""
+    """The report is deterministic UTF-8 with one newline at the end and unescaped names."""
     report = Report((replace(PASSED, where="mass of link 'Grundplatte groß'"),), robot=four_bar())
     first = report_bytes(report, Diagnostics())
     assert first == report_bytes(replace(report, robot=four_bar()), Diagnostics())

@@ -1,4 +1,4 @@
-"""JUnit XML: what CI servers count."""
+"""JUnit XML for CI servers."""
 
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -21,12 +21,12 @@ CHECK = {
 
 
 def check(**changes: Any) -> dict[str, Any]:
-    """A check as the report has it."""
+    """A check of the report."""
     return {**CHECK, **changes}
 
 
 def test_counts_and_cases() -> None:
-    """One case for the conversion and one for each check; failures and omitted checks are distinguished."""
+    """The conversion and each check are one case each; failures and skipped checks are distinguished."""
     checks = [
         check(),
         check(quantity="com", status="failed", why="off by a lot"),
@@ -50,7 +50,7 @@ def test_counts_and_cases() -> None:
 
 
 def test_errors_of_the_conversion() -> None:
-    """A robot with errors fails its first case; one that could not be read at all is an error, not a failure."""
+    """A robot with errors fails its first case; one that could not be read is an error."""
     found, lost = Diagnostics(), Diagnostics()
     found.add("SB301", "no component 'x'", Span("a.robot.yaml", 3, 1))
     found.add("SB703", "armatures are omitted", Span("a.urdf"))
@@ -63,6 +63,6 @@ def test_errors_of_the_conversion() -> None:
 
 
 def test_any_name_is_well_formed() -> None:
-    """Names with markup and control characters, as STEP files have them, do not break the document."""
+    """Names with markup and control characters give well-formed XML."""
     root = ET.fromstring(junit_bytes([Suite("<&\x00\x1b\ud800>\"'", [check(why="a\x07b", status="failed")])]))
     assert root[0].get("name") == "<&\ufffd\ufffd\ufffd>\"'"

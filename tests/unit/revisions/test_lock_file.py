@@ -1,4 +1,4 @@
-"""Lock files round-trip, and an invalid one is an error with its place."""
+"""Lock files are read back as written; an invalid one is an error with its place."""
 
 import json
 from dataclasses import replace
@@ -39,7 +39,7 @@ def read(path: Path, content: bytes, robot: str = "arm") -> tuple[Snapshot | Non
 
 
 def test_what_was_written_is_read_back(tmp_path: Path) -> None:
-    """All values come back, and the file is what the schema allows."""
+    """All values are read back, and the file conforms to the schema."""
     content = lock_bytes(LOCK)
     assert read(tmp_path / "arm.lock.json", content) == (LOCK, [])
     jsonschema.validate(json.loads(content), json.loads(SCHEMA.read_text(encoding="utf-8")))
@@ -48,7 +48,7 @@ def test_what_was_written_is_read_back(tmp_path: Path) -> None:
 
 
 def test_each_record_is_one_line() -> None:
-    """A version control system shows one line for one part that changed."""
+    """Each record is one line, for diffs of version control."""
     moved = replace(LOCK, parts=(replace(LOCK.parts[0], position=(1.0, 0.0, 0.0)), LOCK.parts[1]))
     before, after = (lock_bytes(one).splitlines() for one in (LOCK, moved))
     assert sum(a != b for a, b in zip(before, after, strict=True)) == 1
@@ -63,7 +63,7 @@ def test_no_lock_is_no_error(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["arm.robot.yaml", "arm.robot.yml", "arm.yaml"])
 def test_lock_has_the_name_of_its_sidecar(name: str) -> None:
-    """The name of a lock is the sidecar's, for any suffix."""
+    """The lock is named after its sidecar, for any suffix."""
     assert lock_path(Path("folder") / name) == Path("folder/arm.lock.json")
     assert lock_path(Path("robot.yaml")) == Path("robot.lock.json")
 
@@ -82,7 +82,7 @@ def test_lock_has_the_name_of_its_sidecar(name: str) -> None:
     ],
 )
 def test_broken_files_are_errors(content: bytes, words: str, tmp_path: Path) -> None:
-    """Any invalid content gives one error with the reason."""
+    """Invalid content is one error with the reason."""
     lock, ((code, message),) = read(tmp_path / "arm.lock.json", content)
     assert lock is None
     assert code == "SB013"
@@ -112,13 +112,13 @@ def test_wrong_values_are_errors(keys: tuple[Any, ...], value: Any, words: str, 
 
 
 def test_infinite_numbers_are_errors(tmp_path: Path) -> None:
-    """What JSON does not have, Python reads: it is no number of a lock."""
+    """NaN and Infinity, which Python's JSON reader accepts, are errors."""
     content = lock_bytes(LOCK).replace(b"2700.0", b"Infinity")
     assert read(tmp_path / "arm.lock.json", content)[1] == [("SB013", "lock file: parts[0].density: expected a number")]
 
 
 def test_locks_of_others_are_not_used(tmp_path: Path) -> None:
-    """A later version is an error, another robot's lock a warning; neither is compared with."""
+    """A later version is an error, another robot's lock a warning; neither is used."""
     path = tmp_path / "arm.lock.json"
     later = lock_bytes(LOCK).replace(b'"version": 1', b'"version": 2')
     assert [code for code, _ in read(path, later)[1]] == ["SB014"]

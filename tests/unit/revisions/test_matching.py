@@ -1,4 +1,4 @@
-"""Which part is which: by shape and place first, by name only where these leave it open."""
+"""Matching of parts: by shape and pose first, by name where these are ambiguous."""
 
 import math
 from collections.abc import Iterable
@@ -31,7 +31,7 @@ SIZES = ((0.1, 0.06, 0.01), (0.01, 0.01, 0.2), (0.02, 0.02, 0.02))
 
 
 def part(path: str, shape: int, at: Vector3 = (0.0, 0.0, 0.0), *, by_ordinal: bool = False) -> Part:
-    """A block at a place, in the attitude of its frame."""
+    """A part at a position, in the orientation of its frame."""
     box = bounds(CORNERS * SIZES[shape] + at)
     return Part(path, shape, at, box=box, by_ordinal=by_ordinal)
 
@@ -42,7 +42,7 @@ def assembly(*parts: Part, shapes: tuple[Shape, ...] = SHAPES) -> Snapshot:
 
 
 def names(old: Snapshot, new: Snapshot, found: Match, certainty: Certainty) -> dict[str, str]:
-    """Former and present name of each part that was paired for a reason."""
+    """Former and present name of each part matched for a reason."""
     pairs = [pair for pair in found.pairs if pair.certainty is certainty]
     return {old.parts[pair.old].path: new.parts[pair.new].path for pair in pairs}
 
@@ -56,13 +56,13 @@ BASE = part("base", 0)
 
 
 def test_same_shape_and_place_is_certain() -> None:
-    """A part under another name is the same part where its shape and place are the same."""
+    """A renamed part with the same shape and pose is a certain match."""
     old, new = assembly(BASE, part("pin", 1, (0.1, 0, 0))), assembly(BASE, part("bolt", 1, (0.1, 0, 0)))
     assert names(old, new, match(old, new), Certainty.CERTAIN) == {"pin": "bolt"}
 
 
 def test_same_shape_elsewhere_is_probable() -> None:
-    """A part that was renamed and moved is probable where it is the only one of its shape."""
+    """A part that was renamed and moved is a probable match if it is the only one of its shape."""
     old, new = assembly(BASE, part("pin", 1, (0.1, 0, 0))), assembly(BASE, part("bolt", 1, (0.1, 0, 0.003)))
     found = match(old, new)
     assert names(old, new, found, Certainty.PROBABLE) == {"pin": "bolt"}
@@ -70,7 +70,7 @@ def test_same_shape_elsewhere_is_probable() -> None:
 
 
 def test_equal_parts_are_told_apart_by_place() -> None:
-    """Of equal parts that were all renamed each is found at its place, in whatever order the file has them."""
+    """Equal parts that were all renamed are matched by position, in any order of the file."""
     places: list[Vector3] = [(0.1 * i, 0, 0) for i in range(1, 5)]
     old = assembly(BASE, *(part(f"screw {i}", 1, at) for i, at in enumerate(places)))
     new = assembly(BASE, *(part(f"bolt {i}", 1, at) for i, at in reversed(list(enumerate(places)))))
@@ -79,7 +79,7 @@ def test_equal_parts_are_told_apart_by_place() -> None:
 
 
 def test_two_parts_at_one_place_are_ambiguous() -> None:
-    """Where two equal parts fill the same space no name is certain."""
+    """Two equal parts at one pose have no certain match."""
     at = (0.1, 0, 0)
     old = assembly(BASE, part("a", 1, at), part("b", 1, at))
     new = assembly(BASE, part("c", 1, at), part("d", 1, at))
@@ -93,7 +93,7 @@ def test_two_parts_at_one_place_are_ambiguous() -> None:
 
 
 def test_swapped_names_are_moved_parts() -> None:
-    """Two equal parts that keep their names and change places have moved: a name counts while it is there."""
+    """Two equal parts that keep their names and exchange positions have moved."""
     old = assembly(BASE, part("left", 1, (0.1, 0, 0)), part("right", 1, (-0.1, 0, 0)))
     new = assembly(BASE, part("left", 1, (-0.1, 0, 0)), part("right", 1, (0.1, 0, 0)))
     found = match(old, new)
@@ -102,7 +102,7 @@ def test_swapped_names_are_moved_parts() -> None:
 
 
 def test_numbers_shift_with_the_parts() -> None:
-    """Paths that hold by #n alone follow the place: of three screws the first is gone, and the numbers have shifted."""
+    """After the first of three screws is removed, paths with #n alone follow the positions of the others."""
     old = assembly(BASE, *(part(f"screw#{i}", 1, (0.1 * i, 0, 0), by_ordinal=True) for i in (1, 2, 3)))
     new = assembly(BASE, *(part(f"screw#{i}", 1, (0.1 * (i + 1), 0, 0), by_ordinal=True) for i in (1, 2)))
     found = match(old, new)
@@ -111,7 +111,7 @@ def test_numbers_shift_with_the_parts() -> None:
 
 
 def test_mirror_image_is_another_shape() -> None:
-    """A part that was replaced by its mirror image in the same pose has the same moments and another box."""
+    """A mirror image in the same pose has the same moments and another box, and does not match."""
     bracket = replace(block(0.1, 0.06, 0.01), com=(0.01, 0.0, 0.0))
     left = Part("bracket", 0, box=((-0.03, -0.03, -0.005), (0.07, 0.03, 0.005)))
     right = replace(left, box=((-0.05, -0.03, -0.005), (0.05, 0.03, 0.005)))
@@ -124,7 +124,7 @@ def test_mirror_image_is_another_shape() -> None:
 
 
 def test_part_of_nearly_the_same_size_at_the_same_place_is_probable() -> None:
-    """A part that was renamed and reshaped a little is probable, one of half the size is another."""
+    """A part that was renamed and slightly reshaped is a probable match; one of half the size is not."""
     thicker = block(0.1, 0.06, 0.011)
     old = assembly(part("cover", 0), part("pin", 1, (0, 0, 1)))
     new = assembly(part("lid", 2), part("pin", 1, (0, 0, 1)), shapes=(PLATE, ROD, thicker))
@@ -135,7 +135,7 @@ def test_part_of_nearly_the_same_size_at_the_same_place_is_probable() -> None:
 
 
 def test_motion_of_the_whole_does_not_count() -> None:
-    """Parts are compared after the motion that all of them share, so that a renamed one is certain."""
+    """A motion shared by all parts is removed before matching, so that a renamed part is certain."""
     shift = (0.0, 0.0, 0.25)
     old = assembly(BASE, part("pin", 1, (0.1, 0, 0)), part("foot", 2, (0, 0.1, 0)))
     new = assembly(part("base", 0, shift), part("bolt", 1, (0.1, 0, 0.25)), part("foot", 2, (0, 0.1, 0.25)))
@@ -147,7 +147,7 @@ def test_motion_of_the_whole_does_not_count() -> None:
 
 
 def test_one_part_that_stays_makes_the_others_moved() -> None:
-    """The whole has not moved where one part has not."""
+    """The whole has not moved if one part has not."""
     old = assembly(BASE, part("pin", 1, (0.1, 0, 0)), part("foot", 2, (0, 0.1, 0)))
     new = assembly(BASE, part("pin", 1, (0.1, 0, 0.25)), part("foot", 2, (0, 0.1, 0.25)))
     found = match(old, new)
@@ -161,7 +161,7 @@ points = st.tuples(*[st.floats(-2.0, 2.0)] * 3)
 
 @given(directions, st.floats(-3.0, 3.0), points)
 def test_shape_does_not_depend_on_the_frame_it_is_drawn_in(axis: Vector3, angle: float, p: Vector3) -> None:
-    """A solid drawn in another frame has the same shape; where its occurrence makes up for that, it has not moved."""
+    """A solid drawn in another frame has the same shape; if its occurrence compensates, it has not moved."""
     R = rotation_about(unit(axis), angle)
     a = block(0.1, 0.06, 0.01)
     tensor = turn_inertia(R, a.tensor)
@@ -176,5 +176,5 @@ def test_shape_does_not_depend_on_the_frame_it_is_drawn_in(axis: Vector3, angle:
 
 @given(st.floats(1e-4, 0.5))
 def test_a_larger_part_is_another_shape(share: float) -> None:
-    """A part that grew in one direction by more than a ten-thousandth has another shape."""
+    """A part that grew in one direction by more than 1e-4 has another shape."""
     assert not same_shape(block(0.1, 0.06, 0.01), block(0.1 * (1.0 + share), 0.06, 0.01))

@@ -1,4 +1,4 @@
-"""Closed mechanisms: freedom, Newton's method, range; against closed forms."""
+"""Closed mechanisms: degrees of freedom, Newton's method, range of motion; against closed forms."""
 
 from dataclasses import replace
 from math import acos, asin, cos, isclose, pi, sin
@@ -54,18 +54,18 @@ def slider_crank(closure: JointKind = JointKind.REVOLUTE) -> Robot:
 
 
 def _welded(robot: Robot) -> Robot:
-    """The robot with its closure held fast."""
+    """The robot with a rigid closure."""
     return replace(robot, closures=tuple(replace(closure, kind=JointKind.FIXED) for closure in robot.closures))
 
 
 def piston(crank: float) -> float:
-    """Travel [m] of the piston from where it was drawn, for the angle of the crank from where it was drawn."""
+    """Travel [m] of the piston from its drawn position, for a rotation of the crank from the drawing."""
     angle = crank + pi / 2
     return CRANK * cos(angle) + (ROD**2 - (CRANK * sin(angle)) ** 2) ** 0.5 - ROD * cos(asin(CRANK / ROD))
 
 
 def test_four_bar_follows_its_equation_over_a_full_turn() -> None:
-    """Rocker and coupler are where Freudenstein's equation has them, to 1e-12 rad."""
+    """Rocker and coupler follow Freudenstein's equation to 1e-12 rad."""
     robot = four_bar()
     drawn_crank = pi / 3
     coupler0, rocker0 = four_bar_angles(drawn_crank)
@@ -83,7 +83,7 @@ def _wrapped(angle: float) -> float:
 
 
 def test_slider_crank_follows_its_equation() -> None:
-    """A loop with a prismatic joint in the tree."""
+    """A loop with a prismatic joint in the tree follows its closed form."""
     robot = slider_crank()
     for way in loop_ways(robot):
         for q in way:
@@ -103,12 +103,12 @@ def test_slider_crank_follows_its_equation() -> None:
     ],
 )
 def test_degrees_of_freedom_are_counted_by_rank(robot: Robot, freedom: int) -> None:
-    """Rows that repeat each other take no freedom twice; mimics take it."""
+    """Redundant rows do not reduce the degrees of freedom; mimics do."""
     assert degrees_of_freedom(robot) == freedom
 
 
 def test_a_closure_holds_what_its_kind_holds() -> None:
-    """The rank of each kind's rows between two bodies that could move freely along and about three axes."""
+    """The rank of each kind's rows is that between two bodies free along and about three axes."""
     axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     joints, above = [], "base"
     for kind in (JointKind.PRISMATIC, JointKind.CONTINUOUS):
@@ -124,7 +124,7 @@ def test_a_closure_holds_what_its_kind_holds() -> None:
 
 @pytest.mark.parametrize("kind", [JointKind.BALL, JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.FIXED])
 def test_constraint_jacobian_is_the_derivative(kind: JointKind) -> None:
-    """Of the residual at a closed pose, against central differences, in space and with tilted frames."""
+    """The Jacobian is the derivative of the residual at a closed pose, by central differences, with tilted frames."""
     tilted = Pose.from_xyz_rpy((0.1, 0.2, -0.1), (0.3, -0.5, 0.7))
     joints = (
         Joint("a", JointKind.REVOLUTE, "base", "one", tilted, (0.0, 0.6, 0.8)),
@@ -147,7 +147,7 @@ def test_constraint_jacobian_is_the_derivative(kind: JointKind) -> None:
 
 
 def test_actuated_joints_drive_first() -> None:
-    """Else the joints nearest the root; what adds no rank cannot follow, so it drives too."""
+    """Actuated joints drive first, then those nearest the root, and those that add no rank, which cannot follow."""
     robot = four_bar()
     assert driven_joints(robot) == ("crank_pin",)
     by_rocker = replace(robot, actuators=(Actuator("m", "ground_pin", ActuatorKind.MOTOR),))
@@ -157,7 +157,7 @@ def test_actuated_joints_drive_first() -> None:
 
 
 def test_what_cannot_close_says_how_far_it_stays_open() -> None:
-    """A rocker that is too short: Newton's method stalls, and the gap is the missing length."""
+    """For a rocker that is too short Newton's method stalls, and the residual is the missing length."""
     robot = four_bar()
     X = robot.closures[0].X_BF
     short = replace(robot, closures=(replace(robot.closures[0], X_BF=Pose.of(X.R, X.p + np.array([0, 0, 0.01]))),))
@@ -170,14 +170,14 @@ def test_what_cannot_close_says_how_far_it_stays_open() -> None:
 
 
 def test_a_closure_turned_over_is_open() -> None:
-    """Axes that point in opposite directions are not aligned, though no cross product sees it."""
+    """Closure axes in opposite directions are not aligned, although their cross product is 0."""
     closure = LoopClosure("pin", JointKind.REVOLUTE, "a", IDENTITY, "b", IDENTITY)
     flipped = Pose.of(rotation_about((1, 0, 0), pi))
     assert closure_gap(closure, IDENTITY, flipped) == (0.0, pytest.approx(pi, abs=1e-15))
 
 
 def test_gaps_by_kind() -> None:
-    """What a kind leaves free is no gap."""
+    """The residual excludes the freedoms of the closure's kind."""
     shifted = Pose.of(rotation_about((0, 0, 1), 0.3), (0.0, 0.003, 0.004))
 
     def gap(kind: JointKind) -> tuple[float, float]:
@@ -191,7 +191,7 @@ def test_gaps_by_kind() -> None:
 
 @pytest.mark.parametrize("robot", [four_bar(), four_bar_with_zeros(), slider_crank()])
 def test_ways_start_as_drawn_stay_closed_and_span_the_range(robot: Robot) -> None:
-    """Each way starts at the drawn pose; every configuration closes to 1e-12 m and keeps the limits."""
+    """Each path starts at the drawn pose; every configuration is closed to 1e-12 m and within limits."""
     ways = loop_ways(robot, n=24)
     assert 20 <= sum(len(way) - 1 for way in ways) <= 26
     drawn = initial_configuration(robot)
@@ -209,7 +209,7 @@ def test_ways_start_as_drawn_stay_closed_and_span_the_range(robot: Robot) -> Non
 
 
 def test_a_way_ends_before_a_dead_centre() -> None:
-    """Driven by its piston, the slider-crank stops short of the dead centres, where the crank could go either way."""
+    """Driven by its piston, the slider-crank stops before the dead centres, which are singular."""
     robot = replace(slider_crank(), actuators=(Actuator("m", "piston", ActuatorKind.MOTOR),))
     reached = [q["piston"] for way in loop_ways(robot) for q in way]
     drawn = ROD * cos(asin(CRANK / ROD))
@@ -218,7 +218,7 @@ def test_a_way_ends_before_a_dead_centre() -> None:
 
 
 def test_a_way_ends_at_a_limit_of_a_following_joint() -> None:
-    """The rocker may move by 0.2 rad only."""
+    """A path ends at a limit of 0.2 rad of the rocker."""
     robot = four_bar()
     joints = tuple(
         replace(joint, kind=JointKind.REVOLUTE, limit=Limit(-0.2, 0.2)) if joint.name == "ground_pin" else joint
@@ -229,7 +229,7 @@ def test_a_way_ends_at_a_limit_of_a_following_joint() -> None:
 
 
 def test_a_five_bar_has_two_drives_and_more_ways() -> None:
-    """Two cranks and two rods: both cranks are swept, alone and together."""
+    """A five-bar has two independent joints, swept alone and together."""
     robot = _five_bar()
     assert degrees_of_freedom(robot) == 2
     assert driven_joints(robot) == ("left", "right")
@@ -261,7 +261,7 @@ def _five_bar() -> Robot:
 
 
 def test_a_drive_at_its_limit_has_one_way() -> None:
-    """Drawn at the lower end of its range, the crank goes up only."""
+    """A joint drawn at its lower limit is swept upwards only."""
     robot = four_bar()
     joints = tuple(
         replace(joint, kind=JointKind.REVOLUTE, limit=Limit(0.0, 1.0)) if joint.name == "crank_pin" else joint
@@ -273,7 +273,7 @@ def test_a_drive_at_its_limit_has_one_way() -> None:
 
 
 def test_without_closures_there_are_no_ways() -> None:
-    """And closing is nothing but completing."""
+    """Without closures there are no paths, and closing returns the completed configuration."""
     robot = two_link_arm()
     assert loop_ways(robot) == ()
     q = configurations(robot, n=1)[0]
@@ -282,7 +282,7 @@ def test_without_closures_there_are_no_ways() -> None:
 
 @pytest.mark.parametrize("tilt", [1e-7, 1e-5, 5e-5])
 def test_pins_that_are_not_quite_parallel_do_not_lock_the_mechanism(tilt: float) -> None:
-    """CAD draws them so: one degree of freedom stays, and the loop opens by no more than the tilt makes."""
+    """Slightly tilted pins leave one degree of freedom, and the loop opens by no more than the tilt causes."""
     crooked = crooked_four_bar(tilt)
     assert degrees_of_freedom(crooked) == 1
     assert driven_joints(crooked) == ("crank_pin",)
@@ -296,7 +296,7 @@ def test_pins_that_are_not_quite_parallel_do_not_lock_the_mechanism(tilt: float)
 
 
 def test_a_small_mechanism_counts_like_a_large_one() -> None:
-    """A watchmaker's four-bar, 300 micrometres long: lengths weigh in units of its own reach."""
+    """A four-bar 300 micrometres long has the degrees of freedom of a large one."""
     robot = four_bar()
 
     def shrunk(X: Pose) -> Pose:

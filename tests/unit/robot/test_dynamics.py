@@ -1,4 +1,4 @@
-"""Mass matrix, gravity forces and inverse dynamics, against textbook formulas and the law of energy."""
+"""Mass matrix, gravity forces and inverse dynamics, against textbook formulas and conservation of energy."""
 
 from dataclasses import replace
 from math import cos, pi, sin
@@ -18,7 +18,7 @@ m1, m2, a1, c1, c2, I1, I2 = 1.5, 0.7, 0.4, 0.15, 0.22, 0.011, 0.007
 
 
 def _vertical_arm() -> Robot:
-    """Two links in a vertical plane: both axes along -y, so that positive q lifts, as in the textbook."""
+    """Two links in a vertical plane, both axes along -y, so that positive q lifts, as in the textbook."""
     across = (0.0, -1.0, 0.0)
     return Robot(
         "arm",
@@ -36,7 +36,7 @@ def _vertical_arm() -> Robot:
 
 @pytest.mark.parametrize(("q1", "q2"), [(0.0, 0.0), (0.3, -1.1), (2.0, 0.7), (-1.5, pi / 2)])
 def test_two_link_arm_of_the_textbook(q1: float, q2: float) -> None:
-    """M(q) and g(q) of the planar elbow arm (Spong, Hutchinson, Vidyasagar 2006, section 7.3)."""
+    """M(q) and g(q) equal those of the planar elbow arm (Spong, Hutchinson, Vidyasagar 2006, section 7.3)."""
     h = m2 * (a1 * a1 + c2 * c2 + 2 * a1 * c2 * cos(q2)) + m1 * c1 * c1 + I1 + I2
     off = m2 * (c2 * c2 + a1 * c2 * cos(q2)) + I2
     expected = [[h, off], [off, m2 * c2 * c2 + I2]]
@@ -49,7 +49,7 @@ def test_two_link_arm_of_the_textbook(q1: float, q2: float) -> None:
 
 @pytest.mark.parametrize(("q1", "q2"), [(0.3, -1.1), (2.0, 0.7), (-1.5, pi / 2)])
 def test_speeds_cost_what_the_textbook_says(q1: float, q2: float) -> None:
-    """C(q, v) v of the same arm: h (2 v1 v2 + v2^2) and -h v1^2 with h = -m2 a1 c2 sin q2, beside M a + g."""
+    """C(q, v) v equals h (2 v1 v2 + v2^2) and -h v1^2 with h = -m2 a1 c2 sin q2, in addition to M a + g."""
     q, v, a = {"one": q1, "two": q2}, {"one": 0.7, "two": -1.3}, {"one": -0.4, "two": 2.0}
     h = -m2 * a1 * c2 * sin(q2)
     coriolis = [h * (2 * v["one"] * v["two"] + v["two"] ** 2), -h * v["one"] ** 2]
@@ -60,7 +60,7 @@ def test_speeds_cost_what_the_textbook_says(q1: float, q2: float) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_power_is_what_the_energy_grows_by(name: str) -> None:
-    """Efforts times speeds are the slope of kinetic and potential energy, along any motion."""
+    """Efforts times speeds are the rate of kinetic and potential energy, along any motion."""
     robot = ROBOTS[name]()
     layout = Tree(robot)
 
@@ -86,12 +86,12 @@ def test_power_is_what_the_energy_grows_by(name: str) -> None:
 
 
 def free(robot: Robot) -> Robot:
-    """The robot without mimics: every joint is a coordinate."""
+    """The robot without mimics, in which every joint is a coordinate."""
     return replace(robot, joints=tuple(replace(joint, mimic=None) for joint in robot.joints))
 
 
 def test_a_slider_carries_its_weight() -> None:
-    """Along an axis tilted by t a mass m needs m g sin(t), and its inertia is its mass."""
+    """Along an axis tilted by t a mass m needs m g sin(t), and its inertia is m."""
     tilt = 0.4
     robot = Robot(
         "lift",
@@ -104,7 +104,7 @@ def test_a_slider_carries_its_weight() -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_gravity_is_the_slope_of_the_potential(name: str) -> None:
-    """Against central differences of the potential energy."""
+    """Gravity forces are the gradient of the potential energy, by central differences."""
     robot = ROBOTS[name]()
     layout = Tree(robot)
 
@@ -126,7 +126,7 @@ def test_gravity_is_the_slope_of_the_potential(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_mass_matrix_is_that_of_the_kinetic_energy(name: str) -> None:
-    """Half v' M v is the energy of all links, whose speeds come from finite differences of their poses."""
+    """Half v' M v is the kinetic energy of all links, with speeds by finite differences of their poses."""
     robot = ROBOTS[name]()
     layout = Tree(robot)
     configuration = configurations(robot, n=1)[0]
@@ -146,7 +146,7 @@ def test_mass_matrix_is_that_of_the_kinetic_energy(name: str) -> None:
 
 
 def test_mass_matrix_is_symmetric_and_positive() -> None:
-    """For every robot whose every joint moves some mass."""
+    """The mass matrix is symmetric and positive definite if every joint moves some mass."""
     for build in ROBOTS.values():
         robot = build()
         M = equations_of_motion(robot, configurations(robot, n=1)[0]).mass_matrix
@@ -155,7 +155,7 @@ def test_mass_matrix_is_symmetric_and_positive() -> None:
 
 
 def test_a_robot_without_joints_has_an_empty_matrix() -> None:
-    """And no gravity forces."""
+    """A robot without joints has an empty mass matrix and no gravity forces."""
     equations = equations_of_motion(ROBOTS["one_link"](), {})
     M, g = equations.mass_matrix, equations.gravity
     assert M.shape == (0, 0)
@@ -163,7 +163,7 @@ def test_a_robot_without_joints_has_an_empty_matrix() -> None:
 
 
 def test_mimics_stay_coordinates_of_their_own() -> None:
-    """As in every engine: three joints, though one drives."""
+    """Mimics remain coordinates, as in every engine."""
     robot = ROBOTS["gripper_with_mimic"]()
     assert equations_of_motion(robot, {"finger": 0.01}).mass_matrix.shape == (3, 3)
     assert complete(robot, {"finger": 0.01}).keys() == link_poses_of_joints(robot)

@@ -30,7 +30,7 @@ def _chain(*joints: Joint) -> Robot:
 
 
 def test_planar_arm_in_closed_form() -> None:
-    """Two links of lengths a and b: the textbook's sums of angles."""
+    """The poses of a planar arm are sums of angles."""
     a, b = 0.4, 0.3
     robot = _chain(
         Joint("one", JointKind.REVOLUTE, "base", "upper"),
@@ -45,7 +45,7 @@ def test_planar_arm_in_closed_form() -> None:
 
 
 def test_sliding_joint_moves_along_its_axis_in_its_frame() -> None:
-    """The axis is given in the joint's frame, not in the parent's."""
+    """The axis of a prismatic joint is in the joint's frame, not in the parent's."""
     X_PC = Pose.from_xyz_rpy((1, 0, 0), (0, 0, pi / 2))
     robot = _chain(Joint("slide", JointKind.PRISMATIC, "base", "cart", X_PC, axis=(1.0, 0.0, 0.0)))
     np.testing.assert_allclose(link_poses(robot, {"slide": 0.25})["cart"].p, (1, 0.25, 0), atol=1e-15)
@@ -65,7 +65,7 @@ def test_q_zero_is_the_model_as_it_stands(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_jacobian_is_the_derivative(name: str) -> None:
-    """Of a point on every link, against central differences."""
+    """The Jacobian is the derivative of a point on every link, by central differences."""
     robot = ROBOTS[name]()
     layout = Tree(robot)
     q = np.linspace(0.1, 0.5, len(layout.joints))
@@ -83,7 +83,7 @@ def test_jacobian_is_the_derivative(name: str) -> None:
 
 
 def test_mimics_follow_through_a_chain() -> None:
-    """The thumb follows a finger that follows a finger."""
+    """A mimic of a mimic follows the first joint."""
     robot = gripper_with_mimic()
     assert mimic_relation(robot, "thumb_pivot") == ("finger", -100 / 7, 0.1)
     q = complete(robot, {"finger": 0.02, "thumb_pivot": 99.0})
@@ -93,7 +93,7 @@ def test_mimics_follow_through_a_chain() -> None:
 
 
 def test_a_chain_with_offsets_composes() -> None:
-    """c = 3 b + 1 and b = 2 a + 5 make c = 6 a + 16."""
+    """c = 3 b + 1 and b = 2 a + 5 compose to c = 6 a + 16."""
     robot = _chain(
         Joint("a", JointKind.REVOLUTE, "base", "x"),
         Joint("b", JointKind.REVOLUTE, "x", "y", mimic=Mimic("a", 2.0, 5.0)),
@@ -104,7 +104,7 @@ def test_a_chain_with_offsets_composes() -> None:
 
 
 def test_a_circle_of_mimics_is_an_error() -> None:
-    """It must not run for ever."""
+    """A cycle of mimics is an error instead of an endless loop."""
     robot = _chain(
         Joint("a", JointKind.REVOLUTE, "base", "x", mimic=Mimic("b")),
         Joint("b", JointKind.REVOLUTE, "x", "y", mimic=Mimic("a")),
@@ -114,7 +114,7 @@ def test_a_circle_of_mimics_is_an_error() -> None:
 
 
 def test_an_unknown_joint_is_an_error() -> None:
-    """A misspelt name must not be treated as 0."""
+    """An unknown joint name is an error instead of position 0."""
     with pytest.raises(KeyError, match="sholder"):
         link_poses(two_link_arm(), {"sholder": 1.0})
     with pytest.raises(KeyError, match="base_to_post"):
@@ -123,7 +123,7 @@ def test_an_unknown_joint_is_an_error() -> None:
 
 @pytest.mark.parametrize("q", [(0.3, -0.7, 1.1), (-2.0, 1.4, 3.0)])
 def test_joints_of_several_freedoms_in_closed_form(q: tuple[float, float, float]) -> None:
-    """Poses of the child by the textbook's rotations, not by a chain of links."""
+    """Poses of the child of a multi-dof joint are the textbook's rotations."""
     yaw, pitch, roll = q
     ball = link_poses(_chain(Joint("b", JointKind.BALL, "base", "c")), {"b_yaw": yaw, "b_pitch": pitch, "b_roll": roll})
     assert ball["c"].distance_to(Pose.from_xyz_rpy((0, 0, 0), (roll, pitch, yaw))) == pytest.approx((0, 0), abs=1e-14)
@@ -144,7 +144,7 @@ def test_joints_of_several_freedoms_in_closed_form(q: tuple[float, float, float]
 
 
 def test_a_screw_advances_as_it_turns() -> None:
-    """By its pitch along its axis, and its Jacobian agrees at any point of the link."""
+    """A screw advances by its pitch along its axis, and its Jacobian agrees at any point of the link."""
     spindle = _chain(Joint("s", JointKind.SCREW, "base", "nut", axis=(0.0, 0.0, 1.0), pitch=0.003))
     X = link_poses(spindle, {"s": 2.5})["nut"]
     np.testing.assert_allclose(X.p, (0, 0, 0.0075), atol=1e-16)
@@ -155,7 +155,7 @@ def test_a_screw_advances_as_it_turns() -> None:
 
 
 def test_a_universal_joint_turns_unevenly() -> None:
-    """Cardan's formula: of shafts at an angle beta, tan(driven) = tan(driving) / cos(beta)."""
+    """A universal joint satisfies Cardan's formula tan(driven) = tan(driving) / cos(beta), beta between the shafts."""
     beta, driving = 0.5, 0.8
     # The driving yoke turns about x and carries the cross on its y, in the plane of the shafts; the driven one on its
     # z.
@@ -174,7 +174,7 @@ def test_a_universal_joint_turns_unevenly() -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_configurations_keep_limits_and_mimics(name: str) -> None:
-    """32 of them, all within the limits of every joint, mimicking ones too."""
+    """All 32 configurations are within the limits of every joint, mimics included."""
     robot = ROBOTS[name]()
     drawn = configurations(robot)
     assert len(drawn) == 32
@@ -185,7 +185,7 @@ def test_configurations_keep_limits_and_mimics(name: str) -> None:
 
 
 def test_configurations_are_the_same_for_everyone() -> None:
-    """PCG64 with a seed: a change of these numbers would change every report."""
+    """Configurations are those of PCG64 with a fixed seed, since every report depends on them."""
     first = configurations(two_link_arm(), n=2, seed=1)
     assert first == configurations(two_link_arm(), n=32, seed=1)[:2]
     assert first != configurations(two_link_arm(), n=2, seed=2)
@@ -208,12 +208,12 @@ def test_configurations_are_the_same_for_everyone() -> None:
 def test_what_has_no_limit_is_sampled_within_reach(
     kind: JointKind, limit: Limit, expected: tuple[float, float]
 ) -> None:
-    """Half a turn or a metre to either side; numbers that mean unlimited are ignored."""
+    """Joints without limits are sampled within half a turn or a metre; numbers that mean unlimited are ignored."""
     assert sampling_range(Joint("j", kind, "base", "x", limit=limit)) == expected
 
 
 def test_a_leader_minds_those_who_follow() -> None:
-    """The thumb, at -100/7 of the finger plus 0.1 and within -1 and 1, leaves the finger all of its stroke."""
+    """The range of a leader is limited by its mimics: the thumb's leaves the finger all of its stroke."""
     robot = gripper_with_mimic()
     assert leader_range(robot, "finger") == (0.0, 0.03)
     thumb = replace(robot.joint_by_name["thumb_pivot"], limit=Limit(-0.1, 1.0))
@@ -224,7 +224,7 @@ def test_a_leader_minds_those_who_follow() -> None:
 
 
 def test_contradicting_followers_leave_the_leader_its_own_range() -> None:
-    """Poses can be compared all the same; the contradiction is for the rules to report."""
+    """Contradicting mimics leave the leader its own range, so that poses can still be compared."""
     robot = _chain(
         Joint("a", JointKind.REVOLUTE, "base", "x", limit=Limit(0.0, 1.0)),
         Joint("b", JointKind.REVOLUTE, "x", "y", limit=Limit(5.0, 6.0), mimic=Mimic("a")),
@@ -233,12 +233,12 @@ def test_contradicting_followers_leave_the_leader_its_own_range() -> None:
 
 
 def test_the_initial_configuration_is_the_drawn_one() -> None:
-    """What the CAD drew, for every moving joint."""
+    """The initial configuration has the drawn position of every movable joint."""
     assert initial_configuration(two_link_arm()) == {"shoulder": 0.0, "elbow": pi / 6}
 
 
 def test_neighbours_reach_across_fixed_joints_and_closures() -> None:
-    """All links connected by a joint or closure, including those fixed to either side."""
+    """Neighbours are all links connected by a joint or closure, including those fixed to either side."""
     close = neighbours(tree())
     assert frozenset(("base", "left_arm")) in close
     assert frozenset(("post", "right_arm")) in close

@@ -1,4 +1,4 @@
-"""Multi-dof joints, unfolded into chains: names, order, and what the chain leaves as it was."""
+"""Multi-dof joints, unfolded into chains: names, order, unchanged properties."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from tests.robots import two_link_arm
 
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_unfolding_keeps_links_in_tree_order(name: str) -> None:
-    """Every link is there, each parent before its children, each joint at the place of its child."""
+    """Every link is in the chain, each parent before its children, each joint in the order of its child."""
     robot = MECHANISMS[name]()
     flat = unfolded(robot)
     names = [link.name for link in flat.links]
@@ -22,13 +22,13 @@ def test_unfolding_keeps_links_in_tree_order(name: str) -> None:
 
 
 def test_a_robot_of_single_freedoms_is_left_alone() -> None:
-    """Nothing is copied that needs no change."""
+    """A robot of single joints is returned unchanged."""
     robot = two_link_arm()
     assert unfolded(robot) is robot
 
 
 def test_names_that_are_taken_are_not_taken_again() -> None:
-    """A joint that is called as a coordinate would be keeps its name."""
+    """A joint with the name of a new coordinate keeps its name."""
     joints = (
         Joint("hip", JointKind.BALL, "base", "leg"),
         Joint("hip_yaw", JointKind.CONTINUOUS, "leg", "hip_pitch"),
@@ -39,7 +39,7 @@ def test_names_that_are_taken_are_not_taken_again() -> None:
 
 
 def test_a_floating_joint_ends_in_a_ball() -> None:
-    """Its coordinates are three distances, and the three angles of the ball."""
+    """A floating joint has three distances and the three angles of a ball joint."""
     robot = MECHANISMS["floating"]()
     assert ball_coordinates(robot) == {"free_turn": ("free_turn_yaw", "free_turn_pitch", "free_turn_roll")}
     kinds = [step.kind for step in steps_by_child(robot)["body"]]
@@ -47,7 +47,7 @@ def test_a_floating_joint_ends_in_a_ball() -> None:
 
 
 def test_the_slide_of_a_screw_leaves_the_limits_to_the_screw() -> None:
-    """A range that follows from another is not written twice."""
+    """The range of a screw is written once, at the rotation."""
     robot = MECHANISMS["screw"]()
     slide, turn = steps_by_child(robot)["body"]
     assert slide.limit == Joint("", JointKind.PRISMATIC, "", "").limit

@@ -1,4 +1,4 @@
-"""Equal meshes become one, and nothing else of the robot changes."""
+"""Equal meshes are merged without any other change of the robot."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ def _mesh(size: float) -> TriMesh:
 
 
 def test_equal_meshes_become_the_first(found: ReadDiagnostics) -> None:
-    """What refers to the second of two equal meshes refers to the first; the other one is gone."""
+    """References to the second of two equal meshes refer to the first, and the second is removed."""
     link = Link(
         "a",
         visuals=(Visual("u", MeshRef("bolt")), Visual("v", MeshRef("bolt_2")), Visual("w", MeshRef("nut"))),
@@ -31,7 +31,7 @@ def test_equal_meshes_become_the_first(found: ReadDiagnostics) -> None:
 
 
 def test_meshes_that_nobody_uses_are_left_out(found: ReadDiagnostics) -> None:
-    """An asset without a reference would be written for nothing."""
+    """An unused mesh is removed."""
     assert share_meshes(Robot("r", (Link("a"),), meshes=(MeshAsset("m", _mesh(1.0)),))).meshes == ()
 
 
@@ -47,7 +47,7 @@ def _seen(robot: Robot) -> list[tuple[str, bytes]]:
 
 @pytest.mark.parametrize("name", list(ROBOTS))
 def test_sharing_changes_nothing_that_is_seen(name: str) -> None:
-    """With shared meshes every robot has the same links, joints and shapes, and its input is as it was."""
+    """With shared meshes every robot has the same links, joints and shapes, and its input is unchanged."""
     robot, untouched = ROBOTS[name](), ROBOTS[name]()
     after = share_meshes(robot)
     assert _seen(after) == _seen(robot) == _seen(untouched)

@@ -1,4 +1,4 @@
-"""Functions for the tests of isolation to call in workers."""
+"""Functions called in workers by tests."""
 
 import ctypes
 import importlib
@@ -13,12 +13,12 @@ _PREPARED: list[int] = []
 
 
 def prepare() -> None:
-    """Called by the worker before it reads its arguments."""
+    """Count the calls; the worker calls this before it reads its arguments."""
     _PREPARED.append(1)
 
 
 def prepared() -> int:
-    """How often the worker prepared."""
+    """Number of calls of ``prepare``."""
     return len(_PREPARED)
 
 
@@ -28,14 +28,14 @@ def double(number: int) -> int:
 
 
 def double_or_leave(number: int | None) -> int:
-    """Twice the number; without one the process ends."""
+    """Twice the number; without a number the process ends."""
     if number is None:
         os._exit(3)
     return 2 * number
 
 
 def start_thread() -> None:
-    """Leave a thread running, as some libraries do when they are imported."""
+    """Leave a thread running, as some libraries do when imported."""
     threading.Thread(target=time.sleep, args=(600.0,), daemon=True).start()
 
 
@@ -46,7 +46,7 @@ def thread_limits() -> set[str | None]:
 
 
 def multiply_matrices() -> int:
-    """Threads of this process after numpy's linear algebra has run."""
+    """Number of threads of this process after numpy's linear algebra."""
     import numpy as np
 
     square = np.ones((600, 600))
@@ -55,39 +55,39 @@ def multiply_matrices() -> int:
 
 
 def imported_file(module: str) -> str:
-    """Where a module comes from."""
+    """Path of a module."""
     return str(importlib.import_module(module).__file__)
 
 
 def fail(text: str) -> None:
-    """Raise."""
+    """Raise an error."""
     raise ValueError(text)
 
 
 def print_natively(text: str) -> str:
-    """Write to descriptor 1, past Python."""
+    """Write to descriptor 1 without Python's stream."""
     os.write(1, text.encode())
     return text
 
 
 def crash(text: str) -> None:
-    """Read from address 0, after some last words."""
+    """Read from address 0 after printing some lines."""
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
     ctypes.string_at(0)
 
 
 def leave(code: int) -> None:
-    """End the process at once."""
+    """End the process."""
     os._exit(code)
 
 
 def sleep(seconds: float) -> float:
-    """Take that long."""
+    """Sleep for some seconds."""
     time.sleep(seconds)
     return seconds
 
 
 def allocate(size: int) -> int:
-    """Take that many bytes."""
+    """Allocate some bytes."""
     return len(bytearray(size))

@@ -1,4 +1,4 @@
-"""Forked workers: the same results, the same limits and the same deaths as those of interpreters of their own."""
+"""Forked workers have the results, limits and failures of workers with their own interpreter."""
 
 import os
 import signal
@@ -22,7 +22,7 @@ HERE = "tests.unit.runtime.isolated_functions"
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[ForkServer]:
-    """A server with the functions imported, and a missing module."""
+    """A fork server with the functions imported, and a missing module."""
     with ForkServer((f"{HERE}:prepare", "stepbot.no_such_module")) as started:
         yield started
 
@@ -36,7 +36,7 @@ def call(
 
 
 def test_results_of_many_at_once(server: ForkServer) -> None:
-    """Each gets its own arguments, also larger than a pipe, and returns its own result."""
+    """Concurrent calls get their own arguments, also larger than a pipe, and return their own results."""
     workers = [Worker(f"{HERE}:double", start=server.fork) for _ in range(8)]
     assert len({worker.pid for worker in workers}) == len(workers)
     for number, worker in enumerate(workers):
@@ -45,24 +45,24 @@ def test_results_of_many_at_once(server: ForkServer) -> None:
 
 
 def test_it_is_a_process_of_its_own(server: ForkServer) -> None:
-    """The server did the imports, and its forked processes do not do them again."""
+    """Forked processes reuse the server's imports."""
     assert call(server, "prepared") == 2
 
 
 def test_what_native_code_prints_does_not_disturb_the_result(server: ForkServer) -> None:
-    """Bytes on descriptor 1 land in the worker's standard error."""
+    """Native output on descriptor 1 is part of the worker's standard error."""
     assert call(server, "print_natively", "noise") == "noise"
 
 
 def test_an_exception_comes_back_as_such(server: ForkServer) -> None:
-    """With its kind and its text."""
+    """An exception is returned with its type and text."""
     with pytest.raises(RemoteError, match="no good") as caught:
         call(server, "fail", "no good")
     assert caught.value.kind == "ValueError"
 
 
 def test_a_crash_is_an_exception_with_the_last_lines(server: ForkServer) -> None:
-    """A segmentation fault ends neither the server nor the caller."""
+    """A segmentation fault ends neither the server nor the caller, and has the last lines of output."""
     with pytest.raises(WorkerDied, match="SIGSEGV") as caught:
         call(server, "crash", "last words")
     assert "last words" in caught.value.last_lines
@@ -70,27 +70,27 @@ def test_a_crash_is_an_exception_with_the_last_lines(server: ForkServer) -> None
 
 
 def test_an_exit_without_a_result_is_a_death(server: ForkServer) -> None:
-    """With the exit code."""
+    """An exit without a result is reported with the exit code."""
     with pytest.raises(WorkerDied, match="exit code 3"):
         call(server, "leave", 3)
 
 
 def test_too_long_is_a_death(server: ForkServer) -> None:
-    """The process is ended after the timeout."""
+    """A call is ended after its timeout."""
     with pytest.raises(WorkerDied, match=r"no result after 0.5 s"):
         call(server, "sleep", 60.0, timeout=0.5)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
 def test_too_much_memory_is_a_death(server: ForkServer) -> None:
-    """Of the one process alone: the next has no limit."""
+    """A memory limit applies to one process; the next has none."""
     with pytest.raises(WorkerDied, match="out of memory"):
         call(server, "allocate", 4 << 30, limit=1 << 30)
     assert call(server, "double", "x" * (1 << 20)) == "x" * (2 << 20)
 
 
 def test_a_process_that_is_killed(server: ForkServer) -> None:
-    """From outside, before its call."""
+    """A process killed before its call is reported."""
     worker = Worker(f"{HERE}:double", start=server.fork)
     os.kill(worker.pid, signal.SIGKILL)
     worker.submit(b"x" * (1 << 22))
@@ -99,7 +99,7 @@ def test_a_process_that_is_killed(server: ForkServer) -> None:
 
 
 def test_closed_before_it_was_asked(server: ForkServer) -> None:
-    """Twice, too; nothing is left running."""
+    """A worker can be closed before a call, twice, and leaves no process."""
     worker = Worker(f"{HERE}:double", start=server.fork)
     worker.close()
     worker.close()
@@ -107,7 +107,7 @@ def test_closed_before_it_was_asked(server: ForkServer) -> None:
 
 
 def test_processes_end_with_their_server() -> None:
-    """Closing the server ends all; a caller that waits for one gets an error."""
+    """Closing the server ends all workers; a caller that waits gets an error."""
     with ForkServer(()) as server:
         busy, idle = (Worker(f"{HERE}:sleep", start=server.fork) for _ in range(2))
         pids = [busy.pid, idle.pid]
@@ -119,7 +119,7 @@ def test_processes_end_with_their_server() -> None:
 
 
 def test_without_its_server_a_worker_starts_on_its_own() -> None:
-    """A server that has ended is no reason to fail."""
+    """After the server has ended, workers start with their own interpreter."""
     server = ForkServer(())
     server.close()
     assert call(server, "double", 4) == 8
@@ -127,7 +127,7 @@ def test_without_its_server_a_worker_starts_on_its_own() -> None:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc on this system")
 def test_nothing_outlives_a_caller_that_is_killed() -> None:
-    """Neither the server nor what it forked."""
+    """Server and workers end with a caller that is killed."""
     code = (
         "import time; from stepbot.runtime.fork_server import ForkServer; from stepbot.runtime.worker import Worker\n"
         f"server = ForkServer(()); worker = Worker('{HERE}:sleep', start=server.fork).submit(60.0)\n"
@@ -142,7 +142,7 @@ def test_nothing_outlives_a_caller_that_is_killed() -> None:
 
 
 def test_threads_of_an_import(server: ForkServer) -> None:
-    """A server in which an import has started a thread forks no more: workers are interpreters of their own."""
+    """A server with a thread does not fork; its workers have their own interpreter."""
     with ForkServer((f"{HERE}:prepare", f"{HERE}:start_thread")) as threaded:
         assert call(threaded, "prepared") == 1
         assert call(threaded, "double", "x" * 200_000) == "x" * 400_000
@@ -160,16 +160,16 @@ def test_threads_of_an_import(server: ForkServer) -> None:
 
 @pytest.mark.parametrize("name", ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"])
 def test_threads_that_the_user_asks_for(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    """For any thread settings in the environment, a server with numpy has one thread, and so do its workers."""
+    """For any thread settings in the environment, a server with numpy and its workers have one thread."""
     monkeypatch.setenv(name, "4")
     with ForkServer((f"{HERE}:multiply_matrices", f"{HERE}:prepare")) as server:
         assert call(server, "thread_limits") == {"1"}
         assert call(server, "multiply_matrices") == 1
-        assert call(server, "prepared") == 2  # it was forked
+        assert call(server, "prepared") == 2  # was forked
 
 
 def test_a_server_started_from_a_thread_that_ends() -> None:
-    """The server and its workers end with the process, not with the thread."""
+    """Server and workers started from a thread end with the process, not with the thread."""
     servers: list[ForkServer] = []
 
     def start() -> None:

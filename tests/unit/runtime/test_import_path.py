@@ -1,4 +1,4 @@
-"""The import path of stepbot and its workers: never the current folder."""
+"""The import path of stepbot and its workers excludes the current folder."""
 
 import os
 import sys
@@ -26,7 +26,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_current_folder_and_relative_entries_are_removed(here: Path) -> None:
-    """However the folder is written; what comes after the standard library was installed and stays."""
+    """The current folder and relative entries are removed; entries after the standard library are kept."""
     path = ["", ".", "src", str(here), f"{here}/x/..", "/opt/a", STANDARD_LIBRARY, "/opt/b", str(here)]
     assert safe_import_path(path, "") == ["/opt/a", STANDARD_LIBRARY, "/opt/b", str(here)]
     link = here.parent / "link"
@@ -35,13 +35,13 @@ def test_current_folder_and_relative_entries_are_removed(here: Path) -> None:
 
 
 def test_absolute_entry_of_python_path_is_kept(here: Path) -> None:
-    """The user named that folder, independent of the current one; an empty or relative entry does not."""
+    """An absolute entry of PYTHONPATH is kept; an empty or relative one is removed."""
     assert safe_import_path([str(here), "/opt/a"], f"/opt/a{os.pathsep}{here}") == [str(here), "/opt/a"]
     assert safe_import_path([str(here), "/opt/a"], f"{os.pathsep}/opt/a{os.pathsep}.") == ["/opt/a"]
 
 
 def test_folder_that_holds_stepbot_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever works in the folder that stepbot is installed in can run it."""
+    """stepbot can run in the folder that it is installed in."""
     root = Path(stepbot.__file__).resolve().parents[1]
     monkeypatch.chdir(root)
     assert safe_import_path([str(root)], "") == [str(root)]
@@ -51,7 +51,7 @@ def test_folder_that_holds_stepbot_is_kept(monkeypatch: pytest.MonkeyPatch) -> N
 def test_worker_imports_nothing_from_the_current_folder(
     here: Path, monkeypatch: pytest.MonkeyPatch, first: str
 ) -> None:
-    """Whatever way the caller has it on its own path."""
+    """A worker does not import from the current folder, however that is in the caller's path."""
     monkeypatch.syspath_prepend(str(here) if first == "HERE" else first)
     for module in ("random", "statistics", "lxml"):
         assert Path(call_isolated(f"{FUNCTIONS}:imported_file", module)).parent != here
@@ -60,7 +60,7 @@ def test_worker_imports_nothing_from_the_current_folder(
 
 @pytest.mark.skipif(not can_serve(), reason="no fork server on this system")
 def test_fork_server_imports_nothing_from_the_current_folder(here: Path) -> None:
-    """Neither in the server nor in what it forks."""
+    """Neither the fork server nor its workers import from the current folder."""
     with ForkServer(("random", f"{FUNCTIONS}:start_thread")) as threaded, ForkServer(("lxml",)) as server:
         for one in (server, threaded):
             with Worker(f"{FUNCTIONS}:imported_file", start=one.fork) as worker:
@@ -70,7 +70,7 @@ def test_fork_server_imports_nothing_from_the_current_folder(here: Path) -> None
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no colon in names of folders")
 def test_folder_with_a_separator_in_its_name(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """`/opt/x:lib` on the path must not become two entries, `lib` below the current folder one of them."""
+    """A folder name with a path separator does not add an entry in the current folder."""
     (here / "lib").mkdir()
     (here / "random.py").rename(here / "lib" / "random.py")
     monkeypatch.syspath_prepend("/opt/x:lib")

@@ -1,4 +1,4 @@
-"""Writing all files of a run or none, and removing only files of an earlier run."""
+"""A run writes all files or none, and removes only files of an earlier run."""
 
 import errno
 import json
@@ -18,18 +18,18 @@ ARM = {"arm.urdf": b"urdf", "arm.xml": b"mjcf", "meshes/a.obj": b"a", "meshes/b.
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Every file below a folder but the list that stepbot keeps."""
+    """Every file below a folder except stepbot's file list."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != MANIFEST)
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 
 
 def codes(error: StepbotError) -> list[str]:
-    """The codes of what went wrong."""
+    """The codes of the errors."""
     return [diagnostic.code for diagnostic in error.diagnostics]
 
 
 def test_files_are_written_and_nothing_else(tmp_path: Path) -> None:
-    """Missing folders are made; no trace of the staging is left."""
+    """Files are written, missing folders are created, and no staging folder remains."""
     out = tmp_path / "a" / "b"
     write_atomically(ARM, out)
     assert contents(out) == ARM
@@ -37,7 +37,7 @@ def test_files_are_written_and_nothing_else(tmp_path: Path) -> None:
 
 
 def test_second_run_touches_its_stamp_alone(tmp_path: Path) -> None:
-    """What is there already keeps its time stamp; the list of the folder is the stamp of the last run."""
+    """Unchanged files keep their time stamp; the file list has that of the last run."""
     write_atomically(ARM, tmp_path)
     for path in tmp_path.rglob("*"):
         os.utime(path, (1, 1))
@@ -47,7 +47,7 @@ def test_second_run_touches_its_stamp_alone(tmp_path: Path) -> None:
 
 
 def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
-    """An unneeded mesh is removed, unless stepbot did not write it or it was changed."""
+    """A mesh that is no longer needed is removed, unless it is not stepbot's or was changed."""
     write_atomically({**ARM, "meshes/c.obj": b"c"}, tmp_path)
     (tmp_path / "meshes/mine.obj").write_bytes(b"mine")
     (tmp_path / "meshes/c.obj").write_bytes(b"edited by hand")
@@ -62,7 +62,7 @@ def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
 
 
 def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
-    """A run for one format, or for another robot, leaves alone what the files of earlier runs refer to."""
+    """Meshes that files of earlier runs refer to are kept by a run for one format or another robot."""
     write_atomically(ARM, tmp_path)
     write_atomically({"leg.urdf": b"leg", "meshes/b.obj": b"b", "meshes/c.obj": b"c"}, tmp_path)
     write_atomically({"arm.urdf": b"2", "meshes/d.obj": b"d"}, tmp_path)
@@ -72,7 +72,7 @@ def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
 
 
 def test_robots_in_one_folder_do_not_change_each_others_meshes(tmp_path: Path) -> None:
-    """A mesh of another robot may be used again, not replaced; other formats of the same robot may replace it."""
+    """A mesh of another robot may be reused, not replaced; other formats of the same robot may replace it."""
     write_atomically({**ARM, "report.json": b"{}"}, tmp_path)
     before = contents(tmp_path)
     with pytest.raises(StepbotError) as error:
@@ -92,7 +92,7 @@ def test_robots_in_one_folder_do_not_change_each_others_meshes(tmp_path: Path) -
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"files": 3}', '{"files": {"arm.urdf": ["meshes/b.obj"]}}'])
 def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
-    """Where the list of earlier files is broken, they are all left alone."""
+    """With a broken file list no file is removed."""
     write_atomically(ARM, tmp_path)
     (tmp_path / MANIFEST).write_text(text, encoding="utf-8")
     write_atomically({"arm.urdf": b"2", "meshes/a.obj": b"a"}, tmp_path)
@@ -100,7 +100,7 @@ def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
 
 
 def test_list_cannot_name_files_elsewhere(tmp_path: Path) -> None:
-    """A manipulated list removes nothing outside the folder."""
+    """A manipulated file list removes nothing outside the folder."""
     out = tmp_path / "out"
     victim = tmp_path / "victim"
     victim.write_bytes(b"b")
@@ -117,7 +117,7 @@ def test_list_cannot_name_files_elsewhere(tmp_path: Path) -> None:
     "path", ["/abs", "../up", "a/../../b", "", ".", "a//b", "a\\b", "a\0b", MANIFEST, ".stepbot-x/a"]
 )
 def test_paths_stay_in_the_folder(tmp_path: Path, path: str) -> None:
-    """No name leads out of the folder, or onto stepbot's own files."""
+    """Names that leave the folder, or are those of stepbot's own files, are rejected."""
     with pytest.raises(StepbotError) as error:
         write_atomically({"arm.urdf": b"1", path: b"x"}, tmp_path / "out")
     assert codes(error.value) == ["SB004"]
@@ -125,10 +125,10 @@ def test_paths_stay_in_the_folder(tmp_path: Path, path: str) -> None:
 
 
 def test_failure_in_the_middle_puts_everything_back(tmp_path: Path) -> None:
-    """When one file cannot be moved to its place, all others are as they were."""
+    """If one file cannot be moved to its place, all others are restored."""
     write_atomically(ARM, tmp_path)
     before = {**contents(tmp_path), MANIFEST: (tmp_path / MANIFEST).read_bytes()}
-    (tmp_path / "zzz.urdf").mkdir()  # a folder where the last file should go
+    (tmp_path / "zzz.urdf").mkdir()  # a folder at the path of the last file
     with pytest.raises(StepbotError) as error:
         write_atomically(
             {"arm.urdf": b"new", "meshes/a.obj": b"new", "meshes/n/n.obj": b"n", "zzz.urdf": b"z"}, tmp_path
@@ -141,7 +141,7 @@ def test_failure_in_the_middle_puts_everything_back(tmp_path: Path) -> None:
 
 
 def test_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
-    """A file in place of the folder, or of one above it, ends in a diagnostic."""
+    """A file at the path of the folder, or above it, is a diagnostic."""
     (tmp_path / "out").write_bytes(b"")
     for folder in (tmp_path / "out", tmp_path / "out" / "deeper"):
         with pytest.raises(StepbotError) as error:
@@ -151,7 +151,7 @@ def test_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_links_are_replaced_and_not_followed(tmp_path: Path) -> None:
-    """A symbolic link at the place of a file gives way to the file; what it points to stays."""
+    """A symbolic link at the path of a file is replaced; its target is unchanged."""
     elsewhere = tmp_path / "elsewhere"
     elsewhere.write_bytes(b"urdf")
     (tmp_path / "out").mkdir()
@@ -165,7 +165,7 @@ def test_links_are_replaced_and_not_followed(tmp_path: Path) -> None:
 
 
 def test_folders_of_killed_runs_go_in_time(tmp_path: Path) -> None:
-    """A staging folder that has been left for a day is removed, a young one may belong to a run of this moment."""
+    """A staging folder older than a day is removed; a younger one may belong to a concurrent run."""
     old, young = tmp_path / ".stepbot-old", tmp_path / ".stepbot-young"
     for folder in (old, young):
         folder.mkdir()
@@ -196,7 +196,7 @@ output.write_atomically(new, Path(sys.argv[1]))
 
 @POSIX
 def test_linked_folders_are_not_written_through(tmp_path: Path) -> None:
-    """A folder of meshes that is a link elsewhere is refused, and nothing behind it is written or removed."""
+    """A mesh folder that is a link elsewhere is rejected, and its target is unchanged."""
     out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
     write_atomically(ARM, out)
     (out / "meshes").rename(elsewhere)
@@ -211,7 +211,7 @@ def test_linked_folders_are_not_written_through(tmp_path: Path) -> None:
 
 @POSIX
 def test_list_that_never_ends(tmp_path: Path) -> None:
-    """A pipe or a deeply nested text in the place of the list is no list, and is replaced."""
+    """A pipe or deeply nested text at the path of the file list is replaced."""
     os.mkfifo(tmp_path / MANIFEST)
     write_atomically(ARM, tmp_path)
     assert (tmp_path / MANIFEST).is_file()
@@ -233,7 +233,7 @@ for number in range(20):
 
 
 def test_concurrent_runs_into_one_folder(tmp_path: Path) -> None:
-    """The list has the files of all of them, and no unneeded mesh is left."""
+    """After concurrent runs the list has the files of all, and no unneeded mesh remains."""
     names = [f"robot{number}" for number in range(4)]
     runs = [
         subprocess.Popen(
@@ -270,7 +270,7 @@ with locked(Path(sys.argv[1]), 1.0):
 
 
 def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Others fail after some time and change nothing; once it has died, they write."""
+    """While a run holds the lock, others fail after some time; after it has died, they write."""
     write_atomically(ARM, tmp_path)
     monkeypatch.setattr("stepbot.runtime.output._LONGEST_WAIT", 0.2)
     with subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE) as holder:
@@ -290,7 +290,7 @@ def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.Monk
 
 @pytest.mark.skipif(os.name == "nt", reason="locked in another way on Windows")
 def test_file_system_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The files are written, with a note; with locks without one."""
+    """On a file system without locks, files are written with a note."""
     found = Diagnostics()
     write_atomically(ARM, tmp_path, found=found)
     assert not list(found)
@@ -308,7 +308,7 @@ def test_file_system_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_internal_error_leaves_no_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
 ) -> None:
-    """Folders that a run has made go with it, where a bug or Ctrl-C ends it before there is a file."""
+    """A run that ends by a bug or Ctrl-C removes the folders that it has created."""
 
     def fail(*_: object) -> None:
         raise error
@@ -322,7 +322,7 @@ def test_internal_error_leaves_no_folder(
 @pytest.mark.skipif(os.name == "nt", reason="no SIGKILL on Windows")
 @pytest.mark.parametrize("steps", range(6))
 def test_killed_run_leaves_whole_files_and_the_next_one_tidies_up(tmp_path: Path, steps: int) -> None:
-    """Killed between any two moves, every file is old or new, and the next run ends where an undisturbed one would."""
+    """After a kill between any two moves, every file is old or new, and the next run completes."""
     write_atomically(ARM, tmp_path)
     source = Path(__file__).resolve().parents[3] / "src"
     environment = {**os.environ, "PYTHONPATH": str(source)}
@@ -337,7 +337,7 @@ def test_killed_run_leaves_whole_files_and_the_next_one_tidies_up(tmp_path: Path
 
 
 def test_discarded(tmp_path: Path) -> None:
-    """What a run wrote goes, folder and all; what was changed since, or came from elsewhere, stays."""
+    """Discarding removes what a run wrote, with its folder; changed and foreign files stay."""
     out = tmp_path / "out"
     write_atomically({"arm.urdf": b"1", "meshes/a.obj": b"2"}, out)
     discard(out)

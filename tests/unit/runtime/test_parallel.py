@@ -1,4 +1,4 @@
-"""Functions in forked processes: same results as here, and a crash costs one input."""
+"""Functions in forked processes have the same results, and a crash loses one input."""
 
 import itertools
 import os
@@ -15,13 +15,13 @@ FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
 
 
 def square(number: int) -> tuple[int, bytes]:
-    """A result that is larger than a pipe."""
+    """A result larger than a pipe."""
     return number * number, bytes(100_000)
 
 
 @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=FORKS), pytest.param(5, marks=FORKS)])
 def test_results_do_not_depend_on_processes(processes: int) -> None:
-    """Every number gets its result, in the requested order."""
+    """Every number has its result, in the requested order."""
     order = [*range(40, 0, -1)]
     results = run(square, order, processes=processes)
     assert list(results) == order
@@ -30,14 +30,14 @@ def test_results_do_not_depend_on_processes(processes: int) -> None:
 
 @FORKS
 def test_more_numbers_than_a_pipe_holds() -> None:
-    """Thousands of inputs are worked off in rounds."""
+    """Thousands of inputs are processed in rounds."""
     results = run(lambda n: -n, range(3000), processes=2)
     assert results == {n: -n for n in range(3000)}
 
 
 @FORKS
 def test_a_crash_costs_one_input() -> None:
-    """The process that dies takes its input with it; all others get done."""
+    """A process that dies loses its input; all others are processed."""
 
     def crash_on_three(number: int) -> int:
         if number == 3:
@@ -51,14 +51,14 @@ def test_a_crash_costs_one_input() -> None:
 
 @FORKS
 def test_an_exit_is_a_death() -> None:
-    """A process that leaves without a word is dead too."""
+    """A process that exits silently counts as dead."""
     assert run(lambda n: os._exit(7) if n == 0 else n, [0, 1], processes=2) == {0: Died("exit code 7"), 1: 1}
 
 
 @FORKS
 @pytest.mark.parametrize("numbers", [[0], [0, 1, 2]], ids=["alone", "among others"])
 def test_an_endless_loop_costs_one_input(numbers: list[int]) -> None:
-    """What takes too long is stopped, be it in native code, and named; each input has its own time."""
+    """An input that takes too long, in native code too, is stopped and reported; each has its own time limit."""
 
     def count_for_ever(number: int) -> int:
         return sum(itertools.repeat(0)) if number == 0 else number
@@ -68,13 +68,13 @@ def test_an_endless_loop_costs_one_input(numbers: list[int]) -> None:
 
 
 def fail(number: int) -> int:
-    """Raises what its callers expect, or not."""
+    """Raise an expected error, another one, or none."""
     raise (ValueError if number else KeyError)("oops")
 
 
 @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=FORKS)])
 def test_expected_errors_are_results(processes: int) -> None:
-    """Errors that were named come back as such."""
+    """Errors of expected types are returned."""
     assert run(fail, [1, 2], processes=processes, failures=(ValueError,)) == {
         1: Raised("ValueError", "oops"),
         2: Raised("ValueError", "oops"),
@@ -83,7 +83,7 @@ def test_expected_errors_are_results(processes: int) -> None:
 
 @FORKS
 def test_bugs_come_out_with_their_traceback() -> None:
-    """An unexpected error ends the program, with its position."""
+    """An unexpected error ends the program with its traceback."""
     with pytest.raises(RuntimeError, match="in fail"):
         run(fail, [0, 1], processes=2, failures=(ValueError,))
 
@@ -91,7 +91,7 @@ def test_bugs_come_out_with_their_traceback() -> None:
 @FORKS
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc to see processes")
 def test_nothing_outlives_its_parent() -> None:
-    """When the process that forked is killed, what it forked ends as well."""
+    """Forked processes end with a parent that is killed."""
     reading, writing = os.pipe()
     parent = os.fork()
     if parent == 0:
@@ -114,7 +114,7 @@ def test_nothing_outlives_its_parent() -> None:
 
 
 def is_running(pid: int) -> bool:
-    """Whether a process is there and not just waiting to be buried."""
+    """Whether a process runs and is not a zombie."""
     try:
         return ") Z" not in Path(f"/proc/{pid}/stat").read_text()
     except OSError:

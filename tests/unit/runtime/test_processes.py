@@ -1,4 +1,4 @@
-"""How processes are started."""
+"""Starting processes."""
 
 import os
 import subprocess
@@ -49,13 +49,13 @@ print(start_process(lambda: 2))
 @pytest.mark.skipif(os.name == "nt", reason="a signal ends the process there")
 @pytest.mark.parametrize("script", [WHILE_THE_THREAD_STARTS, WHILE_THE_PROCESS_STARTS], ids=["thread", "process"])
 def test_interrupt_while_a_process_starts(script: str) -> None:
-    """The caller goes on, starts other processes, and ends: it does not wait for the thread at exit."""
+    """After an interrupt during a start, the caller continues, starts processes, and exits without waiting."""
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=SECONDS, check=True)
     assert run.stdout.split() == ["interrupted", "2"]
 
 
 def test_error_of_the_start_is_raised() -> None:
-    """In the caller; the next start works."""
+    """An error of the start is raised in the caller; the next start works."""
 
     def fail() -> None:
         raise FileNotFoundError("no interpreter")

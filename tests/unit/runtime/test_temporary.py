@@ -1,4 +1,4 @@
-"""The folder of a run's temporary files: there while it runs, removed afterwards, however it ends."""
+"""The folder of a run's temporary files is removed however the run ends."""
 
 import os
 import subprocess
@@ -27,7 +27,7 @@ if sys.argv[1] == "fail":
 
 
 def start(how: str, temporary: Path) -> "subprocess.Popen[bytes]":
-    """A process that has a folder below ``temporary``, and waits, ends or fails."""
+    """A process with a folder below ``temporary`` that waits, ends or fails."""
     environment = {**os.environ, "TMPDIR": str(temporary), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = subprocess.Popen(
         [sys.executable, "-c", RUN, how], env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
@@ -38,7 +38,7 @@ def start(how: str, temporary: Path) -> "subprocess.Popen[bytes]":
 
 
 def end(process: "subprocess.Popen[bytes]") -> None:
-    """Kill it, so that it can remove nothing."""
+    """Kill the process."""
     process.kill()
     process.wait()
     assert process.stdout is not None
@@ -47,14 +47,14 @@ def end(process: "subprocess.Popen[bytes]") -> None:
 
 @pytest.mark.parametrize("how", ["end", "fail"])
 def test_folder_goes_with_its_run(tmp_path: Path, how: str) -> None:
-    """Whether the run ended well or by an exception, nothing of it is left."""
+    """The folder is removed when the run ends, also by an exception."""
     start(how, tmp_path).communicate()
     assert list(tmp_path.iterdir()) == []
 
 
 @posix
 def test_next_run_removes_what_a_killed_one_left(tmp_path: Path) -> None:
-    """Only that: the folder of a run that goes on stays, and so does what is not stepbot's."""
+    """The folder of a killed run is removed by the next one; those of running ones and foreign ones are kept."""
     (tmp_path / "other").mkdir()
     (tmp_path / "stepbot-run-file").write_text("x")
     killed, running = start("wait", tmp_path), start("wait", tmp_path)
@@ -72,7 +72,7 @@ def test_next_run_removes_what_a_killed_one_left(tmp_path: Path) -> None:
 
 @posix
 def test_runs_that_begin_at_once_take_nothing_from_each_other(tmp_path: Path) -> None:
-    """However their starts fall together, each keeps its folder."""
+    """Runs that start at the same time keep their folders."""
     processes = [start("wait", tmp_path) for _ in range(6)]
     time.sleep(0.1)
     try:
@@ -83,5 +83,5 @@ def test_runs_that_begin_at_once_take_nothing_from_each_other(tmp_path: Path) ->
 
 
 def test_workers_use_the_folder_of_whoever_started_them() -> None:
-    """So that it goes with that process, although they are killed."""
+    """Workers use the folder of their parent, which removes it even if they are killed."""
     assert Path(call_isolated("tempfile:gettempdir")) == run_folder()

@@ -1,4 +1,4 @@
-"""Worker processes: what they return, what they survive, how they end."""
+"""Worker processes: results, failures and their end."""
 
 import os
 import subprocess
@@ -16,12 +16,12 @@ HERE = "tests.unit.runtime.isolated_functions"
 
 
 def test_a_result_comes_back() -> None:
-    """Arguments go there, the result comes back."""
+    """A worker returns the result of a call."""
     assert call_isolated(f"{HERE}:double", 21) == 42
 
 
 def test_one_call_after_the_other() -> None:
-    """In the same process, also after one that raised, until there are no more; then it is gone."""
+    """A worker answers several calls, also after an exception, and ends with the last."""
     with Worker(f"{HERE}:prepared") as worker:
         assert [worker.submit(more=True).result(), worker.submit(more=True).result()] == [1, 1]
         os.kill(worker.pid, 0)
@@ -35,7 +35,7 @@ def test_one_call_after_the_other() -> None:
 
 
 def test_a_death_between_calls() -> None:
-    """Earlier results stay valid; the next call reports how the process ended."""
+    """After a death between calls, earlier results are valid, and the next call reports the death."""
     with Worker(f"{HERE}:double_or_leave") as worker:
         assert worker.submit(21, more=True).result() == 42
         with pytest.raises(WorkerDied, match="exit code 3"):
@@ -48,12 +48,12 @@ def test_the_worker_prepares_before_it_is_asked() -> None:
 
 
 def test_what_native_code_prints_does_not_disturb_the_result() -> None:
-    """Bytes on descriptor 1 land in the worker's standard error."""
+    """Native output on descriptor 1 is part of the worker's standard error."""
     assert call_isolated(f"{HERE}:print_natively", "noise") == "noise"
 
 
 def test_an_exception_comes_back_as_such() -> None:
-    """With its kind, its text and where it was raised."""
+    """An exception is returned with its type, text and place."""
     with pytest.raises(RemoteError, match="no good") as caught:
         call_isolated(f"{HERE}:fail", "no good")
     assert caught.value.kind == "ValueError"
@@ -70,20 +70,20 @@ def test_a_module_that_is_not_there_is_an_error() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_a_crash_is_an_exception_with_the_last_lines() -> None:
-    """A segmentation fault ends the worker, not the caller."""
+    """A segmentation fault ends the worker only, and has the last lines of output."""
     with pytest.raises(WorkerDied, match="SIGSEGV") as caught:
         call_isolated(f"{HERE}:crash", "last words")
     assert "last words" in caught.value.last_lines
 
 
 def test_an_exit_without_a_result_is_a_death() -> None:
-    """With the exit code."""
+    """An exit without a result is reported with the exit code."""
     with pytest.raises(WorkerDied, match="exit code 3"):
         call_isolated(f"{HERE}:leave", 3)
 
 
 def test_too_long_is_a_death() -> None:
-    """The worker is ended after the timeout."""
+    """The worker is ended after its timeout."""
     start = time.monotonic()
     with pytest.raises(WorkerDied, match=r"no result after 0.5 s"):
         call_isolated(f"{HERE}:sleep", 60.0, timeout=0.5)
@@ -92,14 +92,14 @@ def test_too_long_is_a_death() -> None:
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
 def test_too_much_memory_is_a_death() -> None:
-    """Of the worker alone."""
+    """A memory limit applies to the worker only."""
     with pytest.raises(WorkerDied, match="out of memory"):
         call_isolated(f"{HERE}:allocate", 4 << 30, memory_limit=1 << 30)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no limit on address space")
 def test_a_limit_beyond_what_the_system_allows() -> None:
-    """If the allowed limit is lower than the requested one, it applies."""
+    """If the system's limit is lower than the requested one, it applies."""
     code = (
         "import resource; from stepbot.runtime.worker import call_isolated as call\n"
         "resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))\n"
@@ -110,7 +110,7 @@ def test_a_limit_beyond_what_the_system_allows() -> None:
 
 
 def test_a_worker_can_be_closed_before_it_is_asked() -> None:
-    """Twice, too; nothing is left running."""
+    """A worker can be closed before a call, twice, and leaves no process."""
     worker = Worker(f"{HERE}:double")
     worker.close()
     worker.close()
@@ -120,7 +120,7 @@ def test_a_worker_can_be_closed_before_it_is_asked() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_a_worker_that_was_killed_before_it_was_asked() -> None:
-    """Submitting to a dead worker does not block; its death is reported by the result."""
+    """A call of a dead worker does not block; its result reports the death."""
     worker = Worker(f"{HERE}:double")
     os.kill(worker.pid, 9)
     worker.submit(b"x" * (1 << 22))
@@ -129,7 +129,7 @@ def test_a_worker_that_was_killed_before_it_was_asked() -> None:
 
 
 def test_workers_run_at_the_same_time() -> None:
-    """The second is at work before the first has a result."""
+    """Two workers run at the same time."""
     first, second = (Worker(f"{HERE}:sleep").submit(seconds) for seconds in (30.0, 0.1))
     assert second.result() == 0.1
     with pytest.raises(WorkerDied, match="no result"):
@@ -137,7 +137,7 @@ def test_workers_run_at_the_same_time() -> None:
 
 
 def test_a_worker_started_from_a_thread_that_ends() -> None:
-    """It ends with the process, not with the thread."""
+    """A worker started from a thread ends with the process, not with the thread."""
     worker: list[Worker] = []
 
     def start() -> None:
@@ -152,7 +152,7 @@ def test_a_worker_started_from_a_thread_that_ends() -> None:
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="processes cannot be bound to cores")
 def test_a_worker_inherits_the_cores_of_the_thread_that_starts_it() -> None:
-    """Robots of a batch keep to their share of the cores."""
+    """A worker inherits the cores of the thread that starts it, so that a batch keeps its share."""
     one = min(os.sched_getaffinity(0))
     cores: list[set[int]] = []
 
@@ -169,7 +169,7 @@ def test_a_worker_inherits_the_cores_of_the_thread_that_starts_it() -> None:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc on this system")
 def test_a_worker_does_not_outlive_a_caller_that_is_killed() -> None:
-    """Also one that is at work, and was started from a thread that has ended."""
+    """A worker ends with a caller that is killed, also while busy and if started from a finished thread."""
     code = (
         "import threading, time; from stepbot.runtime.worker import Worker; pids = []\n"
         "def start():\n"

@@ -59,4 +59,4 @@ actuators:
 sensors:
   imu: {type: imu, link: base}
 """
-"""A sidecar that has every key; its mimic contradicts its limits, which is a warning."""
+"""A sidecar with every key; its mimic contradicts its limits, which is a warning."""

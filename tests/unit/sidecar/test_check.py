@@ -1,4 +1,4 @@
-"""Checks across a sidecar: what is right passes, and each wrong turn of something right is found."""
+"""Consistency checks of a sidecar: valid ones pass, and each inconsistency is reported."""
 
 import time
 from pathlib import Path
@@ -15,7 +15,7 @@ from tests.unit.sidecar.samples import FULL
 
 
 def checked(text: str) -> Diagnostics:
-    """What loading and checking find in a text."""
+    """The findings of loading and checking a text."""
     found = Diagnostics()
     sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
     if sidecar is not None:
@@ -24,7 +24,7 @@ def checked(text: str) -> Diagnostics:
 
 
 def codes(text: str) -> list[str]:
-    """The codes of what is found."""
+    """The codes of the findings."""
     return [d.code for d in checked(text)]
 
 
@@ -39,14 +39,14 @@ def robot(links: int, joints: list[tuple[int, int]], extra: str = "") -> str:
 
 @st.composite
 def trees(draw: st.DrawFn) -> tuple[int, list[tuple[int, int]]]:
-    """A random tree: each link but the first hangs on an earlier one, joints in any order."""
+    """A random tree: each link except the first has an earlier one as parent; joints in any order."""
     links = draw(st.integers(2, 12))
     edges = [(draw(st.integers(0, child - 1)), child) for child in range(1, links)]
     return links, draw(st.permutations(edges))
 
 
 def test_full_sidecar_is_sound() -> None:
-    """The sidecar with every key has no errors but those of its mimic."""
+    """The sidecar with every key has no findings except those of its mimic."""
     sound = FULL.replace(
         "mimic: {joint: lift, multiplier: -1, offset: 0}", "mimic: {joint: pan, multiplier: 0, offset: 0}"
     )
@@ -61,7 +61,7 @@ def test_trees_are_sound(tree: tuple[int, list[tuple[int, int]]]) -> None:
 
 @given(tree=trees(), data=st.data())
 def test_one_joint_more_is_found(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
-    """A further joint gives a link a second parent, or the root a parent, which makes a ring of all joints above."""
+    """A further joint gives a link a second parent, or the root a parent, which forms a cycle."""
     links, joints = tree
     a, b = data.draw(st.tuples(st.integers(0, links - 1), st.integers(0, links - 1)).filter(lambda ab: ab[0] != ab[1]))
     assert codes(robot(links, [*joints, (a, b)])) == (["SB452"] if b == 0 else ["SB451"])
@@ -69,7 +69,7 @@ def test_one_joint_more_is_found(tree: tuple[int, list[tuple[int, int]]], data: 
 
 @given(tree=trees(), data=st.data())
 def test_one_joint_less_is_found(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
-    """Without one of its joints a tree falls into two."""
+    """Without one of its joints a tree is not connected."""
     links, joints = tree
     del joints[data.draw(st.integers(0, len(joints) - 1))]
     assert codes(robot(links, joints)) == ["SB453"]
@@ -77,14 +77,14 @@ def test_one_joint_less_is_found(tree: tuple[int, list[tuple[int, int]]], data: 
 
 @given(tree=trees(), data=st.data())
 def test_only_the_root_is_the_root(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
-    """Naming any other link the root is found."""
+    """Naming a link as root that has a parent is an error."""
     named = data.draw(st.integers(0, tree[0] - 1))
     assert codes(robot(*tree, extra=f"root: {{link: l{named}}}\n")) == (["SB454"] if named else [])
 
 
 @given(successor=st.lists(st.integers(0, 9), min_size=10, max_size=10))
 def test_rings(successor: list[int]) -> None:
-    """The rings of any map are the names that come back to themselves, each once."""
+    """The cycles of any map are the names that lead back to themselves, each once."""
     names = {str(n): str(m) for n, m in enumerate(successor)}
     back = set()
     for start, name in names.items():
@@ -155,26 +155,26 @@ TURNS = "type: continuous"
     ],
 )
 def test_rules_of_joints(elbow: str, wrist: str, expected: list[str]) -> None:
-    """What a type asks for, at its borders."""
+    """The requirements of a joint type, at their limits."""
     assert codes(JOINT.format(elbow=elbow, wrist=wrist)) == expected
 
 
 def test_defaults_fill_limits() -> None:
-    """Limits that a default gives need not be repeated."""
+    """Limits given by a default need not be repeated."""
     text = JOINT.format(elbow="type: revolute", wrist=TURNS)
     assert codes(text) == ["SB455"]
     assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
 
 
 def test_defaults_fill_limits_that_are_to_do() -> None:
-    """`limits: todo` warns as long as neither the joint nor a default has both bounds."""
+    """`limits: todo` is a warning unless the joint or a default has both bounds."""
     text = JOINT.format(elbow="type: revolute, limits: todo", wrist=TURNS)
     assert codes(text + "joint_defaults: {'*': {limits: {upper: 1, effort: 2}}}\n") == ["SB463"]
     assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
 
 
 def test_fault_of_a_default_is_told_where_it_stands() -> None:
-    """Swapped limits that come from a default are marked there."""
+    """Swapped limits of a default are reported at the default."""
     text = JOINT.format(elbow="type: revolute", wrist=TURNS) + "joint_defaults: {'*': {limits: {lower: 2, upper: 1}}}\n"
     (diagnostic,) = checked(text)
     assert (diagnostic.code, diagnostic.span.line) == ("SB456", 8)
@@ -183,7 +183,7 @@ def test_fault_of_a_default_is_told_where_it_stands() -> None:
 
 @pytest.mark.parametrize("name", ["CON", "nul", "aux.v2", "LPT1"])
 def test_robots_are_not_called_like_devices(name: str) -> None:
-    """Files are named after robots, and Windows opens a device under such a name; links are in no file name."""
+    """A robot named like a Windows device is rejected, since files are named after it; a link is accepted."""
     text = robot(1, []).replace("robot: tree", f"robot: {name}")
     (diagnostic,) = checked(text)
     assert (diagnostic.code, diagnostic.span.line) == ("SB126", 2)
@@ -193,7 +193,7 @@ def test_robots_are_not_called_like_devices(name: str) -> None:
 
 @pytest.mark.parametrize("character", ["\u202e", "\u2066", "\u200f", "\u200b", "\ufeff", "\u00ad"])
 def test_names_are_what_they_look_like(character: str) -> None:
-    """Characters that are invisible or change the direction of text are refused in names of robots and links."""
+    """Invisible and bidi characters are rejected in names of robots and links."""
     name = f'"arm\\u{ord(character):04x}jbo.exe"'
     for sidecar in (robot(1, []).replace("robot: tree", f"robot: {name}"), robot(1, []).replace("l0", name)):
         diagnostics = list(checked(sidecar))
@@ -204,23 +204,23 @@ def test_names_are_what_they_look_like(character: str) -> None:
 @pytest.mark.parametrize(
     ("damage", "expected"),
     [
-        # A joint that is cut away leaves its child alone, which is no fault of the file.
+        # Removing a joint disconnects its child, which is a consequence.
         (("type: revolute", "tpye: revolute"), ["SB120"]),
-        # The misspelt section may hold the joints.
+        # The misspelt section may contain the joints.
         (("joints:", "jonits:"), ["SB120"]),
-        # A fault elsewhere does not hide one of the tree.
+        # Another error does not hide one of the tree.
         (("robot: arm", "robot: a/b"), ["SB126"]),
         (("robot: arm", "robot: a/b\nroot: {link: arm}"), ["SB126", "SB454"]),
     ],
 )
 def test_faults_do_not_beget_faults(damage: tuple[str, str], expected: list[str]) -> None:
-    """In the rest of a document with errors, only independent errors are reported."""
+    """In a document with errors, consequences of them are not reported."""
     text = JOINT.format(elbow="type: revolute, limits: {lower: -1, upper: 1}", wrist=TURNS)
     assert codes(text.replace(*damage, 1)) == expected
 
 
 def test_large_robots_are_checked_quickly() -> None:
-    """A chain of a thousand joints that all follow one another takes seconds, not minutes."""
+    """A chain of a thousand joints that all mimic one another is checked in seconds."""
     links = "".join(f"  l{n}: {{parts: [p{n}]}}\n" for n in range(1001))
     joints = "".join(
         f"  j{n}: {{type: continuous, parent: l{n}, child: l{n + 1}, mimic: {{joint: j{n + 1}}}}}\n" for n in range(999)

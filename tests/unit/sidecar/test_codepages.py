@@ -21,13 +21,13 @@ from stepbot.sidecar.codepages import UnknownCodePage, code_page
     ],
 )
 def test_names_as_people_write_them(name: str, usual: str) -> None:
-    """Case, blanks and aliases do not matter."""
+    """Case, blanks and aliases are accepted."""
     assert code_page(name) == usual
 
 
 @pytest.mark.parametrize("name", ["utf-16", "utf-7", "cp037", "base64", "rot13", "unicode_escape", "iso2022_jp"])
 def test_what_no_step_file_can_be_in(name: str) -> None:
-    """Encodings in which ASCII is other bytes, or bytes are no text, are refused by name."""
+    """Encodings in which ASCII has other bytes, or that are no text encodings, are rejected by name."""
     with pytest.raises(UnknownCodePage, match=f"code page '{name}' is not ASCII-compatible"):
         code_page(name)
 
@@ -36,7 +36,7 @@ def test_what_no_step_file_can_be_in(name: str) -> None:
     ("name", "near"), [("cp1521", "cp1251"), ("bgk", "gbk"), ("klingon", ""), ("", ""), ("\0", "")]
 )
 def test_unknown_names(name: str, near: str) -> None:
-    """An unknown name gets suggestions and examples."""
+    """An unknown name is reported with suggestions and examples."""
     with pytest.raises(UnknownCodePage, match="unknown code page") as raised:
         code_page(name)
     assert near in raised.value.hints[0]

@@ -1,4 +1,4 @@
-"""YAML text to values with places; what a value is, is judged by ruamel.yaml's own loader where it follows YAML 1.2."""
+"""YAML text to values with places, against ruamel.yaml's loader where it follows YAML 1.2."""
 
 import io
 import json
@@ -76,7 +76,7 @@ VALUES = st.recursive(
 
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_json_comes_back(data: object) -> None:
-    """JSON is YAML: all output of the standard library is read back unchanged."""
+    """Output of the standard library's JSON writer is read unchanged."""
     found = Diagnostics()
     assert plain_data(composed(json.dumps(data, ensure_ascii=False), found)) == data
     assert len(found) == 0
@@ -84,7 +84,7 @@ def test_json_comes_back(data: object) -> None:
 
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_block_style_comes_back(data: object) -> None:
-    """Whatever ruamel.yaml writes, indented and without braces, is read as what it was."""
+    """Block-style output of ruamel.yaml is read unchanged."""
     writer, stream, found = YAML(typ="safe", pure=True), io.StringIO(), Diagnostics()
     writer.default_flow_style = False
     writer.dump(data, stream)
@@ -103,7 +103,7 @@ def is_plain(data: object) -> bool:
 
 @given(text=st.text("ab:*&<-#[]{}, \n'\"!|>%@`\t?0.~", max_size=60))
 def test_any_text_ends_in_a_value_or_a_fault(text: str) -> None:
-    """No text makes composing fail otherwise than by a YAML error or a bound."""
+    """For any text, composing raises only YAML errors and exceeded limits."""
     try:
         tree = compose(text, FILE, Diagnostics())
     except (MarkedYAMLError, TooMuchError):
@@ -123,7 +123,7 @@ def test_places(found: Diagnostics) -> None:
 
 
 def test_merge_keys(found: Diagnostics) -> None:
-    """Own keys beat merged ones wherever they stand, and earlier sources beat later ones."""
+    """Own keys take precedence over merged ones in any order, earlier sources over later ones."""
     text = "a: &a {x: 1, y: 1}\nb: &b {x: 2, z: 2}\nc: {z: 3, <<: [*a, *b]}\nd:\n  <<: *a\n  x: 4\n"
     data = plain_data(composed(text, found))
     assert data["c"] == {"z": 3, "x": 1, "y": 1}
@@ -131,12 +131,12 @@ def test_merge_keys(found: Diagnostics) -> None:
 
 
 def test_quoted_merge_key_is_a_key(found: Diagnostics) -> None:
-    """Only the plain scalar merges."""
+    """Only a plain `<<` merges."""
     assert plain_data(composed("a: {'<<': {x: 1}}", found)) == {"a": {"<<": {"x": 1}}}
 
 
 def test_every_duplicate_is_reported(found: Diagnostics) -> None:
-    """Each further key of a name is reported with its place, and the first counts."""
+    """Every duplicate key is reported with its place, and the first value applies."""
     tree = composed("a: 1\nb: {c: 1, c: 2, c: 3}\n'a': 2\n", found)
     assert plain_data(tree) == {"a": 1, "b": {"c": 1}}
     assert [(d.code, d.span.line, d.span.column) for d in found] == [
@@ -177,7 +177,7 @@ def test_bombs_end_quickly(text: str) -> None:
 
 
 def test_values_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A list that is long without any alias ends where the bound is passed, not at its end."""
+    """A list that is too long is reported where it exceeds the limit."""
     monkeypatch.setattr("stepbot.sidecar.compose.LARGEST_SIZE", 1000)
     found = Diagnostics()
     with pytest.raises(TooMuchError):
@@ -186,7 +186,7 @@ def test_values_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_faults_are_bounded() -> None:
-    """A text that is nothing but faults ends the collector, not the patience of the reader."""
+    """The number of reported syntax errors is limited."""
     found = BoundedDiagnostics()
     with pytest.raises(TooManyFaultsError):
         compose("a: 1\n" * 3000, FILE, found)

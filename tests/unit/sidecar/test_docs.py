@@ -1,4 +1,4 @@
-"""docs/sidecar.md: its examples work, its tables are complete, and its errors are those that stepbot reports."""
+"""docs/sidecar.md: its examples are valid, its tables complete, and its errors those of stepbot."""
 
 import json
 import re
@@ -47,13 +47,13 @@ def faults(text: str) -> list[str]:
 
 @pytest.mark.parametrize("text", WHOLE, ids=lambda text: text.split("\n")[1])
 def test_whole_examples_are_sound(text: str) -> None:
-    """A whole sidecar draws no word."""
+    """A whole sidecar has no findings."""
     assert faults(text) == []
 
 
 @pytest.mark.parametrize("text", FRAGMENTS, ids=lambda text: text.split("\n")[1].strip())
 def test_fragments_are_sound(text: str) -> None:
-    """A part of a sidecar, put into a robot that has what it names, draws no word."""
+    """A part of a sidecar, put into a matching robot, has no findings."""
     tree = compose(text, "fragment", Diagnostics())
     assert tree is not None
     fragment = plain_data(tree)
@@ -68,14 +68,14 @@ def test_fragments_are_sound(text: str) -> None:
 
 
 def test_faults_are_those_that_are_told() -> None:
-    """The faults of the example are the lines below it."""
+    """The errors of the example are the lines below it."""
     (text,) = re.findall(r"^```yaml faults\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
     (lines,) = re.findall(r"^```text faults\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
     assert faults(text) == lines.splitlines()
 
 
 def test_every_key_and_word_is_explained() -> None:
-    """Every key, every type of joint, sensor and shape, and every unit is on the page."""
+    """Every key, type of joint, sensor and shape, and every unit is on the page."""
     code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE) + EXAMPLES)))
     keys = {key for section in section_classes() for key in section.model_fields}
     words = {str(word) for kinds in (JointKind, SensorKind, CollisionShape) for word in kinds}
@@ -83,7 +83,7 @@ def test_every_key_and_word_is_explained() -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    """Each link within the page leads to one of its headings."""
+    """Each link within the page refers to one of its headings."""
     headings = {
         re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
         for heading in re.findall(r"^#+ (.*)$", PAGE, re.MULTILINE)

@@ -1,4 +1,4 @@
-"""Defaults of joints: which pattern counts, for which field, for which type."""
+"""Defaults of joints: precedence by pattern, field and type."""
 
 import math
 from typing import Any
@@ -28,7 +28,7 @@ def document(joint: dict[str, Any], defaults: dict[str, Any]) -> Document:
 
 
 def test_own_value_beats_defaults_and_the_first_pattern_beats_later_ones() -> None:
-    """Each field comes from the first that sets it: the joint, then the patterns in file order."""
+    """Each field comes from the joint, else from the first pattern in file order that sets it."""
     made = document(
         {"limits": {"lower": "-1 rad", "effort": 5}},
         {
@@ -46,13 +46,13 @@ def test_own_value_beats_defaults_and_the_first_pattern_beats_later_ones() -> No
 
 @pytest.mark.parametrize("pattern", ["LEFT_*", "elbow", "left_elbo", "?left_elbow", "[!l]*"])
 def test_pattern_matches_the_whole_name_and_its_case(pattern: str) -> None:
-    """A pattern that does not match the name as a whole sets nothing."""
+    """A pattern must match the whole name, in its case."""
     assert joint_limits(document({}, {pattern: {"limits": {"effort": 1}}}), "left_elbow") == Limit()
 
 
 @pytest.mark.parametrize("kind", list(JointKind))
 def test_defaults_give_only_what_the_type_has(kind: JointKind) -> None:
-    """A default for all joints leaves alone what a type does not have."""
+    """A default sets only fields that the joint's type has."""
     every = {
         "limits": {"lower": -1, "upper": 1, "effort": 2, "velocity": 3},
         "dynamics": {"damping": 4, "friction": 5, "stiffness": 6, "spring_reference": 0.5, "armature": 7},
@@ -64,12 +64,12 @@ def test_defaults_give_only_what_the_type_has(kind: JointKind) -> None:
 
 
 def test_what_the_joint_says_itself_is_never_dropped() -> None:
-    """A limit that its type does not have is still there, for the check to report."""
+    """A limit that the joint's type does not have is kept, for the check to report."""
     assert "lower" in joint_settings(document({"type": "fixed", "limits": {"lower": 1}}, {}), "left_elbow")
 
 
 def test_position_dimensions() -> None:
-    """Turning joints are measured in angles, sliding ones in lengths, others not in one number."""
+    """Positions of rotating joints are angles, those of sliding ones lengths, others are not one number."""
     assert position_dimension(JointKind.REVOLUTE) == position_dimension(JointKind.SCREW) == ANGLE
     assert position_dimension(JointKind.PRISMATIC) == LENGTH
     assert position_dimension(JointKind.BALL) is position_dimension(JointKind.FIXED) is None
@@ -77,7 +77,7 @@ def test_position_dimensions() -> None:
 
 @given(order=st.permutations(["left_*", "*_elbow", "*"]), setters=st.sets(st.sampled_from(["left_*", "*_elbow", "*"])))
 def test_first_pattern_in_file_order_wins(order: list[str], setters: set[str]) -> None:
-    """Of patterns that all match, the first that sets a field gives it, however special the others are."""
+    """Of several matching patterns the first that sets a field applies, however specific the others are."""
     defaults = {p: {"limits": {"effort": float(len(p))} if p in setters else {}} for p in order}
     first = next((float(len(p)) for p in order if p in setters), math.inf)
     assert joint_limits(document({}, defaults), "left_elbow").effort == first

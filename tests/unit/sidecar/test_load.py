@@ -1,4 +1,4 @@
-"""Loading a whole sidecar: every key, every place, all faults at once."""
+"""Loading a sidecar: every key, every place, all errors at once."""
 
 import math
 from pathlib import Path
@@ -24,7 +24,7 @@ from tests.unit.sidecar.samples import FULL
 
 
 def loaded(text: str, found: Diagnostics, path: str = "robots/arm.robot.yaml") -> Sidecar:
-    """The sidecar of a text that has no errors."""
+    """The sidecar of a text without errors."""
     sidecar = parse_sidecar(text, Path(path), found)
     assert sidecar is not None, list(map(str, found))
     return sidecar
@@ -72,12 +72,12 @@ def test_every_key_arrives(found: Diagnostics) -> None:
 
 
 def test_step_path_is_relative_to_the_sidecar(found: Diagnostics) -> None:
-    """The STEP file is looked for from the folder of the sidecar."""
+    """`step` is relative to the folder of the sidecar."""
     assert loaded(FULL, found).step_path == Path("robots/cad/follower.step")
 
 
 def test_places_of_values_and_keys(found: Diagnostics) -> None:
-    """A value, a key, and the nearest key above what is not there."""
+    """A value and a key have a place; a missing one has that of its nearest key above."""
     sidecar = loaded(FULL, found)
     lines = FULL.split("\n")
     value = sidecar.span("joints", "pan", "limits", "upper")
@@ -109,7 +109,7 @@ def test_places_of_values_and_keys(found: Diagnostics) -> None:
     ],
 )
 def test_form_of_an_origin_is_told_by_its_keys(origin: str, form: str, found: Diagnostics) -> None:
-    """Without a key that determines the form, an origin is `auto`."""
+    """The form of an origin is determined by its keys; without one it is `auto`."""
     text = FULL.replace("    limits: {lower: -150", f"    origin: {origin}\n    limits: {{lower: -150", 1)
     assert type(loaded(text, found).document.joints["pan"].origin).__name__ == form
 
@@ -127,7 +127,7 @@ def test_form_of_an_origin_is_told_by_its_keys(origin: str, form: str, found: Di
     ],
 )
 def test_quoting_hints(parts: str, index: int, hint: str, found: Diagnostics) -> None:
-    """A path that missing quotes have cut short is found out where it matches nothing."""
+    """An unquoted path cut at a special character is explained where it matches nothing."""
     text = "version: 1\nrobot: arm\nstep: arm.step\nlinks:\n  base:\n    parts: " + parts + "\n"
     hints = loaded(text, found).quoting_hints("links", "base", "parts", index)
     assert hint in "".join(hints)
@@ -135,7 +135,7 @@ def test_quoting_hints(parts: str, index: int, hint: str, found: Diagnostics) ->
 
 
 def test_all_faults_at_once_in_the_order_of_the_file() -> None:
-    """Syntax, schema and consistency errors are reported together, from top to bottom."""
+    """Syntax, schema and consistency errors are reported together, in the order of the file."""
     text = FULL.replace("robot: follower", "robot: follower\nrobot: leader")
     text = text.replace("base: floating", "base: hanging").replace("damping: 0.1", "dampng: 0.1")
     text = text.replace("child: shoulder", "child: shulder").replace("-inf, upper: 1}", "-inf, upper: 1 kg}")
@@ -149,7 +149,7 @@ def test_all_faults_at_once_in_the_order_of_the_file() -> None:
 
 
 def test_same_file_says_the_same_again(tmp_path: Path) -> None:
-    """Loading twice gives equal documents and equal findings."""
+    """Loading twice gives equal documents and findings."""
     path = tmp_path / "a.robot.yaml"
     path.write_text(FULL, encoding="utf-8")
     first, second = load_sidecar(path, Diagnostics()), load_sidecar(path, Diagnostics())
@@ -163,7 +163,7 @@ LINES = FULL.split("\n")
 
 @given(data=st.data())
 def test_damaged_sidecars_end_in_diagnostics(data: st.DataObject) -> None:
-    """Lines dropped, doubled, swapped or cut in a good sidecar never end in anything but a document or errors."""
+    """Lines dropped, doubled, swapped or cut in a valid sidecar give a document or errors."""
     lines = list(LINES)
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(lines) - 1))

@@ -14,12 +14,12 @@ from stepbot.sidecar.units import ANGLE, FORCE, LENGTH
 
 
 def value_of(kind: Any, value: Any) -> Any:
-    """What a value becomes."""
+    """The result of a value."""
     return TypeAdapter(kind).validate_python(value)
 
 
 def refusal_of(kind: Any, value: Any) -> tuple[str, str]:
-    """Code and message of the only fault of a value."""
+    """Code and message of the only error of a value."""
     with pytest.raises(ValidationError) as caught:
         value_of(kind, value)
     (error,) = caught.value.errors()
@@ -51,7 +51,7 @@ def refusal_of(kind: Any, value: Any) -> tuple[str, str]:
     ],
 )
 def test_value(kind: Any, value: Any, result: Any) -> None:
-    """Each form that a scalar may have becomes one number, or a few, in SI."""
+    """Each form of a scalar becomes one number, or several, in SI."""
     assert value_of(kind, value) == result
 
 
@@ -89,14 +89,14 @@ def test_value(kind: Any, value: Any, result: Any) -> None:
     ],
 )
 def test_refusal(kind: Any, value: Any, code: str, message: str) -> None:
-    """What a scalar cannot be is refused with the code and the reason."""
+    """An invalid scalar is rejected with the code and the reason."""
     found = refusal_of(kind, value)
     assert found[0] == code
     assert message in found[1]
 
 
 def test_joint_values_remember_their_unit() -> None:
-    """A joint's number is a float with the dimension of its unit, if it was written with one."""
+    """A joint's number is a float with the dimension of its unit, if it has one."""
     angle = value_of(quantities.JointBound, "90 deg")
     assert isinstance(angle, float)
     assert type(angle.value) is float

@@ -1,4 +1,4 @@
-"""Remedies are to paste: what the help of a diagnostic writes out, put where the fault is, mends the sidecar."""
+"""A snippet in the help of a diagnostic, pasted at the error, fixes the sidecar."""
 
 import re
 from pathlib import Path
@@ -23,7 +23,7 @@ SNIPPET = re.compile(r"`([^`]+)`")
 
 
 def findings(text: str) -> list[Diagnostic]:
-    """What loading and checking find in a text."""
+    """The findings of loading and checking a text."""
     found = Diagnostics()
     sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
     if sidecar is not None:
@@ -58,7 +58,7 @@ def test_snippet_is_what_to_write(right: str, wrong: str, pasted: str) -> None:
 
 
 def test_missing_version_is_one_line() -> None:
-    """The line that the help quotes, put at the top, is all that lacks."""
+    """The line in the help, put at the top, is all that is missing."""
     (fault,) = findings(ARM.removeprefix("version: 1\n"))
     assert fault.code == "SB121"
     (line,) = SNIPPET.findall(fault.help[0])
@@ -67,7 +67,7 @@ def test_missing_version_is_one_line() -> None:
 
 @pytest.mark.parametrize("way", [0, 1])
 def test_second_root_is_connected_by_a_pasted_line(way: int) -> None:
-    """Of two links without a joint above them, each line that the help offers for the second mends the tree."""
+    """Each line that the help offers for a second root connects the tree."""
     text = ARM.replace(
         "  base: {rest: true}", "  stand: {parts: [stand]}\n  stand_joint: {parts: [a]}\n  base: {rest: true}"
     )
@@ -80,7 +80,7 @@ def test_second_root_is_connected_by_a_pasted_line(way: int) -> None:
 
 
 def test_two_trees_are_connected_by_a_pasted_line() -> None:
-    """A tree of several links beside another is connected at its top."""
+    """A second tree of several links is connected at its root."""
     text = ARM + "  wrist: {type: fixed, parent: a, child: b}\n"
     text = text.replace("joints:", "  a: {parts: [a]}\n  b: {parts: [b]}\njoints:")
     (fault,) = findings(text)
@@ -94,7 +94,7 @@ BLOCK = BLOCK.replace("upper: 1}}", "upper: 1}\n    parent: base\n    child: for
 
 @pytest.mark.parametrize("wrong", ["type:\trevolute", "type: \t revolute", "'type':\t'revolute'", "\ttype: revolute"])
 def test_tab_is_replaced_by_a_pasted_line(wrong: str) -> None:
-    """A tab that the parser refuses is reported with the line as it should be."""
+    """A tab that the parser rejects is reported with the corrected line."""
     text = BLOCK.replace("    type: revolute", "    " + wrong)
     fault = findings(text)[0]
     assert (fault.code, fault.span.line) == ("SB105", 9)
@@ -105,7 +105,7 @@ def test_tab_is_replaced_by_a_pasted_line(wrong: str) -> None:
 
 
 def test_tabs_elsewhere_stay() -> None:
-    """In quotes, in a comment and in brackets tabs are no fault."""
+    """Tabs in quotes, comments and brackets are accepted."""
     text = BLOCK.replace("type: revolute", "type:\trevolute").replace("parent: base", "parent:\tbase") + "# a:\tb\n"
     text = text.replace("lower: -1, ", "lower:\t-1,\t")
     assert [(d.code, d.span.line) for d in findings(text)] == [("SB105", 9), ("SB105", 11)]
@@ -113,25 +113,25 @@ def test_tabs_elsewhere_stay() -> None:
 
 
 def test_decimal_comma_in_braces() -> None:
-    """Braces cut ``1,5 N*m`` into a value and a key: the help puts them together."""
+    """In braces ``1,5 N*m`` is a value and a key; the help has the corrected value."""
     text = ARM.replace("upper: 1}", "upper: 1,5 rad, effort: 2}")
     (fault,) = findings(text)
     assert (fault.code, SNIPPET.findall(fault.help[0])) == ("SB112", ["1.5 rad"])
 
 
 def test_comma_that_is_missing_is_shown() -> None:
-    """Two pairs without a comma between them are shown with one."""
+    """The help for two pairs without a comma has the comma."""
     (fault,) = (d for d in findings(ARM.replace("revolute, parent", "revolute parent")) if d.code == "SB104")
     assert SNIPPET.findall(fault.help[0]) == ["revolute, parent:"]
 
 
 def test_colour_without_quotes_in_braces() -> None:
-    """A # that takes the closing brace with it is what the help is about."""
+    """The help for a # that comments out the closing brace has the quoted colour."""
     text = ARM.replace("{rest: true}", "{rest: true}\nparts:\n  a: {color: #ff0000}")
     (fault,) = (d for d in findings(text) if d.code == "SB104")
     assert '"#ff0000"' in fault.help[0]
 
 
 def test_key_under_another_name_is_not_missing_too() -> None:
-    """One slip is one finding: ``parent_link`` is a wrong name, and `parent` is not reported as missing."""
+    """``parent_link`` is one error about the name, and `parent` is not reported as missing."""
     assert [d.code for d in findings(ARM.replace("parent:", "parent_link:"))] == ["SB120"]

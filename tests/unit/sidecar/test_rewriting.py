@@ -1,4 +1,4 @@
-"""Component paths are replaced where they stand, and nothing else changes."""
+"""Component paths are replaced in the text, and nothing else changes."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ step: arm.step
 
 
 def rewrite(body: str, paths: dict[str, str], *, line_end: str = "\n") -> str | None:
-    """A sidecar with other paths; None where it is refused."""
+    """A sidecar with other paths; None if it is rejected."""
     text = HEAD + body
     found = Diagnostics()
     sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found)
@@ -44,7 +44,7 @@ def rewrite(body: str, paths: dict[str, str], *, line_end: str = "\n") -> str | 
     ],
 )
 def test_names_alone_change(before: str, after: str) -> None:
-    """Flow and block lists, quotes, anchors, comments and line ends stay; a link of the same name is not a path."""
+    """Flow and block lists, quotes, anchors, comments and line ends are kept; a link of the same name is no path."""
     for line_end in ("\n", "\r\n", "\r"):
         assert rewrite(before, {"pin": "bolt"}, line_end=line_end) == after
 
@@ -66,7 +66,7 @@ def test_names_alone_change(before: str, after: str) -> None:
     ],
 )
 def test_new_names_are_quoted_where_they_need_it(new: str, written: str) -> None:
-    """A name with characters that mean something in YAML gets quotes, another none; both are read back as they are."""
+    """A new name gets quotes if YAML requires them, and is read back unchanged."""
     assert (
         rewrite("links: {a: {parts: [pin, other]}}\n", {"pin": new}) == f"links: {{a: {{parts: [{written}, other]}}}}\n"
     )
@@ -78,7 +78,7 @@ def test_quotes_are_kept() -> None:
 
 
 def test_two_names_may_trade_places() -> None:
-    """All are replaced at once, so that one new name may be another's former one."""
+    """Two paths can be exchanged, since all are replaced at once."""
     body = "links: {a: {parts: [x#1, x#2]}}\n"
     assert rewrite(body, {"x#1": "x#2", "x#2": "x#1"}) == 'links: {a: {parts: ["x#2", "x#1"]}}\n'
 
@@ -91,5 +91,5 @@ def test_two_names_may_trade_places() -> None:
     ],
 )
 def test_what_cannot_be_replaced_is_refused(body: str) -> None:
-    """Two rules would have one name; a text goes over two lines: nothing is written."""
+    """Two rules of one name, or a text over two lines, are rejected, and nothing is written."""
     assert rewrite(body, {"pin": "bolt"}) is None

@@ -30,39 +30,39 @@ DIAGNOSTICS = ROOT / "tests" / "diagnostics"
 
 
 def data_of(text: str) -> Any:
-    """A sidecar as data, not yet judged."""
+    """A sidecar as unvalidated data."""
     tree = compose(text, "a.robot.yaml", Diagnostics())
     assert tree is not None
     return plain_data(tree)
 
 
 def faults(validator: jsonschema.Draft202012Validator, data: Any) -> list[str]:
-    """What a schema finds wrong in data, and where."""
+    """Errors of data by a schema, with their places."""
     return [f"{fault.json_path}: {fault.message}" for fault in validator.iter_errors(data)]
 
 
 def subschemas(schema: Any) -> list[dict[str, Any]]:
-    """Every schema in a schema, itself included."""
+    """Every schema in a schema, including itself."""
     inner = schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else []
     return ([schema] if isinstance(schema, dict) else []) + [found for value in inner for found in subschemas(value)]
 
 
 def test_is_a_schema() -> None:
-    """It is valid by the meta-schema, and has `$schema` and `$id`."""
+    """The schema is valid by the meta-schema, and has `$schema` and `$id`."""
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     assert SCHEMA["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert SCHEMA["$id"]
 
 
 def test_file_is_fresh(tmp_path: Path) -> None:
-    """The file in the repository is what the code generates, to the byte."""
+    """The file in the repository is the generated one, to the byte."""
     committed = ROOT / "schemas" / "robot-1.schema.json"
     assert main([str(tmp_path / "schema.json")]) == 0
     assert (tmp_path / "schema.json").read_bytes() == committed.read_bytes() == schema_text().encode()
 
 
 def test_every_key_is_described() -> None:
-    """Every key of every section shows what it means; no description is left without its key."""
+    """Every key of every section has a description, and every description a key."""
     assert set(descriptions(section_classes()[0])) == set(SCHEMA["properties"])
     for section in section_classes()[1:]:
         properties = SCHEMA["$defs"][section.__name__]["properties"]
@@ -73,12 +73,12 @@ def test_every_key_is_described() -> None:
 
 
 def test_no_value_may_be_null() -> None:
-    """A key without a value is a fault, for the schema too."""
+    """A key without a value is an error in the schema, too."""
     assert not any(schema.get("type") == "null" or schema.get("default", 0) is None for schema in subschemas(SCHEMA))
 
 
 def test_examples_and_defaults_are_valid() -> None:
-    """What an editor offers is accepted."""
+    """Examples and defaults in the schema are valid."""
     for schema in subschemas(SCHEMA):
         own = VALIDATOR.evolve(schema={**schema, "$defs": SCHEMA["$defs"]})
         for example in [*schema.get("examples", []), *([schema["default"]] if "default" in schema else [])]:
@@ -96,7 +96,7 @@ def test_patterns_are_those_of_editors() -> None:
 
 
 def test_full_sidecar_is_valid() -> None:
-    """The sidecar that has every key passes."""
+    """The sidecar with every key is valid."""
     assert faults(VALIDATOR, data_of(FULL)) == []
 
 
@@ -107,7 +107,7 @@ TOLD_BY_SCHEMA = ("SB120", "SB121_missing", "SB121_no", "SB122", "SB123", "SB126
     "folder", sorted(f for f in DIAGNOSTICS.iterdir() if f.name.startswith(TOLD_BY_SCHEMA)), ids=lambda f: f.name
 )
 def test_editors_mark_what_is_wrong(folder: Path) -> None:
-    """Unknown keys, missing keys, wrong types, words and names are marked in an editor too."""
+    """Unknown keys, missing keys, wrong types, words and names are errors in the schema."""
     assert not VALIDATOR.is_valid(data_of((folder / "robot.robot.yaml").read_text(encoding="utf-8")))
 
 
@@ -117,7 +117,7 @@ def test_editors_mark_what_is_wrong(folder: Path) -> None:
     ids=lambda f: f.name,
 )
 def test_schema_is_not_stricter(folder: Path) -> None:
-    """Contradictions between values are not errors of the schema."""
+    """Contradictions between values are not errors in the schema."""
     assert faults(VALIDATOR, data_of((folder / "robot.robot.yaml").read_text(encoding="utf-8"))) == []
 
 
@@ -154,13 +154,13 @@ def test_what_is_loaded_is_valid(data: st.DataObject) -> None:
 
 
 def test_infinity_is_a_number() -> None:
-    """YAML's infinity passes, which JSON could not write."""
+    """YAML's infinity is valid, although JSON has none."""
     text = FULL.replace("upper: 1}", "upper: .inf}")
     assert data_of(text)["joints"]["lift"]["limits"]["upper"] == math.inf
     VALIDATOR.validate(data_of(text))
 
 
 def test_schema_is_plain_json() -> None:
-    """The text is JSON that any reader takes, YAML's included."""
+    """The text is valid JSON, and read equally as YAML."""
     assert json.loads(schema_text()) == SCHEMA
     assert compose_around_faults(schema_text(), "schema.json", Diagnostics()).whole

@@ -1,4 +1,4 @@
-"""Texts that are not YAML: every fault at its place, and the sections around it still read."""
+"""YAML syntax errors have their places, and the sections around them are read."""
 
 import pytest
 from hypothesis import given
@@ -32,7 +32,7 @@ FILE = "a.robot.yaml"
     ],
 )
 def test_fault_is_told_at_its_place(text: str, line: int, column: int, message: str) -> None:
-    """An error is described in words, at the place to edit."""
+    """An error is described at the place to edit."""
     found = Diagnostics()
     assert not compose_around_faults(text, FILE, found).whole
     first = next(iter(found))
@@ -60,7 +60,7 @@ def test_tabs_are_told_line_by_line() -> None:
 
 
 def test_json_with_tabs_is_yaml(found: Diagnostics) -> None:
-    """Within braces, tabs are blanks like any other."""
+    """Within braces, tabs are blanks."""
     composed = compose_around_faults('{\n\t"a": 1\n}\n', FILE, found)
     assert composed.whole
 
@@ -80,14 +80,14 @@ def test_globs_without_quotes_stay_keys() -> None:
 
 
 def test_alias_as_a_key_needs_a_blank_and_is_no_glob(found: Diagnostics) -> None:
-    """``*name : value`` is YAML for a key by alias."""
+    """``*name : value`` is a key by alias, and no glob."""
     composed = compose_around_faults("a: &k key\n*k : 1\n", FILE, found)
     assert composed.whole
 
 
 @given(text=st.text("ab:*&<-#[]{}, \n'\"!|>%@`\t?0.~", max_size=80))
 def test_any_text_ends(text: str) -> None:
-    """Whatever the text, there is a tree of all of it, or a fault."""
+    """Any text gives a complete tree, or an error."""
     found = Diagnostics()
     composed = compose_around_faults(text, FILE, found)
     assert composed.whole or len(found)

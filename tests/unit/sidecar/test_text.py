@@ -1,4 +1,4 @@
-"""Reading the bytes of a sidecar."""
+"""The bytes of a sidecar."""
 
 from pathlib import Path
 
@@ -9,14 +9,14 @@ from stepbot.sidecar.text import LARGEST_FILE, read_text
 
 
 def test_line_ends_and_byte_order_mark(tmp_path: Path, found: Diagnostics) -> None:
-    """Line ends of every system become line feeds, and a byte order mark is not part of the text."""
+    """Line ends of every system become line feeds, and a byte order mark is removed."""
     path = tmp_path / "a.robot.yaml"
     path.write_bytes(b"\xef\xbb\xbfa: 1\r\nb: \xc3\xb6\rc: 3\n")
     assert read_text(path, found) == "a: 1\nb: ö\nc: 3\n"
 
 
 def test_largest_file(tmp_path: Path, found: Diagnostics) -> None:
-    """A file of the largest size is read, one byte more is not."""
+    """A file of the maximum size is read, one byte more is an error."""
     path = tmp_path / "a.robot.yaml"
     path.write_bytes(b"#" * LARGEST_FILE)
     assert read_text(path, found) == "#" * LARGEST_FILE
@@ -26,7 +26,7 @@ def test_largest_file(tmp_path: Path, found: Diagnostics) -> None:
 
 
 def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
-    """Of a file of 100 GB, which takes no room here, only the beginning is looked at."""
+    """Of a sparse file of 100 GB only the start is read."""
     path = tmp_path / "a.robot.yaml"
     with path.open("wb") as stream:
         stream.truncate(100 * 1024**3)
@@ -36,7 +36,7 @@ def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
 
 @pytest.mark.parametrize(("make", "reason"), [(None, "no such file"), ("folder", "is a folder, not a file")])
 def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, found: Diagnostics) -> None:
-    """A missing file, or a folder, is reported as such."""
+    """A missing file and a folder are reported as such."""
     path = tmp_path / "a.robot.yaml"
     if make:
         path.mkdir()
@@ -48,7 +48,7 @@ def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, foun
 
 
 def test_sidecar_that_is_meant(tmp_path: Path, found: Diagnostics) -> None:
-    """A misspelt name gets a suggestion, a folder its sidecars, and an empty folder general help."""
+    """A misspelt name has a suggestion, a folder its sidecars, and an empty folder general help."""
     assert read_text(tmp_path / "arm.robot.yaml", found) is None
     (tmp_path / "arm.robot.yml").touch()
     assert read_text(tmp_path / "amr.robot.yml", found) is None
@@ -62,7 +62,7 @@ def test_sidecar_that_is_meant(tmp_path: Path, found: Diagnostics) -> None:
 
 
 def test_place_of_a_byte_that_is_not_utf_8(tmp_path: Path, found: Diagnostics) -> None:
-    """The place counts characters, not bytes."""
+    """The column of an invalid byte counts characters, not bytes."""
     path = tmp_path / "a.robot.yaml"
     path.write_bytes("a: 1\nöö: ".encode() + b"\xff\n")
     assert read_text(path, found) is None

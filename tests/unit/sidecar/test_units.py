@@ -1,4 +1,4 @@
-"""Quantities with units against closed forms and the definitions of the units."""
+"""Quantities with units, against the definitions of the units."""
 
 import math
 import re
@@ -12,7 +12,7 @@ from stepbot.sidecar.units import Dimension, UnitError, read_quantity
 
 DIMENSIONS = tuple(value for value in vars(units).values() if isinstance(value, Dimension))
 
-# Each value by the unit's definition: the inch is 25.4 mm and the pound 0.45359237 kg exactly, g0 is 9.80665 m/s^2.
+# Values by definition of the units: inch 25.4 mm, pound 0.45359237 kg, g0 9.80665 m/s^2, all exact.
 KNOWN = [
     ("12 mm", units.LENGTH, 0.012),
     ("12mm", units.LENGTH, 0.012),
@@ -82,7 +82,7 @@ KNOWN = [
 
 @pytest.mark.parametrize(("text", "dimension", "value"), KNOWN)
 def test_value_is_the_closed_form(text: str, dimension: Dimension, value: float) -> None:
-    """A quantity is the number that the definition of its unit gives, to the last bit but one."""
+    """A quantity is the value by the definition of its unit, to the last bit but one."""
     assert read_quantity(text, dimension).value == pytest.approx(value, rel=2e-16)
 
 
@@ -90,14 +90,14 @@ def test_value_is_the_closed_form(text: str, dimension: Dimension, value: float)
     ("text", "shortest"), [("57.2 g", "0.0572"), ("0.1 mm", "0.0001"), ("12.3 cm", "0.123"), ("9.9 in", "0.25146")]
 )
 def test_decimal_units_add_no_digits(text: str, shortest: str) -> None:
-    """A value in a decimal unit prints as short as it was written."""
+    """A value in a decimal unit is printed as short as it was written."""
     dimension = units.MASS if text.endswith("g") else units.LENGTH
     assert repr(read_quantity(text, dimension).value) == shortest
 
 
 @pytest.mark.parametrize("dimension", DIMENSIONS, ids=lambda d: f"{d.name}-{d.unit}")
 def test_example_is_a_quantity(dimension: Dimension) -> None:
-    """What messages give as an example is one, and so is the SI unit that they name."""
+    """The example in messages is a quantity, and so is the SI unit that they name."""
     assert read_quantity(dimension.example, dimension).dimension == dimension
     if dimension is not units.RATIO:
         assert read_quantity(f"3 {dimension.unit}", dimension).value == 3.0
@@ -111,7 +111,7 @@ def test_plain_number_is_si(value: float, dimension: Dimension) -> None:
 
 @given(value=st.floats(allow_nan=False, allow_infinity=False))
 def test_si_unit_changes_nothing(value: float) -> None:
-    """A number with the SI unit is the number."""
+    """A number with the SI unit is unchanged."""
     assert read_quantity(f"{value!r} m", units.LENGTH).value == value
 
 
@@ -124,14 +124,14 @@ def test_ratio_of_two_quantities_is_that_of_their_numbers(value: float, unit: st
 
 @given(degrees=st.floats(min_value=-1e4, max_value=1e4))
 def test_degrees_agree_with_the_standard_library(degrees: float) -> None:
-    """Degrees are what ``math.radians`` makes of them."""
+    """Degrees are converted as by ``math.radians``."""
     assert read_quantity(f"{degrees!r} deg", units.ANGLE).value == pytest.approx(
         math.radians(degrees), rel=4e-16, abs=1e-320
     )
 
 
 def refusal(text: str, dimension: Dimension) -> str:
-    """Why a text is no quantity; empty where it is one."""
+    """The reason why a text is not a quantity; empty if it is."""
     try:
         read_quantity(text, dimension)
     except UnitError as failure:
@@ -141,20 +141,20 @@ def refusal(text: str, dimension: Dimension) -> str:
 
 @given(text=st.text(max_size=40))
 def test_any_text_is_a_quantity_or_a_unit_error(text: str) -> None:
-    """No text makes the parser raise other errors, and none gives NaN."""
+    """For any text the parser raises only unit errors, and never returns NaN."""
     assert refusal(text, units.LENGTH) or not math.isnan(read_quantity(text, units.LENGTH).value)
 
 
 @given(text=st.from_regex(re.compile(units.QUANTITY_PATTERN, re.ASCII), fullmatch=True))
 def test_schema_pattern_is_not_wider_than_needed(text: str) -> None:
-    """What matches the schema's pattern is a number, perhaps with a unit that is wrong."""
+    """A text that matches the schema's pattern is a number, possibly with an unknown unit."""
     why = refusal(text, units.LENGTH)
     assert not why or "unit" in why or len(text) > 100
 
 
 @pytest.mark.parametrize("text", [text for text, _, _ in KNOWN])
 def test_schema_pattern_accepts_every_quantity(text: str) -> None:
-    """The pattern in the JSON Schema is not narrower than the parser."""
+    """The schema's pattern accepts every quantity that the parser accepts."""
     assert re.search(units.QUANTITY_PATTERN, text)
 
 
@@ -197,7 +197,7 @@ def test_schema_pattern_accepts_every_quantity(text: str) -> None:
     ],
 )
 def test_says_what_is_wrong(text: str, dimension: Dimension, message: str, hint: str) -> None:
-    """A message names the text, a hint what may be meant."""
+    """A message contains the text; a hint suggests a correction."""
     with pytest.raises(UnitError) as caught:
         read_quantity(text, dimension)
     assert message in str(caught.value)
@@ -209,12 +209,12 @@ def test_says_what_is_wrong(text: str, dimension: Dimension, message: str, hint:
     [("20 kg.cm", "20 kgf*cm"), ("80 oz-in", "80 ozf*in"), ("20 kgf.cm", ""), ("1.5 N.m", ""), ("1 kg*m^2/s^2", "")],
 )
 def test_mass_for_a_weight_is_known(text: str, meant: str) -> None:
-    """A torque with a unit of mass reports its interpretation; a torque in forces does not."""
+    """A torque with a unit of mass is reported with its interpretation; one in force units is accepted."""
     assert read_quantity(text, units.TORQUE, units.FORCE).taken_as == meant
 
 
 def test_one_of_several_dimensions_is_told() -> None:
-    """The dimension of the unit is returned, and a text of none of them is rejected with all their names."""
+    """The dimension of the unit is returned; a text of another dimension is rejected with the accepted ones."""
     assert read_quantity("45 deg", units.ANGLE, units.LENGTH).dimension is units.ANGLE
     assert read_quantity("45 mm", units.ANGLE, units.LENGTH) == (0.045, units.LENGTH, "")
     assert read_quantity("inf", units.ANGLE, units.LENGTH).dimension is None
@@ -232,7 +232,7 @@ def test_one_of_several_dimensions_is_told() -> None:
     ],
 )
 def test_hostile_numbers_take_no_time(text: str, outcome: float | str) -> None:
-    """Huge exponents and long products are read at once, or refused."""
+    """Huge exponents and long products are read or rejected in no time."""
     if isinstance(outcome, str):
         assert outcome in refusal(text, units.LENGTH)
     else:

@@ -1,4 +1,4 @@
-"""Reads STEP files within the test's own process: the kernel is loaded once for all tests, not once for each."""
+"""Reads STEP files within the test's process, so that the kernel is loaded once for all tests."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from stepbot.step.exchange.file_set import check_files
 
 
 def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None) -> Assembly | None:
-    """The assembly of a file, by the function that otherwise runs in the kernel's process."""
+    """The assembly of a file, by the function that runs in the kernel's process."""
     from stepbot.step.worker import read
 
     options = options or ReadOptions()
@@ -21,7 +21,7 @@ def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None
 
 
 def read_quietly(path: Path, options: ReadOptions | None = None) -> Assembly:
-    """The assembly of a file without diagnostics but notes."""
+    """The assembly of a file without diagnostics except notes."""
     found = Diagnostics()
     assembly = read_here(path, found, options)
     assert [str(d) for d in found if d.severity != "note"] == []

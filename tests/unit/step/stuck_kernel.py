@@ -1,4 +1,4 @@
-"""The kernel's process with a mesher that does not come back from a sphere, or dies over it."""
+"""A kernel process whose mesher hangs on a sphere, or dies over it."""
 
 import itertools
 import os
@@ -17,7 +17,7 @@ def _is_sphere(made: ReadBody) -> bool:
 def _hang(source: BodySource, request: BodyRequest) -> ReadBody:
     made = read_body(source, request)
     if _is_sphere(made):
-        sum(itertools.repeat(0))  # for ever, in native code that no signal handler of Python's interrupts
+        sum(itertools.repeat(0))  # endless native code, which no Python signal handler interrupts
     return made
 
 
@@ -29,7 +29,7 @@ def _die(source: BodySource, request: BodyRequest) -> ReadBody:
 
 
 def hanging(*arguments: Any) -> Any:
-    """Read a file; spheres take for ever."""
+    """Read a file; spheres hang."""
     worker.read_body = _hang
     return worker.read(*arguments)
 
@@ -46,6 +46,6 @@ def dying(*arguments: Any) -> Any:
 
 
 def hanging_beside_a_thread(*arguments: Any) -> Any:
-    """As ``hanging``, in a process that cannot fork safely."""
+    """Like ``hanging``, in a process that cannot fork safely."""
     threading.Thread(target=threading.Event().wait, daemon=True).start()
     return hanging(*arguments)

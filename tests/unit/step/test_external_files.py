@@ -1,4 +1,4 @@
-"""Assemblies whose parts are in files of their own."""
+"""Assemblies whose parts are in separate files."""
 
 import os
 from math import pi
@@ -20,7 +20,7 @@ from .here import by_path, read_here
 
 
 def machine() -> Assembly:
-    """Three levels, a part in two subassemblies, a subassembly that occurs twice, colours, densities."""
+    """Three levels, a part in two subassemblies, two occurrences of a subassembly, colours, densities."""
     bolt = drawn("bolt", cylinder(4, 20) + cylinder(7, 5).at(0, 0, 20), "#222222", STEEL)
     plate = drawn("plate", box(200, 100, 10), "#b0b0b0", ALUMINIUM)
     carriage = drawn("carriage", box(40, 30, 20) - cylinder(5, 20).at(8, 4, -10), "#dd8800", ALUMINIUM)
@@ -52,7 +52,7 @@ def machine() -> Assembly:
 
 
 def assert_same(separate: Read, together: Read) -> None:
-    """Two readings have the same components, in all that a robot is made of."""
+    """Assert that two assemblies have equal components, in all that a robot is built from."""
     one, other = by_path(separate), by_path(together)
     assert list(one) == list(other)
     for path, component in one.items():
@@ -102,7 +102,7 @@ def test_parts_in_their_own_files(units: dict[str, LengthUnit], tmp_path: Path, 
 
 
 def test_the_name_of_a_product_is_that_in_the_assembly(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A path does not depend on what a part's own file calls the part; one file can be two products."""
+    """A path has the product name in the assembly, not that in the part's file; one file can be two products."""
     parts.write_box(tmp_path / "part.step")  # the product 'block'
     root = write_structure(
         tmp_path / "root.step", "root", [Component("left", "part.step"), Component("right", "part.step")]
@@ -115,7 +115,7 @@ def test_the_name_of_a_product_is_that_in_the_assembly(tmp_path: Path, found: Re
 
 
 def test_a_part_file_with_several_roots(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The root with the product's name is meant; without one, all roots are."""
+    """Of several roots the one with the product's name is used; without one, all are."""
     parts.write_several_roots(tmp_path / "two.step")  # 'block' and 'pin'
     root = write_structure(
         tmp_path / "root.step", "root", [Component("pin", "two.step"), Component("both", "two.step")]
@@ -126,7 +126,7 @@ def test_a_part_file_with_several_roots(tmp_path: Path, found: ReadDiagnostics) 
 
 
 def test_files_below_the_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A folder in the name or in the reference's source counts from the referring file."""
+    """A folder in the name, or in the reference's source, is relative to the referring file."""
     (tmp_path / "sub" / "deep").mkdir(parents=True)
     parts.write_box(tmp_path / "sub" / "deep" / "block.step")
     write_structure(tmp_path / "sub" / "arm.step", "arm", [Component("block", "block.step", folder="deep/")])
@@ -139,7 +139,7 @@ def test_files_below_the_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Product, file, line and remedy of each; files in other case are suggested."""
+    """Each missing file is reported with product, file, line and remedy; a file in other case is suggested."""
     parts.write_box(tmp_path / "Plate.step")
     parts.write_box(tmp_path / "bolt.step")
     root = write_structure(
@@ -157,7 +157,7 @@ def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -
 
 
 def test_a_missing_file_of_a_subassembly(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The place is the file that refers to it."""
+    """A missing file of a subassembly is reported in the file that refers to it."""
     write_structure(tmp_path / "arm.step", "arm", [Component("block", "block.step")])
     assert read_here(write_structure(tmp_path / "root.step", "root", [Component("arm", "arm.step")]), found) is None
     (fault,) = found
@@ -173,7 +173,7 @@ OUTSIDE = [
 
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_paths_that_leave_the_folder(name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Absolute paths, parents and URLs are refused, though a file were there."""
+    """Absolute paths, parent folders and URLs are rejected, even if the file exists."""
     (tmp_path / "inside").mkdir()
     parts.write_box(tmp_path / "block.step")
     root = write_structure(tmp_path / "inside" / "root.step", "root", [Component("block", name)])
@@ -187,7 +187,7 @@ def test_paths_that_leave_the_folder(name: str, tmp_path: Path, found: ReadDiagn
 @pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
 @pytest.mark.parametrize("through", ["file", "folder"])
 def test_links_that_leave_the_folder(through: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A link to a file outside is refused; one within the folder is followed."""
+    """A link to a file outside the folder is rejected; one within the folder is followed."""
     (tmp_path / "inside").mkdir()
     (tmp_path / "outside").mkdir()
     parts.write_box(tmp_path / "outside" / "block.step")
@@ -209,7 +209,7 @@ def test_links_that_leave_the_folder(through: str, tmp_path: Path, found: ReadDi
 
 @pytest.mark.skipif(os.name == "nt", reason="no such files on Windows")
 def test_what_is_no_regular_file(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A folder, a pipe, a circle of links and a name that no file can have are missing files."""
+    """A folder, a pipe, a cycle of links and an invalid name are reported as missing files."""
     (tmp_path / "folder.step").mkdir()
     os.mkfifo(tmp_path / "pipe.step")
     (tmp_path / "circle.step").symlink_to("circle.step")
@@ -221,7 +221,7 @@ def test_what_is_no_regular_file(tmp_path: Path, found: ReadDiagnostics) -> None
 
 
 def test_the_kernel_opens_no_file_by_itself(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A file that stepbot leaves alone, because the part is drawn in the assembly too, is not read by the kernel."""
+    """A file that stepbot does not use, because the assembly also contains the part, is not read by the kernel."""
     drawing = parts.write_needless_reference(tmp_path / "box.step")
     parts.write_cylinder(tmp_path / "elsewhere.step")
     assembly = read_here(drawing.path, found)
@@ -235,7 +235,7 @@ def test_the_kernel_opens_no_file_by_itself(tmp_path: Path, found: ReadDiagnosti
 
 @pytest.mark.parametrize("chain", [["root"], ["root", "a"], ["root", "a", "b"]], ids=["self", "two", "three"])
 def test_circles(chain: list[str], tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Files that contain each other are an error that shows the circle."""
+    """Files that contain each other are an error that shows the cycle."""
     for name, next_name in zip(chain, [*chain[1:], chain[0]], strict=True):
         write_structure(tmp_path / f"{name}.step", name, [Component(next_name, f"{next_name}.step")])
     assert read_here(tmp_path / "root.step", found) is None
@@ -245,7 +245,7 @@ def test_circles(chain: list[str], tmp_path: Path, found: ReadDiagnostics) -> No
 
 
 def test_a_part_file_that_is_damaged(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The error names the part's file."""
+    """An error in a part's file names that file."""
     drawing = parts.write_box(tmp_path / "block.step")
     drawing.path.write_bytes(drawing.path.read_bytes()[:5000])
     root = write_structure(tmp_path / "root.step", "root", [Component("block", "block.step")])
@@ -255,7 +255,7 @@ def test_a_part_file_that_is_damaged(tmp_path: Path, found: ReadDiagnostics) -> 
 
 
 def test_a_file_name_in_a_code_page(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Nobody needs to declare the encoding for a file to be found, as the cache does not know it."""
+    """A file is found by a name in any code page, without a declaration, as for the cache key."""
     parts.write_box(tmp_path / "Корпус.step")
     root = write_structure(tmp_path / "root.step", "root", [Component("block", "Корпус.step")])
     root.write_bytes(root.read_text(encoding="utf-8").encode("cp1251"))
@@ -266,7 +266,7 @@ def test_a_file_name_in_a_code_page(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_a_native_file_is_no_part(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Only STEP files are read."""
+    """Native CAD files are not read."""
     (tmp_path / "block.sldprt").write_bytes(b"")
     root = write_structure(tmp_path / "root.step", "root", [Component("block", "block.sldprt")])
     assert read_here(root, found) is None

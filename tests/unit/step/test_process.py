@@ -1,4 +1,4 @@
-"""The kernel in its own process: the same results; any failure is a diagnostic."""
+"""The kernel in its own process has the same results, and any failure is a diagnostic."""
 
 import os
 import signal
@@ -20,7 +20,7 @@ POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POS
 
 
 def content(assembly: Assembly) -> bytes:
-    """Everything in an assembly, as bytes."""
+    """The content of an assembly as bytes."""
     parts = [repr((assembly.components, assembly.facts, assembly.unit, assembly.unit_scale)).encode()]
     for body in assembly.bodies:
         parts += [body.mesh.vertices.tobytes(), body.mesh.faces.tobytes(), body.face_colors.tobytes()]
@@ -29,7 +29,7 @@ def content(assembly: Assembly) -> bytes:
 
 
 def test_reading_in_a_process_of_its_own(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The result is the same as in this process, also from an odd folder, and its arrays are read-only."""
+    """The result equals that of this process, also for a folder with special characters; arrays are read-only."""
     folder = tmp_path / "Größe 螺丝 — new"
     folder.mkdir()
     path = parts.write_nested(folder / "nested 1.step").path
@@ -47,7 +47,7 @@ def test_reading_in_a_process_of_its_own(tmp_path: Path, found: ReadDiagnostics)
 
 @POSIX
 def test_a_kernel_that_is_killed(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The signal is named, with the file as the user gave it."""
+    """A killed kernel is reported with the signal and the file as given."""
     path = parts.write_box(tmp_path / "box.step").path
     reading = start_reading(path, ReadOptions())
     assert reading.pid is not None
@@ -59,7 +59,7 @@ def test_a_kernel_that_is_killed(tmp_path: Path, found: ReadDiagnostics) -> None
 
 
 def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """After its time limit it is stopped, with a remedy."""
+    """A kernel that exceeds its time limit is stopped, with a remedy."""
     reading = start_reading(parts.write_box(tmp_path / "box.step").path, ReadOptions())
     assert reading.finish(found, timeout=0.05) is None
     (diagnostic,) = found
@@ -70,7 +70,7 @@ def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> N
 @POSIX
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not limit address space")
 def test_a_kernel_without_memory(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """With too little memory to load, it ends in a diagnostic and not in a traceback."""
+    """With too little memory to load, the kernel ends in a diagnostic without a traceback."""
     path = parts.write_box(tmp_path / "box.step").path
     assert start_reading(path, ReadOptions(), memory_limit=120_000_000).finish(found) is None
     assert found.codes()[0] in ("SB902", "SB002")
@@ -79,7 +79,7 @@ def test_a_kernel_without_memory(tmp_path: Path, found: ReadDiagnostics) -> None
 @POSIX
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not limit address space")
 def test_a_body_without_memory(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A body that takes more than there is names what to raise; it is not called broken."""
+    """For a body that exceeds the memory limit, the message names the limit, not an invalid body."""
     from stepbot.step import worker
 
     def greedy(source: object, request: object) -> None:
@@ -93,7 +93,7 @@ def test_a_body_without_memory(tmp_path: Path, found: ReadDiagnostics, monkeypat
 
 
 def test_files_that_are_refused_at_once(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A file that is not STEP never reaches the kernel; finishing twice reports it once."""
+    """A file that is not STEP is not passed to the kernel; finishing twice reports it once."""
     path = tmp_path / "notes.txt"
     path.write_text("buy milk\n", encoding="utf-8")
     reading = start_reading(path, ReadOptions())
@@ -131,7 +131,7 @@ def test_reading_can_be_given_up(tmp_path: Path) -> None:
 def test_a_kernel_that_does_not_load(
     error: RemoteError, code: str, words: tuple[str, str], found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The missing library is named, with the Debian package that has it; others that are there are not."""
+    """A missing library is reported with its Debian package; libraries that exist are not listed."""
     monkeypatch.setattr(reader, "_loads", lambda library: True)
     assert reader._report_import(error, found, "arm.step")
     (diagnostic,) = found
@@ -141,7 +141,7 @@ def test_a_kernel_that_does_not_load(
 
 
 def test_all_missing_libraries_are_told_at_once(found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The loader names the first one only; the others are looked for."""
+    """All missing libraries are reported, although the loader names only the first."""
     monkeypatch.setattr(reader, "_loads", lambda library: library == "libexpat.so.1")
     error = RemoteError("ImportError", "libGL.so.1: cannot open shared object file: No such file or directory", "")
     assert reader._report_import(error, found, "arm.step")
@@ -150,14 +150,14 @@ def test_all_missing_libraries_are_told_at_once(found: ReadDiagnostics, monkeypa
 
 
 def test_bugs_stay_bugs(found: ReadDiagnostics) -> None:
-    """An error unrelated to loading is none of these."""
+    """An error unrelated to loading is not reported as a missing library."""
     assert not reader._report_import(RemoteError("KeyError", "'x'", ""), found, "arm.step")
 
 
 @POSIX
 @pytest.mark.skipif(sys.platform == "darwin", reason="bodies are not made in processes of their own")
 def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One body's crash is an error that names its component; the other bodies are there."""
+    """A crash over one body is an error that names its component; the other bodies are read."""
     from stepbot.runtime import parallel
     from stepbot.step import worker
     from stepbot.step.shapes.bodies import BodyRequest, ReadBody, read_body
@@ -194,7 +194,7 @@ print(hashlib.sha256(content(read_quietly(Path(sys.argv[1])))).hexdigest())
 
 @pytest.mark.slow
 def test_the_same_bytes_whatever_the_process(tmp_path: Path) -> None:
-    """Hash seed, number of processes and working directory change nothing."""
+    """Hash seed, number of processes and working directory do not change the bytes."""
     path = parts.write_nested(tmp_path / "nested.step").path
     root = Path(__file__).parents[3]
     digests = set()

@@ -1,4 +1,4 @@
-"""STEP files compared with closed forms: trees, names, poses, mass, colours, in any unit; and unusual files."""
+"""STEP files against closed forms: trees, names, poses, mass, colours, in any unit; and unusual files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -36,7 +36,7 @@ DRAWINGS: list[Callable[[Path], parts.Drawing]] = [
 
 @pytest.mark.parametrize("write", DRAWINGS, ids=lambda write: write.__name__)
 def test_every_body_is_where_and_what_was_drawn(write: Callable[[Path], parts.Drawing], tmp_path: Path) -> None:
-    """Names, density and the integrals of every body, at its place, equal those of the drawing."""
+    """Names, density and integrals of every body, in its pose, equal those of the drawing."""
     drawing = write(tmp_path / "drawn.step")
     assembly = read_quietly(drawing.path)
     components = by_path(assembly)
@@ -63,7 +63,7 @@ def test_every_body_is_where_and_what_was_drawn(write: Callable[[Path], parts.Dr
 
 @pytest.mark.parametrize("write", DRAWINGS, ids=lambda write: write.__name__)
 def test_every_solid_is_watertight(write: Callable[[Path], parts.Drawing], tmp_path: Path) -> None:
-    """The mesh of a sound solid closes, looks outwards, and encloses the volume that its tolerance allows."""
+    """The mesh of a valid solid is closed, faces outwards, and has the solid's volume within its tolerance."""
     assembly = read_quietly(write(tmp_path / "drawn.step").path)
     for body in assembly.bodies:
         if body.kind == BodyKind.SOLID:
@@ -80,7 +80,7 @@ SCALES: dict[LengthUnit, float] = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0
 
 @pytest.mark.parametrize("unit", SCALES)
 def test_units(unit: LengthUnit, tmp_path: Path) -> None:
-    """The same machine in any unit is the same assembly, and the file's own unit is reported."""
+    """The same machine in any unit is the same assembly; the file's unit is reported."""
     assembly = read_quietly(parts.write_nested(tmp_path / "other.step", unit).path)
     reference = read_quietly(parts.write_nested(tmp_path / "mm.step").path)
     assert (assembly.unit, assembly.unit_scale) == (unit, SCALES[unit])
@@ -95,13 +95,13 @@ def test_units(unit: LengthUnit, tmp_path: Path) -> None:
         assert other.exact is not None
         # Coordinates have 13 significant digits.
         assert body.exact.volume == pytest.approx(other.exact.volume, rel=1e-11, abs=0)
-        # Where points lie on a circle the last bit decides between triangles, so vertices may come in another order.
+        # Points on a circle are triangulated by the last bit, so vertices may be in another order.
         assert body.mesh.faces.shape == other.mesh.faces.shape
         assert np.array(body.mesh.bounds) == pytest.approx(np.array(other.mesh.bounds), abs=2e-9)
 
 
 def test_facts(tmp_path: Path) -> None:
-    """The file's own data is kept."""
+    """An assembly has the file's name, schema, program and encoding, and its number of definitions."""
     assembly = read_quietly(parts.write_nested(tmp_path / "nested.step").path)
     assert (assembly.source, assembly.schema, assembly.definitions) == ("nested.step", "AP214", 7)
     assert assembly.originating_system
@@ -116,7 +116,7 @@ def test_a_definition_is_made_once(tmp_path: Path) -> None:
 
 
 def test_a_mirror_image_is_a_definition_of_its_own(tmp_path: Path) -> None:
-    """Mirrored occurrences have right-handed frames, and a body that is mirrored instead."""
+    """A mirrored occurrence has a right-handed frame and a mirrored body."""
     assembly = read_quietly(parts.write_mirrored(tmp_path / "pair.step").path)
     left, right = (by_path(assembly)[name] for name in ("left", "right"))
     assert left.body != right.body
@@ -135,7 +135,7 @@ def test_the_tree_alone(tmp_path: Path) -> None:
 
 
 def test_colours_down_to_the_face(tmp_path: Path) -> None:
-    """A face's own colour beats the part's, which the component has."""
+    """The colour of a face takes precedence over the part's, which is that of the component."""
     assembly = read_quietly(parts.write_colored_faces(tmp_path / "drawn.step").path)
     (body,) = assembly.bodies
     assert assembly.components[-1].color == (0.0, 0.0, 1.0, 1.0)
@@ -147,14 +147,14 @@ def test_colours_down_to_the_face(tmp_path: Path) -> None:
 
 
 def test_an_occurrence_may_have_a_colour_of_its_own(tmp_path: Path) -> None:
-    """One of two bolts is painted in the assembly; the other keeps the part's colour."""
+    """One of two bolts has a colour in the assembly; the other keeps the part's colour."""
     components = by_path(read_quietly(parts.write_nested(tmp_path / "nested.step").path))
     assert components["frame/bolt:2"].color == (0.0, 0.8, 0.8, 1.0)
     assert components["frame/bolt:1"].color == pytest.approx((0x22 / 255,) * 3 + (1.0,), abs=1e-6)
 
 
 def test_names_survive_in_one_place(tmp_path: Path) -> None:
-    """Occurrences of one product at equal places in different assemblies keep their own names."""
+    """Occurrences of one product at equal poses in different assemblies keep their own names."""
     pin = parts.drawn("pin", solids.cylinder(2, 10))
     first = DrawnAssembly("first", [Occurrence(pin, "one", pose((1, 2, 3)))])
     second = DrawnAssembly("second", [Occurrence(pin, "two", pose((1, 2, 3))), Occurrence(pin, "three")])
@@ -167,7 +167,7 @@ def test_names_survive_in_one_place(tmp_path: Path) -> None:
 
 
 def test_a_file_without_a_unit(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Lengths without a unit are an error, never millimetres by guess."""
+    """Lengths without a unit are an error."""
     assert read_here(parts.write_without_unit(tmp_path / "box.step").path, found) is None
     (diagnostic,) = found
     assert diagnostic.code == "SB207"
@@ -175,14 +175,14 @@ def test_a_file_without_a_unit(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_files_without_geometry(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """An empty assembly, and one whose shapes are elsewhere, are distinguished."""
+    """An empty assembly is distinguished from one whose shapes are in other files."""
     assert read_here(parts.write_empty(tmp_path / "empty.step").path, found) is None
     assert read_here(parts.write_external_reference(tmp_path / "external.step").path, found) is None
     assert found.codes() == ["SB206", "SB203"]
 
 
 def test_a_solid_with_a_hole_in_its_skin(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A box without a lid has no volume, whatever the kernel integrates over the rest."""
+    """A box without a lid has no volume, although the kernel returns one."""
     assembly = read_here(parts.write_open_solid(tmp_path / "open.step").path, found)
     assert assembly is not None
     (body,) = assembly.bodies
@@ -194,7 +194,7 @@ def test_a_solid_with_a_hole_in_its_skin(tmp_path: Path, found: ReadDiagnostics)
 
 
 def test_surfaces_have_no_mass(tmp_path: Path) -> None:
-    """A sheet is drawn, and encloses nothing."""
+    """A sheet has a mesh and no volume."""
     assembly = read_quietly(parts.write_surface_body(tmp_path / "sheet.step").path)
     sheet = assembly.bodies[by_path(assembly)["sheet"].body]
     assert (sheet.kind, sheet.exact, sheet.watertight) == (BodyKind.SURFACE, None, False)

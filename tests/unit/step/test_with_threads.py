@@ -1,4 +1,4 @@
-"""A kernel's process in which an import has started a thread makes all bodies itself."""
+"""A kernel process with a thread, started by an import, makes all bodies itself."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from tests.conftest import ReadDiagnostics
 
 
 def test_a_body_that_takes_too_long(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is stopped and named there too, long before the time for the whole file is up."""
+    """A body that takes too long is stopped and reported by name, long before the time limit of the file."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging_beside_a_thread")
     monkeypatch.setattr(reader, "BODY_SECONDS", 5.0)
     path = parts.write_nested(tmp_path / "nested.step").path

@@ -1,4 +1,4 @@
-"""Where processes cannot be forked: the same bodies, and one that hangs or kills the kernel is stopped and named."""
+"""Without fork the bodies are the same, and one that hangs or crashes is stopped and reported by name."""
 
 import time
 from pathlib import Path
@@ -19,7 +19,7 @@ from tests.unit.step.test_process import content
 
 @pytest.fixture(autouse=True)
 def without_fork(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As on macOS and Windows."""
+    """Disable fork, as on macOS and Windows."""
     monkeypatch.setenv(NO_FORK, "1")
     assert not can_fork()
 
@@ -31,7 +31,7 @@ def without_fork(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_body_that_ends_the_kernel(
     kernel: str, seconds: float, reason: str, tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """An error names its component and the reason; the other bodies are there."""
+    """A body that ends the kernel is an error with its component and the reason; the other bodies are read."""
     monkeypatch.setattr(reader, "KERNEL", f"tests.unit.step.stuck_kernel:{kernel}")
     monkeypatch.setattr(reader, "BODY_SECONDS", seconds)
     path = parts.write_nested(tmp_path / "nested.step").path
@@ -47,14 +47,14 @@ def test_a_body_that_ends_the_kernel(
 def test_a_kernel_that_ends_over_no_body(
     tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It is not started again: one error for the file."""
+    """A kernel that ends before any body is not started again: one error for the file."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:leaving")
     assert reader.read_assembly(parts.write_nested(tmp_path / "nested.step").path, ReadOptions(), found) is None
     assert found.codes() == ["SB902"]
 
 
 def test_all_time_is_bounded(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A body that hangs for longer than the whole file may take ends the reading."""
+    """A body that hangs for longer than the file's time limit ends the reading."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging")
     path = parts.write_nested(tmp_path / "nested.step").path
     assert reader.start_reading(path, ReadOptions()).finish(found, timeout=10.0) is None
@@ -63,7 +63,7 @@ def test_all_time_is_bounded(tmp_path: Path, found: ReadDiagnostics, monkeypatch
 
 
 class _Stuck:
-    """A kernel's process that dies over its first body; the next one hangs for the rest of the time."""
+    """A kernel process that dies over its first body; the next one hangs for the rest of the time."""
 
     started = 0
     pid = 0
@@ -85,13 +85,13 @@ class _Stuck:
         raise WorkerDied(f"no result after {timeout:g} s", ())
 
     def close(self) -> None:
-        """Nothing to end."""
+        """Do nothing."""
 
 
 def test_limit_in_the_message_is_the_one_that_was_given(
     tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Not what earlier processes left of it."""
+    """The message has the given time limit, not the rest that earlier processes left."""
     monkeypatch.setattr(reader, "Worker", _Stuck)
     path = parts.write_box(tmp_path / "box.step").path
     assert reader.start_reading(path, ReadOptions()).finish(found, timeout=0.5) is None
@@ -102,7 +102,7 @@ def test_limit_in_the_message_is_the_one_that_was_given(
 
 
 def test_the_same_assembly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With fork and without: the same bytes."""
+    """Assemblies read with and without fork have the same bytes."""
     path = parts.write_nested(tmp_path / "nested.step").path
     without = reader.read_assembly(path, ReadOptions(), Diagnostics())
     monkeypatch.delenv(NO_FORK)

@@ -1,4 +1,4 @@
-"""Angles of ball joints, against scipy and against differences of neighbouring rotations."""
+"""Angles of ball joints, against scipy and differences of neighbouring rotations."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ STEP = 1e-6
 
 
 def _slanted(random: np.random.Generator) -> BallAngles:
-    """Axes, the second perpendicular to the others, which make any angle with each other."""
+    """Three axes, the second perpendicular to the others, at any angle between these."""
     second = unit(random.normal(size=3))
     first, third = (unit(np.cross(second, random.normal(size=3))) for _ in range(2))
     return BallAngles(np.array([first, second, third]))
@@ -21,14 +21,14 @@ def _slanted(random: np.random.Generator) -> BallAngles:
 
 @pytest.mark.parametrize("axes", ["ZYX", "XYZ", "YXZ", "ZXZ", "XYX"])
 def test_rotation_is_scipys(axes: str) -> None:
-    """Cardan and Euler angles, about axes that are carried along."""
+    """Cardan and Euler angles are scipy's intrinsic rotations."""
     angles = [0.7, -1.1, 2.3]
     own = BallAngles(np.array([{"X": X, "Y": Y, "Z": Z}[axis] for axis in axes])).rotation(angles)
     assert np.abs(own - Rotation.from_euler(axes, angles).as_matrix()).max() < 1e-15
 
 
 def test_angles_lead_back_to_the_rotation() -> None:
-    """For any axes and any rotation; at gimbal lock too, where many angles do."""
+    """The angles of any rotation about any such axes give the rotation, also in gimbal lock."""
     random = np.random.default_rng(1)
     for _ in range(100):
         ball = _slanted(random)
@@ -39,7 +39,7 @@ def test_angles_lead_back_to_the_rotation() -> None:
 
 
 def test_rates_and_bias_are_derivatives() -> None:
-    """Central differences of the rotation and of the rates, along any speed."""
+    """Rates and bias are central differences of the rotation and of the rates, for any speed."""
     random = np.random.default_rng(2)
     for _ in range(20):
         ball, q, v = _slanted(random), random.uniform(-3.0, 3.0, 3), random.normal(size=3)
@@ -54,21 +54,21 @@ def test_rates_and_bias_are_derivatives() -> None:
 
 
 def test_clearance_is_none_at_gimbal_lock() -> None:
-    """Roll, pitch and yaw at a pitch of 90 deg, Euler angles at a nutation of 0."""
+    """The clearance is 0 in gimbal lock: roll, pitch and yaw at a pitch of 90 deg, Euler angles at a nutation of 0."""
     assert BallAngles(np.array([Z, Y, X])).clearance([0.3, np.pi / 2, 1.0]) < 1e-15
     assert BallAngles(np.array([Z, Y, X])).clearance([0.3, 0.0, 1.0]) == pytest.approx(1.0)
     assert BallAngles(np.array([Z, X, Z])).clearance([0.3, 0.0, 1.0]) < 1e-15
 
 
 def test_slant_is_how_far_axes_are_from_normal() -> None:
-    """Between the first and the second, and between the second and the third."""
+    """The slant is the deviation from perpendicular of the first and second, and of the second and third axis."""
     leaning = unit(Y + 0.01 * Z)
     first, second = BallAngles(np.array([Z, leaning, X])).slant
     assert (first, second) == (pytest.approx(np.arctan(0.01)), 0.0)
 
 
 def test_the_twist_of_a_screw_motion() -> None:
-    """Axis, pitch and a point of the axis come back from the motion; a slide has no axis to turn about."""
+    """Axis, pitch and a point of the axis follow from a screw motion; a translation has no axis."""
     axis, point, angle, pitch = unit([1.0, -2.0, 2.0]), np.array([0.3, 0.1, -0.7]), 1.0, 0.05
     R = rotation_about(axis, angle)
     twist = twist_of(Pose.of(R, point - R @ point + pitch * angle * axis))
@@ -80,7 +80,7 @@ def test_the_twist_of_a_screw_motion() -> None:
 
 
 def test_axes_through_one_point_and_past_it() -> None:
-    """The point, and how far astray the axes are."""
+    """The common point of three axes, and their distance from it."""
     point = np.array([0.2, -0.4, 1.0])
     through = [np.concatenate([axis, np.cross(point, axis)]) for axis in (X, Y, Z)]
     found, astray = common_point(np.array(through))

@@ -1,4 +1,4 @@
-"""The comparison: what it notices, what it allows, and that silence never counts as agreement."""
+"""The comparison: what it detects, what it tolerates, and that missing values never count as agreement."""
 
 import math
 from collections.abc import Callable
@@ -27,7 +27,7 @@ Change = Callable[[Observation], Observation]
 
 
 def seen(robot: Robot, engine: str = "engine") -> Observation:
-    """The model's own observation, as if an engine had made it."""
+    """The expected observation, as if reported by an engine."""
     request = Request(
         "file", "mjcf", configurations(robot, n=3), initial_configuration(robot), ways=loop_ways(robot, n=4)
     )
@@ -47,14 +47,14 @@ def failed(reference: Observation, observed: Observation) -> set[Quantity]:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_robot_is_itself(name: str) -> None:
-    """Everything that it has passes, with no deviation."""
+    """A robot compared with itself passes in all its quantities, with deviation 0."""
     observation = seen(ROBOTS[name]())
     assert set(statuses(observation, observation).values()) == {Status.PASSED}
     assert all(one.deviations.worst.ratio == 0.0 for one in compare(observation, observation) if one.deviations.worst)
 
 
 def on_link(name: str, **changes: object) -> Change:
-    """The observation with one link seen otherwise."""
+    """The observation with one link changed."""
 
     def change(observation: Observation) -> Observation:
         links = (replace(link, **changes) if link.name == name else link for link in observation.links)  # type: ignore[arg-type]
@@ -64,7 +64,7 @@ def on_link(name: str, **changes: object) -> Change:
 
 
 def on_joint(name: str, edit: Callable[[ObservedJoint], ObservedJoint]) -> Change:
-    """The observation with one joint seen otherwise."""
+    """The observation with one joint changed."""
 
     def change(observation: Observation) -> Observation:
         joints = (edit(joint) if joint.name == name else joint for joint in observation.joints)
@@ -185,7 +185,7 @@ DIFFERENCES: dict[str, tuple[Change, set[Quantity]]] = {
 
 @pytest.mark.parametrize("name", DIFFERENCES)
 def test_a_difference_fails_its_quantity_and_no_other(name: str) -> None:
-    """Just beyond the tolerance, or plainly wrong."""
+    """A difference just beyond the tolerance fails its quantity, and no other."""
     change, quantities = DIFFERENCES[name]
     assert failed(ARM, change(ARM)) == quantities
 
@@ -201,7 +201,7 @@ def test_a_difference_fails_its_quantity_and_no_other(name: str) -> None:
     ],
 )
 def test_just_within_the_tolerance_passes(change: Change) -> None:
-    """1e-9, absolute or relative as in the table."""
+    """A difference just within the tolerance of 1e-9 passes, absolute or relative as in the table."""
     assert failed(ARM, change(ARM)) == set()
 
 
@@ -247,7 +247,7 @@ SILENCES: dict[str, tuple[Change, Quantity]] = {
 
 @pytest.mark.parametrize("name", SILENCES)
 def test_what_is_not_told_is_not_run(name: str) -> None:
-    """Never passed, and with a reason."""
+    """A missing value is not run, with a reason."""
     change, quantity = SILENCES[name]
     results = {one.quantity: one for one in compare(ARM, change(ARM))}
     check = check_of(Subject("file", "mjcf", "engine"), results[quantity])
@@ -257,7 +257,7 @@ def test_what_is_not_told_is_not_run(name: str) -> None:
 
 
 def test_a_reason_of_the_engine_is_not_run_even_where_it_tells() -> None:
-    """What an engine is known to get wrong is not compared at all."""
+    """A quantity that an engine is known to get wrong is not run, even if reported."""
     silent = replace(ARM, not_run={Quantity.MASS: "it lies"})
     results = {one.quantity: one for one in compare(ARM, on_link("base", mass=0.0)(silent))}
     assert results[Quantity.MASS].not_run == "it lies"
@@ -265,7 +265,7 @@ def test_a_reason_of_the_engine_is_not_run_even_where_it_tells() -> None:
 
 
 def test_fields_that_are_not_told_are_named() -> None:
-    """A check that covers less than its name states it."""
+    """A check that covers only part of its quantity names the missing fields."""
     observed = on_joint("elbow", lambda j: replace(j, limit_fields=("lower", "upper")))(ARM)
     results = {one.quantity: one for one in compare(ARM, observed)}
     check = check_of(Subject("f", "mjcf", "e"), results[Quantity.LIMITS])
@@ -274,7 +274,7 @@ def test_fields_that_are_not_told_are_named() -> None:
 
 
 def test_what_a_robot_does_not_have_is_left_out() -> None:
-    """A robot without loops has no check of loops; an engine that sees one is wrong."""
+    """A robot without loops has no check of loops; an engine that reports one fails."""
     assert Quantity.CLOSURES not in statuses(ARM, ARM)
     assert Quantity.MIMIC not in statuses(ARM, ARM)
     assert Quantity.AXES not in statuses(seen(ROBOTS["one_link"]()), seen(ROBOTS["one_link"]()))
@@ -283,14 +283,14 @@ def test_what_a_robot_does_not_have_is_left_out() -> None:
 
 
 def test_links_without_mass_have_no_centre() -> None:
-    """Engines report anything for it."""
+    """The com of a massless link is not compared."""
     tree = seen(ROBOTS["tree"]())
     assert failed(tree, on_link("flange", com=(1.0, 2.0, 3.0))(tree)) == set()
     assert failed(tree, on_link("flange", mass=1e-12)(tree)) == {Quantity.MASS}
 
 
 def test_mimics_differ_by_leader_and_numbers() -> None:
-    """Each is noticed."""
+    """Another leader, multiplier or offset of a mimic is detected."""
     gripper = seen(gripper_with_mimic())
     for mimic in (None, Mimic("thumb_pivot"), Mimic("finger", 1.0 + 3e-9), Mimic("finger", 1.0, 2e-9)):
         observed = on_joint("finger_mirrored", lambda j, m=mimic: replace(j, mimic=m))(gripper)
@@ -304,7 +304,7 @@ def _closure(**changes: object) -> set[Quantity]:
 
 
 def test_closures_differ_by_place_links_and_residual() -> None:
-    """A loop that opens, or is held elsewhere, is another mechanism."""
+    """Another position, link or residual of a closure is detected."""
     loop = seen(four_bar())
     assert loop.closures is not None
     assert failed(loop, replace(loop, closures=())) == {Quantity.CLOSURES}
@@ -324,7 +324,7 @@ def test_closures_differ_by_place_links_and_residual() -> None:
 
 
 def test_a_closure_told_from_its_other_end_is_the_same() -> None:
-    """SDFormat must not make the root a child, so its writer may turn a closure around."""
+    """A reversed closure is the same, since in SDFormat the root is never a child."""
     loop = seen(four_bar())
     assert loop.closures is not None
     c = loop.closures[0]
@@ -336,7 +336,7 @@ def test_a_closure_told_from_its_other_end_is_the_same() -> None:
 
 
 def test_planar_mechanisms_feel_no_gravity() -> None:
-    """Rounding beside an exact zero is no deviation; a force is."""
+    """A rounding error beside an exact zero gravity force passes; a force fails."""
     loop = seen(four_bar())
     assert all(np.abs(one.gravity).max() == 0.0 for one in loop.dynamics if one.gravity is not None)
 
@@ -349,7 +349,7 @@ def test_planar_mechanisms_feel_no_gravity() -> None:
 
 
 def test_an_engine_has_its_own_tolerance() -> None:
-    """PyBullet's inertia may be off by 3e-6, no other's; of two engines the looser applies."""
+    """PyBullet's inertia has a tolerance of 3e-6; between two engines the looser tolerance applies."""
     off = tuple(map(tuple, (INERTIA * (1 + 2e-6)).tolist()))
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="pybullet"))) == set()
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="mujoco"))) == {Quantity.INERTIA}
@@ -358,14 +358,14 @@ def test_an_engine_has_its_own_tolerance() -> None:
 
 
 def test_every_quantity_has_a_tolerance_and_a_code() -> None:
-    """No check without either."""
+    """Every quantity has a tolerance and a code."""
     assert set(TOLERANCES) == set(Quantity)
     without_code = {Quantity.LOAD, Quantity.SELF_COLLISION, Quantity.WARNINGS}
     assert set(CODES) == set(Quantity) - without_code
 
 
 def test_a_failure_is_one_diagnostic_with_the_worst_first(found: ReadDiagnostics) -> None:
-    """The first line names engine, quantity, place and number; the rest are notes."""
+    """A failure is one diagnostic: engine, quantity, place and the worst number; the rest are notes."""
     observed = replace(ARM, links=tuple(replace(link, mass=(link.mass or 0.0) + 1.0) for link in ARM.links))
     subject = Subject("arm.xml", "mjcf", "mujoco")
     for one in compare(ARM, observed):
@@ -378,7 +378,7 @@ def test_a_failure_is_one_diagnostic_with_the_worst_first(found: ReadDiagnostics
 
 
 def test_a_check_says_where_and_how_far() -> None:
-    """Also when it passes."""
+    """A passed check has the place and value of its largest deviation."""
     observed = on_link("upper_arm", mass=MASS * (1 + 5e-10))(ARM)
     results = {one.quantity: one for one in compare(ARM, observed)}
     check = check_of(Subject("arm.xml", "mjcf", "mujoco"), results[Quantity.MASS])
@@ -399,7 +399,7 @@ def test_a_check_says_where_and_how_far() -> None:
     ],
 )
 def test_an_engine_that_says_nothing(fate: Fate, load: Status, code: str | None, found: ReadDiagnostics) -> None:
-    """Missing is not run, refusing and dying fail; nothing passes."""
+    """Without an observation the load check fails if the engine rejected the file or died; others are not run."""
     outcome = Outcome("arm.xml", "mjcf", "mujoco", fate, reason="because\nof that", last_lines=("last words",))
     quantities = (Quantity.LOAD, Quantity.MASS)
     first, second = checks_without_observation(Subject("arm.xml", "mjcf", "mujoco"), outcome, quantities, found)
@@ -412,7 +412,7 @@ def test_an_engine_that_says_nothing(fate: Fate, load: Status, code: str | None,
 
 
 def test_a_number_beside_zero_tolerance_fails() -> None:
-    """And a zero deviation passes there."""
+    """With a tolerance of zero any deviation fails, and zero passes."""
     deviations = Deviations(Tolerance(relative=1e-9))
     deviations.near(0.0, 0.0, "nothing", "kg", 0.0)
     assert not deviations.failures
@@ -422,7 +422,7 @@ def test_a_number_beside_zero_tolerance_fails() -> None:
 
 
 def test_infinite_limits_are_equal() -> None:
-    """None on both sides agree; none on one side does not."""
+    """Two infinite limits are equal; one is not."""
     deviations = Deviations(Tolerance(1e-9))
     deviations.near(math.inf, math.inf, "limit", "rad")
     assert not deviations.failures
@@ -431,7 +431,7 @@ def test_infinite_limits_are_equal() -> None:
 
 
 def test_bare_links_are_frames() -> None:
-    """URDF represents a frame by a massless link without shapes on a fixed joint."""
+    """In URDF a massless link without shapes on a fixed joint is a frame."""
     robot = two_link_arm()
     frames = {frame.name: frame for frame in robot.frames}
     tip = frames["tool0"]
@@ -453,7 +453,7 @@ def test_bare_links_are_frames() -> None:
 
 
 def test_a_link_called_world_is_the_world() -> None:
-    """Many a URDF fixes its base to a massless root link of that name."""
+    """A massless root link named world, common in URDF, is the world."""
     observation = seen(primitives())
     off = Pose.from_xyz_rpy((1, 2, 3), (0.1, 0.2, 0.3))
     world = replace(observation.links[0], name="world", mass=0.0, has_visuals=False, has_collisions=False)
@@ -470,7 +470,7 @@ def test_a_link_called_world_is_the_world() -> None:
 
 
 def test_mimics_are_compared_with_the_joint_that_leads() -> None:
-    """A chain and its solution are the same relation."""
+    """A mimic of a mimic equals its resolved relation to the first joint."""
     gripper = seen(gripper_with_mimic())
     direct = on_joint("thumb_pivot", lambda j: replace(j, mimic=Mimic("finger", -100 / 7, 0.1)))(gripper)
     assert failed(gripper, direct) == {Quantity.MIMIC}

@@ -1,4 +1,4 @@
-"""Self-collision in the drawn pose, of solids whose overlap is known in closed form."""
+"""Self-collision in the drawn pose, of solids whose overlap has a closed form."""
 
 from dataclasses import replace
 
@@ -33,13 +33,13 @@ def box(size: float = 1.0, at: tuple[float, float, float] = (0, 0, 0), *, invert
 
 
 HOLLOW = joined([box(1.0), box(0.8, inverted=True)])
-"""A cube with a cubic hole inside."""
+"""A cube with a cubic void."""
 ELL = joined([box(1.0), box(1.0, (2.0, 0, 0))])
 """Two cubes with a gap of 1 m: one mesh, not convex."""
 
 
 def robot(a: Geometry | TriMesh, b: Geometry | TriMesh, distance: float, *, turned: float = 0.0) -> Robot:
-    """Two links with a link in between, so that they are not adjacent; the second is at x = ``distance``."""
+    """Two links that are not adjacent, with a third between them; the second is at x = ``distance``."""
     meshes = tuple(MeshAsset(name, shape) for name, shape in (("a", a), ("b", b)) if isinstance(shape, TriMesh))
 
     def link(name: str, shape: Geometry | TriMesh) -> Link:
@@ -63,7 +63,7 @@ SOLIDS = {
 
 @pytest.mark.parametrize("name", SOLIDS)
 def test_solids_that_overlap_do_so_by_as_much(name: str) -> None:
-    """All of them reach 0.5 m along x: at 0.9 m they overlap by 0.1 m."""
+    """Solids of 0.5 m at a distance of 0.9 m overlap by 0.1 m along x."""
     ((a, b, depth),) = overlaps(robot(*SOLIDS[name], 0.9))
     assert (a, b) == ("a", "b")
     assert depth == pytest.approx(0.1, abs=1e-6)
@@ -72,24 +72,24 @@ def test_solids_that_overlap_do_so_by_as_much(name: str) -> None:
 @pytest.mark.parametrize("name", SOLIDS)
 @pytest.mark.parametrize("distance", [1.0, 1.0 + 1e-9, 1.0 - 0.5 * TOUCHING, 1.1])
 def test_touching_is_no_overlap(name: str, distance: float) -> None:
-    """Flush, apart, or into each other by less than a micrometre."""
+    """Solids that touch, are apart, or overlap by less than a micrometre do not collide."""
     assert overlaps(robot(*SOLIDS[name], distance)) == ()
 
 
 @pytest.mark.parametrize("distance", [1.0, 1.0 - 0.5 * TOUCHING, 1.1])
 def test_surfaces_that_touch_do_not_overlap(distance: float) -> None:
-    """Meshes that are not convex count as surfaces: flush ones are apart."""
+    """Non-convex meshes are compared as surfaces: touching ones do not collide."""
     assert overlaps(robot(HOLLOW, HOLLOW, distance)) == ()
 
 
 def test_surfaces_that_cross_overlap_without_a_depth() -> None:
-    """There is no depth between surfaces."""
+    """Intersecting surfaces collide, without a depth."""
     assert overlaps(robot(HOLLOW, HOLLOW, 0.95)) == (("a", "b", None),)
     assert overlaps(robot(HOLLOW, HOLLOW, 0.95, turned=0.3)) == (("a", "b", None),)
 
 
 def test_a_hole_is_room() -> None:
-    """A small cube in a hollow one touches nothing; in a full one, or in the wall, it does."""
+    """A small cube in a void does not collide; in a full cube, or in the wall, it does."""
     assert overlaps(robot(HOLLOW, box(0.5), 0.0)) == ()
     assert overlaps(robot(HOLLOW, Sphere(0.3), 0.0)) == ()
     assert overlaps(robot(box(), box(0.5), 0.0)) != ()
@@ -97,14 +97,14 @@ def test_a_hole_is_room() -> None:
 
 
 def test_what_a_surface_encloses_overlaps() -> None:
-    """Though the surfaces do not meet."""
+    """A solid inside a closed surface collides, although the surfaces do not intersect."""
     assert overlaps(robot(ELL, box(0.5), 2.0)) == (("a", "b", None),)
     assert overlaps(robot(ELL, HOLLOW, 1.0 + 2.0)) == ()
     assert overlaps(robot(ELL, box(0.5), 1.0)) == ()
 
 
 def test_the_drawn_pose_counts_and_not_q_zero() -> None:
-    """A joint that was drawn elsewhere."""
+    """The drawn pose is checked, not q = 0."""
     pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.0)
     slide = replace(pair.joints[1], kind=JointKind.PRISMATIC, axis=(1.0, 0.0, 0.0), drawn_position=2.0)
     assert overlaps(replace(pair, joints=(pair.joints[0], slide))) == ()
@@ -112,7 +112,7 @@ def test_the_drawn_pose_counts_and_not_q_zero() -> None:
 
 
 def test_neighbours_are_left_out() -> None:
-    """A joint or a closure connects them."""
+    """Links connected by a joint or a closure are not checked."""
     pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.5)
     closure = LoopClosure("pin", JointKind.REVOLUTE, "a", IDENTITY, "b", IDENTITY)
     assert overlaps(replace(pair, closures=(closure,))) == ()
@@ -121,7 +121,7 @@ def test_neighbours_are_left_out() -> None:
 
 
 def test_the_deepest_of_several_shapes_is_told() -> None:
-    """Pairs of links, not of shapes."""
+    """Of several shapes of two links, the deepest overlap is reported."""
     pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.9)
     more = (*pair.links[2].collisions, Collision("more", Box((1, 1, 1)), Pose.of(position=(-0.2, 0, 0))))
     links = (*pair.links[:2], replace(pair.links[2], collisions=more))
@@ -131,12 +131,12 @@ def test_the_deepest_of_several_shapes_is_told() -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_named_robots_do_not_collide(name: str) -> None:
-    """They were drawn not to."""
+    """The named robots do not collide."""
     assert overlaps(ROBOTS[name]()) == ()
 
 
 def test_visuals_are_not_sent_along() -> None:
-    """A worker gets only the collision geometry."""
+    """Only collision geometry is sent to the worker."""
     slim = without_visuals(primitives())
     assert all(not link.visuals for link in slim.links)
     assert [mesh.name for mesh in slim.meshes] == ["base_1"]

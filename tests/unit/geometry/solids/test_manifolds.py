@@ -1,4 +1,4 @@
-"""Intersections of closed meshes against closed forms, and what touching faces make of meshes."""
+"""Intersections of closed meshes against closed forms, and noise at touching faces."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def _box(x: float, y: float, z: float) -> Solid:
 
 
 def _tube(outer: float, inner: float, length: float, sides: int) -> Solid:
-    """A tube along z, both of its circles with corners on the x axis."""
+    """A tube along z, both circles with corners on the x axis."""
     angles = 2 * np.pi * np.arange(sides) / sides
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     rings = [
@@ -36,20 +36,20 @@ def _tube(outer: float, inner: float, length: float, sides: int) -> Solid:
 
 
 def test_boxes_have_a_box_in_common() -> None:
-    """Two boxes, one turned by a quarter and shifted: the common box."""
+    """The intersection of two boxes, one rotated by a quarter turn and shifted, is a box."""
     common = _box(4, 2, 2).intersection(_box(2, 6, 2), Pose.from_xyz_rpy((1, 0, 0.5), (0, 0, np.pi / 2)))
-    # The second box is 6 long along x there, 2 wide along y, and sits 0.5 higher.
+    # The second box is 6 long along x there, 2 wide along y, and 0.5 higher.
     assert common.volume == pytest.approx(4 * 2 * 1.5, rel=1e-9)
 
 
 def test_turned_boxes() -> None:
-    """A unit cube and its copy turned by 45 degrees about z have a regular octagon in common."""
+    """The intersection of a unit cube and its copy rotated by 45 degrees about z is a regular octagonal prism."""
     common = _box(1, 1, 1).intersection(_box(1, 1, 1), Pose.from_xyz_rpy((0, 0, 0), (0, 0, np.pi / 4)))
     assert common.volume == pytest.approx(2 * (np.sqrt(2) - 1), rel=1e-8)
 
 
 def test_a_body_within_another() -> None:
-    """Of a rod all within a box all is common."""
+    """The intersection of a rod with a box around it is the rod."""
     rod = Solid(rod_mesh(0.1, 0.5, 32))
     assert _box(2, 2, 2).may_meet(rod, IDENTITY)
     assert _box(2, 2, 2).intersection(rod, IDENTITY).volume == pytest.approx(
@@ -70,7 +70,7 @@ def test_a_body_within_another() -> None:
     ],
 )
 def test_what_cannot_meet_is_told_without_intersecting(mesh: TriMesh, X_AB: Pose, meets: bool) -> None:
-    """A tube against bodies in, on, around and beside it; bodies classified as separate do not intersect."""
+    """A tube and bodies in, on, around and beside it: those classified as separate do not intersect."""
     tube, other = _tube(0.7, 0.4, 1.0, 24), Solid(mesh)
     assert tube.may_meet(other, X_AB) == meets
     assert other.may_meet(tube, X_AB.inverse()) == meets
@@ -80,18 +80,18 @@ def test_what_cannot_meet_is_told_without_intersecting(mesh: TriMesh, X_AB: Pose
 @pytest.mark.parametrize("sides", [8, 16, 24, 60])
 @pytest.mark.parametrize("turn", [0.0, 0.3, 0.5])
 def test_a_pin_that_fills_its_bore_is_noise(sides: int, turn: float) -> None:
-    """A pin meshed as a prism, turned against the prism of its bore, overlaps the wall less than its noise."""
+    """A pin meshed as a prism, rotated against the prism of its bore, overlaps the wall by less than its noise."""
     step = 2 * np.pi / sides
     X_AB = Pose.from_xyz_rpy((0, 0, 0), (0, 0, turn * step))
     common = _tube(0.02, 0.01, 0.05, sides).intersection(Solid(rod_mesh(0.01, 0.05, sides)), X_AB)
     sagitta = 0.01 * (1 - np.cos(step / 2))
-    if turn == 0.5:  # each corner of the pin reaches into the wall by the sagitta
+    if turn == 0.5:  # each corner of the pin is in the wall by the sagitta
         assert common.volume == pytest.approx(sides * sagitta**2 / np.tan(step / 2) * 0.05, rel=1e-3)
     assert common.volume < common.noise
 
 
 def test_noise_is_small_against_an_overlap() -> None:
-    """A pin that is half a millimetre too thick for its bore overlaps by more than noise, at any turn."""
+    """A pin half a millimetre too thick for its bore overlaps by more than noise, at any rotation."""
     sides, turn = 24, np.pi / 24
     tube, pin = _tube(0.02, 0.0095, 0.05, sides), Solid(rod_mesh(0.01, 0.05, sides))
     common = tube.intersection(pin, Pose.from_xyz_rpy((0, 0, 0), (0, 0, turn)))
@@ -100,14 +100,14 @@ def test_noise_is_small_against_an_overlap() -> None:
 
 
 def test_flat_faces_make_no_noise() -> None:
-    """Two boxes that overlap by a tenth of a millimetre: what rounding may do is far less than that."""
+    """The noise of two boxes that overlap by a tenth of a millimetre is far below the overlap."""
     common = _box(0.1, 0.1, 0.1).intersection(_box(0.1, 0.1, 0.1), Pose.of(position=(0, 0, 0.0999)))
     assert common.volume == pytest.approx(1e-6, rel=1e-5)
     assert common.noise == pytest.approx(1e-8, rel=0.01)
 
 
 def test_sagittas_of_a_cylinder() -> None:
-    """The strips of a prism lie beside their cylinder by r (1 - cos(t / 2)); its flat ends by nothing."""
+    """The strips of a prism are r (1 - cos(t / 2)) off its cylinder, its flat ends 0."""
     sides, radius = 24, 0.3
     solid = Solid(rod_mesh(radius, 0.2, sides))
     expected = radius * (1 - np.cos(np.pi / sides))
@@ -116,14 +116,14 @@ def test_sagittas_of_a_cylinder() -> None:
 
 
 def test_union_counts_once() -> None:
-    """Two intersections that overlap each other by half fill three halves."""
+    """The union of two intersections that overlap by half has the volume of three halves."""
     cube = _box(1, 1, 1)
     common = cube.intersection(cube, IDENTITY)
     assert union_volume([(common, IDENTITY), (common, Pose.of(position=(0.5, 0, 0)))]) == pytest.approx(1.5)
 
 
 def test_a_mesh_that_does_not_close_is_not_sound() -> None:
-    """Without one face a box bounds nothing; whole, it does."""
+    """A box without a face is not sound; a whole one is."""
     assert _box(1, 1, 1).is_sound
     assert not Solid(TriMesh.of(CORNERS, BOX_FACES[1:])).is_sound
 
@@ -135,14 +135,14 @@ def _points_on_a_sphere(radius: float, count: int) -> Array:
 
 
 def test_hull_is_the_same_in_every_run() -> None:
-    """manifold3d orders the faces of large hulls by its threads; here the order is deterministic."""
+    """The order of faces of a large hull is deterministic, although manifold3d's depends on threads."""
     points = _points_on_a_sphere(0.1, 5000)
     hulls = [convex_hull(points) for _ in range(10)]
     assert len({hull.vertices.tobytes() + hull.faces.tobytes() for hull in hulls if hull}) == 1
 
 
 def test_hull_has_one_order() -> None:
-    """Vertices are sorted by x, y and z; faces begin with their lowest vertex and are sorted by their vertices."""
+    """Vertices are sorted by x, y and z; faces start with their lowest vertex and are sorted by their vertices."""
     hull = convex_hull(_points_on_a_sphere(0.1, 300))
     assert hull is not None
     assert hull.vertices.tolist() == sorted(hull.vertices.tolist())
@@ -171,7 +171,7 @@ def test_hull_is_closed_and_convex_and_encloses_its_points(inside: int) -> None:
 
 
 def test_hull_of_a_box_is_the_box() -> None:
-    """Points within, on edges and on faces of a box change nothing: all its corners, and its volume."""
+    """Points within, on edges and on faces of a box do not change its hull."""
     steps = np.linspace(-0.5, 0.5, 9)
     points = np.array(np.meshgrid(2 * steps, 3 * steps, 4 * steps)).reshape(3, -1).T
     hull = convex_hull(np.random.default_rng(2).permutation(points))

@@ -1,4 +1,4 @@
-"""Data classes and arrays as bytes and back: the same values, or a plain refusal."""
+"""Data classes and arrays are encoded and decoded unchanged, or rejected."""
 
 import random
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ from tests.robots import four_bar
 
 @dataclass(frozen=True, eq=False)
 class Everything:
-    """One field of each kind."""
+    """One field of each supported type."""
 
     flag: bool
     count: int
@@ -45,7 +45,7 @@ class Everything:
 
 
 def example() -> Everything:
-    """Values that are easy to lose."""
+    """Values that are easily changed by an encoding."""
     return Everything(
         True,
         -(2**70),
@@ -66,7 +66,7 @@ def example() -> Everything:
 
 
 def assert_same(one: Any, other: Any) -> None:
-    """Equal to the last bit, types of numbers included."""
+    """Assert equality to the last bit, including the types of numbers."""
     assert type(one) is type(other) or isinstance(one, Mapping)
     if isinstance(one, np.ndarray):
         assert (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
@@ -86,7 +86,7 @@ def assert_same(one: Any, other: Any) -> None:
 
 
 def test_everything_comes_back() -> None:
-    """Signs of zeros, infinities, whole numbers where fractions are allowed, lone surrogates: as they were."""
+    """Signed zeros, infinities, integers in float fields and lone surrogates are decoded unchanged."""
     codec = codec_of(Everything)
     data = codec.encode(example())
     assert_same(example(), codec.decode(data))
@@ -94,13 +94,13 @@ def test_everything_comes_back() -> None:
 
 
 def test_robot_comes_back() -> None:
-    """A whole robot with loops and meshes."""
+    """A whole robot with loops and meshes is decoded unchanged."""
     robot = four_bar()
     assert_same(robot, codec_of(Robot).decode(codec_of(Robot).encode(robot)))
 
 
 def test_arrays_come_back_read_only() -> None:
-    """They are shared with the cache's bytes, so they are read-only."""
+    """Decoded arrays share the cache's bytes and are read-only."""
     points = codec_of(Everything).decode(codec_of(Everything).encode(example())).points
     with pytest.raises(ValueError, match="read-only"):
         points[0, 0] = 2.0
@@ -134,7 +134,7 @@ def test_all_that_is_kept_has_a_codec(kind: type) -> None:
 
 
 def test_damage_is_refused_or_harmless() -> None:
-    """Any bytes at all: a value of the type, or a refusal; never another error."""
+    """Any damaged bytes give a value of the type, or the codec's error, never another one."""
     data = codec_of(Everything).encode(example())
     generator = random.Random(7)
     refused = 0
@@ -154,13 +154,13 @@ def test_damage_is_refused_or_harmless() -> None:
 
 
 def test_other_types_are_refused() -> None:
-    """What was written as one thing is not read as another."""
+    """Data of one type is rejected when decoded as another."""
     with pytest.raises(Undecodable):
         codec_of(Span).decode(codec_of(Box).encode(Box((1.0, 2.0, 3.0))))
 
 
 def test_arrays_of_objects_are_refused() -> None:
-    """They could only be kept by pickling, which runs what it reads."""
+    """Object arrays are rejected: storing them requires pickling, which executes what it reads."""
     with pytest.raises(TypeError):
         codec_of(np.ndarray).encode(np.array([{}], dtype=object))
 
@@ -173,14 +173,14 @@ def test_what_has_no_annotation_is_a_bug() -> None:
 
 Number = TypeVar("Number", bound=np.generic)
 Grid = TypeAliasType("Grid", np.ndarray[tuple[Any, ...], np.dtype[Number]], type_params=(Number,))
-"""``type Grid[Number] = ...``: the form that numpy's own ``NDArray`` has from numpy 2.5 on."""
+"""``type Grid[Number] = ...``: the form of numpy's own ``NDArray`` from numpy 2.5 on."""
 Corners = TypeAliasType("Corners", Grid[np.float64])
 Corner = TypeAliasType("Corner", tuple[float, ...])
 
 
 @dataclass(frozen=True, eq=False)
 class Aliased:
-    """Fields whose annotations are aliases, of an alias, within another type."""
+    """Fields whose annotations are aliases, aliases of aliases, and aliases within other types."""
 
     grid: Grid[np.int32]
     corners: Corners

@@ -1,4 +1,4 @@
-"""Where caches belong, by the rules of each system."""
+"""The cache folder of each system."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="paths of POSIX 
 
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A home folder, without the variables."""
+    """A home folder, with the related environment variables unset."""
     monkeypatch.setenv("HOME", str(tmp_path))
     for variable in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
         monkeypatch.delenv(variable, raising=False)
@@ -20,7 +20,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_linux(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """``XDG_CACHE_HOME`` where it is an absolute path, else ``~/.cache``."""
+    """On Linux the cache is in an absolute ``XDG_CACHE_HOME``, else in ``~/.cache``."""
     monkeypatch.setattr(sys, "platform", "linux")
     assert default_folder() == home / ".cache" / "stepbot"
     monkeypatch.setenv("XDG_CACHE_HOME", "/var/cache/me")
@@ -30,13 +30,13 @@ def test_linux(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_macos(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """``~/Library/Caches``."""
+    """On macOS the cache is in ``~/Library/Caches``."""
     monkeypatch.setattr(sys, "platform", "darwin")
     assert default_folder() == home / "Library" / "Caches" / "stepbot"
 
 
 def test_windows(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """``%LOCALAPPDATA%``, else where it usually is."""
+    """On Windows the cache is in ``%LOCALAPPDATA%``, else in its default location."""
     monkeypatch.setattr(sys, "platform", "win32")
     assert default_folder() == home / "AppData" / "Local" / "stepbot" / "Cache"
     monkeypatch.setenv("LOCALAPPDATA", "/c/local")

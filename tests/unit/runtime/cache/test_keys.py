@@ -1,4 +1,4 @@
-"""Keys: all that a result depends on, and nothing else."""
+"""Cache keys contain everything that a result depends on, and nothing else."""
 
 import os
 from pathlib import Path
@@ -10,7 +10,7 @@ from stepbot.runtime.programs import find_program
 
 
 def test_parts_do_not_run_together() -> None:
-    """Where one part ends and the next begins counts, and so does the purpose."""
+    """Keys depend on the boundaries of parts and on the purpose."""
     keys = [
         Digest("a").add("ab", "c").key,
         Digest("a").add("a", "bc").key,
@@ -23,7 +23,7 @@ def test_parts_do_not_run_together() -> None:
 
 
 def test_file_by_its_content(tmp_path: Path) -> None:
-    """Neither name nor time matter; what cannot be read has no digest."""
+    """The digest of a file depends on its content only; an unreadable file has none."""
     for name in ("a", "b"):
         (tmp_path / name).write_bytes(b"x" * 5_000_000)
     assert file_digest(tmp_path / "a") == file_digest(tmp_path / "b")
@@ -34,19 +34,19 @@ def test_file_by_its_content(tmp_path: Path) -> None:
 
 
 def test_files_by_names_and_content() -> None:
-    """The order in which files were made does not matter, their names do."""
+    """The key of several files depends on their names, not on the order of creation."""
     assert content_digest({"a": b"1", "b": b"2"}) == content_digest({"b": b"2", "a": b"1"})
     assert content_digest({"a": b"1", "b": b"2"}) != content_digest({"a": b"2", "b": b"1"})
 
 
 def test_environment_holds_code_and_packages() -> None:
-    """The environment is more than stepbot's own code, and stays the same within a process."""
+    """The environment includes more than stepbot's code, and is constant within a process."""
     assert environment() == environment()
     assert environment() != own_code()
 
 
 def test_a_package_more_is_another_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Any installed package counts, since stepbot's own dependencies may use it."""
+    """Any installed package changes the environment, since dependencies may use it."""
     before = environment()
     monkeypatch.syspath_prepend(tmp_path)
     keys = []
@@ -62,7 +62,7 @@ def test_a_package_more_is_another_environment(tmp_path: Path, monkeypatch: pyte
 
 @pytest.mark.skipif(os.name == "nt", reason="the programs are scripts of a Unix shell here")
 def test_an_external_program_is_part_of_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where the launcher stays as it is and the library that it loads is upgraded."""
+    """An upgraded library of an external program changes the environment, even with the same launcher."""
     folder, library = tmp_path / "bin", tmp_path / "share" / "gz" / "sdformat14.yaml"
     folder.mkdir()
     library.parent.mkdir(parents=True)
@@ -90,7 +90,7 @@ def test_an_external_program_is_part_of_the_environment(tmp_path: Path, monkeypa
 
 
 def test_a_program_in_the_current_folder_is_not_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither where PATH has an empty entry nor where it has a relative one."""
+    """Empty and relative entries of PATH are not searched for programs."""
     program = tmp_path / "gz"
     program.write_text("#!/bin/sh\n")
     program.chmod(0o755)

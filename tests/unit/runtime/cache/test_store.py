@@ -1,4 +1,4 @@
-"""Entries in files: complete or absent, bounded, with concurrent writers and crashes."""
+"""Cache entries in files: complete or absent, limited in size, with concurrent writers and crashes."""
 
 import os
 import signal
@@ -13,7 +13,7 @@ from stepbot.runtime.cache import Cache, Digest
 
 
 def key(name: object) -> str:
-    """A key like those in use."""
+    """A realistic key."""
     return Digest("test").add(str(name)).key
 
 
@@ -24,7 +24,7 @@ def only_file(folder: Path) -> Path:
 
 
 def test_what_was_put_is_got(tmp_path: Path) -> None:
-    """Bytes come back, from another process too; what was never put does not."""
+    """Stored bytes are returned, in another process too; an unknown key returns nothing."""
     Cache(tmp_path).put(key(1), b"content")
     assert Cache(tmp_path).get(key(1)) == b"content"
     assert Cache(tmp_path).get(key(2)) is None
@@ -33,7 +33,7 @@ def test_what_was_put_is_got(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "longer", "other head"])
 def test_broken_entry_is_a_miss(tmp_path: Path, damage: str) -> None:
-    """A damaged file is not used; writing the entry again repairs it."""
+    """A damaged entry is not used; writing it again repairs it."""
     cache = Cache(tmp_path)
     cache.put(key(1), bytes(1000))
     path = only_file(tmp_path)
@@ -53,7 +53,7 @@ def test_broken_entry_is_a_miss(tmp_path: Path, damage: str) -> None:
 
 
 def test_entry_under_a_wrong_name_is_a_miss(tmp_path: Path) -> None:
-    """A renamed file is not used as the entry of its new name."""
+    """A renamed file is not used as an entry."""
     cache = Cache(tmp_path)
     cache.put(key(1), b"one")
     path = only_file(tmp_path)
@@ -64,7 +64,7 @@ def test_entry_under_a_wrong_name_is_a_miss(tmp_path: Path) -> None:
 
 
 def test_least_recently_used_go_first(tmp_path: Path) -> None:
-    """Beyond the limit, entries go that were not read for longest; there is always less than the limit."""
+    """Beyond the size limit the least recently used entries are removed."""
     cache = Cache(tmp_path, limit=100_000)
     for number in range(9):
         cache.put(key(number), bytes(10_000))
@@ -79,7 +79,7 @@ def test_least_recently_used_go_first(tmp_path: Path) -> None:
 
 
 def test_what_is_too_large_is_not_kept(tmp_path: Path) -> None:
-    """One entry cannot push out all others."""
+    """An entry above the limit is not stored and removes no other."""
     cache = Cache(tmp_path, limit=1000)
     cache.put(key(1), bytes(900))
     assert cache.get(key(1)) is None
@@ -87,7 +87,7 @@ def test_what_is_too_large_is_not_kept(tmp_path: Path) -> None:
 
 
 def test_clear_removes_entries_and_nothing_else(tmp_path: Path) -> None:
-    """Other files in the folder are kept."""
+    """`clear` keeps other files in the folder."""
     mine = tmp_path / "thesis.txt"
     mine.write_text("mine", encoding="utf-8")
     cache = Cache(tmp_path)
@@ -100,7 +100,7 @@ def test_clear_removes_entries_and_nothing_else(tmp_path: Path) -> None:
 
 
 def test_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
-    """A cache that cannot be written reports why, and everything else continues."""
+    """A cache that cannot be written reports the reason, and all else works."""
     (tmp_path / "file").write_bytes(b"")
     cache = Cache(tmp_path / "file" / "cache")
     cache.put(key(1), b"content")
@@ -140,7 +140,7 @@ for round in range(int(sys.argv[2])):
 
 
 def test_processes_at_once_and_one_killed(tmp_path: Path) -> None:
-    """Four processes read, write and remove the same entries, one is killed: no partial entry is ever visible."""
+    """With four processes writing and removing the same entries, one of them killed, no partial entry is visible."""
     command = [sys.executable, "-c", WRITER, str(tmp_path)]
     victim = subprocess.Popen([*command, "100000"], stdout=subprocess.PIPE)
     others = [subprocess.Popen([*command, "6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(3)]

@@ -1,4 +1,4 @@
-"""Compressed STEP files: the same assembly, and archives that are damaged, hostile or hold something else."""
+"""Compressed STEP files have the assembly of the plain file; damaged and hostile archives are rejected."""
 
 import gzip
 import struct
@@ -19,23 +19,23 @@ from tests.unit.step.here import by_path, read_here, read_quietly
 
 
 def gzipped(path: Path, content: bytes, name: str = "arm.stp") -> None:
-    """Write as gzip does."""
+    """The content in gzip format."""
     path.write_bytes(gzip.compress(content))
 
 
 def zipped(path: Path, content: bytes, name: str = "arm.stp", method: int = zipfile.ZIP_DEFLATED) -> None:
-    """Write a zip archive of one file."""
+    """A zip archive of one file."""
     with zipfile.ZipFile(path, "w", method) as archive:
         archive.writestr(name, content)
 
 
 def two_members(path: Path, content: bytes) -> None:
-    """Write a gzip file of two members, as `cat a.gz b.gz` does."""
+    """A gzip file of two members, as by `cat a.gz b.gz`."""
     path.write_bytes(gzip.compress(content[:1000]) + gzip.compress(content[1000:]))
 
 
 def in_a_folder(path: Path, content: bytes) -> None:
-    """Write a zip archive with the STEP in a folder, and a text beside it."""
+    """A zip archive with the STEP in a folder, and a text beside it."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_LZMA) as archive:
         archive.writestr("parts/", b"")
         archive.writestr("README.txt", b"hello")
@@ -45,7 +45,7 @@ def in_a_folder(path: Path, content: bytes) -> None:
 @pytest.mark.parametrize("name", ["arm.stpZ", "arm.step.gz", "arm.step"])
 @pytest.mark.parametrize("write", [gzipped, zipped, two_members, in_a_folder])
 def test_same_assembly(write: Callable[[Path, bytes], None], name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The decompressed content is read, for any file name."""
+    """A compressed file has the assembly of the plain one, for any file name."""
     drawing = parts.write_nested(tmp_path / "plain.step")
     write(tmp_path / name, drawing.path.read_bytes())
     plain, packed = read_quietly(drawing.path), read_quietly(tmp_path / name)
@@ -134,7 +134,7 @@ def faulty(tmp_path: Path, kind: str) -> Path:
     ],
 )
 def test_unreadable_archives(kind: str, reason: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Each is an error with the reason and a remedy; its digest is that of its bytes."""
+    """Each unreadable archive is an error with the reason and a remedy; its digest is that of its bytes."""
     path = faulty(tmp_path, kind)
     assert read_here(path, found) is None
     (fault,) = found
@@ -146,7 +146,7 @@ def test_unreadable_archives(kind: str, reason: str, tmp_path: Path, found: Read
 
 @pytest.mark.parametrize("write", [gzipped, zipped])
 def test_bombs(write: Callable[[Path, bytes], None], tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Decompression stops at a hundred times the size of the archive, in disk space as in time."""
+    """Decompression stops at a hundred times the size of the archive, and writes no more than that."""
     start = parts.write_box(tmp_path / "plain.step").path.read_bytes()
     path = tmp_path / "bomb.stpZ"
     write(path, start + b" " * (ALWAYS + 1000))
@@ -155,7 +155,7 @@ def test_bombs(write: Callable[[Path, bytes], None], tmp_path: Path, found: Read
     (fault,) = found
     assert fault.code == "SB232"
     assert "more than 100 times as large" in fault.message
-    write(path, start + b" " * (ALWAYS // 8))  # a small file may be as repetitive as it likes
+    write(path, start + b" " * (ALWAYS // 8))  # a small file may have any ratio
     assert read_here(path, ReadDiagnostics()) is not None
 
 

@@ -1,4 +1,4 @@
-"""Names in code pages: decoded as declared, and never silently decoded wrongly."""
+"""Names in code pages are decoded as declared, and never wrongly without a diagnostic."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ RUSSIAN, CHINESE, JAPANESE = "Корпус №1", "螺丝 乗S\\", "表示ソ"
 
 
 def named(path: Path, name: bytes) -> Path:
-    """A box whose product has a name of these bytes."""
+    """A box whose product's name has these bytes."""
     parts.draw(path, parts.drawn("TO BE NAMED", solids.box(10, 20, 30)))
     content = path.read_bytes()
     assert b"'TO BE NAMED'" in content
@@ -24,7 +24,7 @@ def named(path: Path, name: bytes) -> Path:
 
 
 def read(path: Path, encoding: str, found: ReadDiagnostics) -> Assembly | None:
-    """What is read of a file, without its geometry."""
+    """The tree of a file, without geometry."""
     return read_here(path, found, ReadOptions(geometry=False, encoding=encoding))
 
 
@@ -40,7 +40,7 @@ def read(path: Path, encoding: str, found: ReadDiagnostics) -> Assembly | None:
     ],
 )
 def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A product named in a code page has its name, without diagnostics."""
+    """A name in a declared code page is decoded without diagnostics."""
     assembly = read(named(tmp_path / "box.step", text.encode(encoding)), encoding, found)
     assert assembly is not None
     assert [component.product for component in assembly.components] == [text]
@@ -57,7 +57,7 @@ def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path,
     ],
 )
 def test_escapes_beside_bytes(raw: bytes, encoding: str, text: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Escapes are decoded, whatever bytes are next to them."""
+    """Escapes are decoded beside any bytes."""
     assembly = read(named(tmp_path / "box.step", raw), encoding, found)
     assert assembly is not None
     assert assembly.components[0].product == text
@@ -65,7 +65,7 @@ def test_escapes_beside_bytes(raw: bytes, encoding: str, text: str, tmp_path: Pa
 
 
 def test_a_declaration_does_not_touch_ascii(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A file in ASCII, with escapes, is the same for any declaration."""
+    """A file in ASCII with escapes is independent of the declaration."""
     assembly = read(named(tmp_path / "box.step", rb"\X2\04210431\X0\ \X\E9"), "cp932", found)
     assert assembly is not None
     assert (assembly.components[0].product, assembly.facts["encoding"]) == ("Сб é", "ASCII")
@@ -85,7 +85,7 @@ def test_a_declaration_does_not_touch_ascii(tmp_path: Path, found: ReadDiagnosti
 def test_a_wrong_code_page(
     text: str, written: str, declared: str, byte: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """Bytes that are invalid in the declared code page end the reading, with the line and suggestions."""
+    """Bytes that are invalid in the declared code page are an error with the line and suggestions."""
     path = named(tmp_path / "box.step", text.encode(written))
     assert read(path, declared, found) is None
     (diagnostic,) = found
@@ -97,7 +97,7 @@ def test_a_wrong_code_page(
 
 
 def test_nobody_says_what_names_are(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The warning shows how the first name reads in the code pages that all names exist in."""
+    """Without a declaration a warning shows the first name in each code page in which all names are valid."""
     assembly = read(named(tmp_path / "box.step", RUSSIAN.encode("cp1251")), "", found)
     assert assembly is not None
     (diagnostic,) = found
@@ -109,7 +109,7 @@ def test_nobody_says_what_names_are(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_utf8_that_is_declared_otherwise(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """UTF-8 is valid in many code pages as other text: it is read as UTF-8, with a warning."""
+    """UTF-8 is read as UTF-8 despite another declaration, with a warning."""
     assembly = read(named(tmp_path / "box.step", "é".encode()), "cp1252", found)
     assert assembly is not None
     assert assembly.components[0].product == "Ã©"
@@ -119,7 +119,7 @@ def test_utf8_that_is_declared_otherwise(tmp_path: Path, found: ReadDiagnostics)
 
 
 def test_real_names(corpus: Path, found: ReadDiagnostics) -> None:
-    """An assembly that was drawn in Russian, read in its own code page."""
+    """An assembly drawn in Russian is read in its code page."""
     assembly = read(corpus / "russian_names_cp1251.step", "cp1251", found)
     assert assembly is not None
     names = [component.product for component in assembly.components]
@@ -130,7 +130,7 @@ def test_real_names(corpus: Path, found: ReadDiagnostics) -> None:
 @pytest.mark.parametrize("encoding", ["gbk", "cp932", "utf-8", "cp1251"])
 @pytest.mark.parametrize("before", [0, 1, (1 << 20) - 1, 1 << 20])
 def test_places_across_chunks(encoding: str, before: int, found: ReadDiagnostics) -> None:
-    """An invalid byte is located, even if a character crosses two chunks of the file."""
+    """An invalid byte is located, also beside a character that crosses two chunks of the file."""
     good = "Ж".encode(encoding) + b"x"
     assert check_encoding(b"\n" * before + good, encoding, "x", found) == encoding
     bad = {"cp1251": b"\x98"}.get(encoding, b"\xff")
@@ -141,7 +141,7 @@ def test_places_across_chunks(encoding: str, before: int, found: ReadDiagnostics
 
 
 def test_transcoding(tmp_path: Path) -> None:
-    """The kernel's text is the same in UTF-8, line by line; plain files are not copied."""
+    """The kernel's copy is the same text in UTF-8, line by line; a plain file is not copied."""
     path = tmp_path / "x.step"
     text = "'螺丝'\r\n" * 300_000
     path.write_bytes(b"\xef\xbb\xbf" + text.encode("gbk"))

@@ -1,4 +1,4 @@
-"""Files whose statements are broken, doubled, dropped or has the wrong type: what depends on them is told, by line."""
+"""Missing, duplicate, unterminated or mistyped entities are reported by line, with what refers to them."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from tests.unit.step.here import read_here
 
 @pytest.fixture
 def text(tmp_path: Path) -> str:
-    """An assembly of several parts, whole."""
+    """The text of an assembly of several parts."""
     return parts.write_nested(tmp_path / "whole.step").path.read_text(encoding="utf-8")
 
 
@@ -34,13 +34,13 @@ def first(pattern: str, text: str) -> re.Match[str]:
 
 
 def line_of(match: re.Match[str], text: str) -> int:
-    """From 1."""
+    """The line of a text, counted from 1."""
     return text.count("\n", 0, match.start()) + 1
 
 
 @pytest.mark.parametrize("keyword", ["CARTESIAN_POINT", "ADVANCED_FACE", "CLOSED_SHELL", "ITEM_DEFINED_TRANSFORMATION"])
 def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_path: Path) -> None:
-    """Without it the kernel would go on: a part open or at the origin; the error names who misses it, and where."""
+    """A missing entity, which the kernel would skip, is an error that names the references to it with their lines."""
     dropped = first(keyword, text)
     damaged = text.replace(dropped[0], "")
     (fault,) = complaints(damaged, tmp_path)
@@ -53,7 +53,7 @@ def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_pa
 
 
 def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
-    """A face on a point instead of a surface."""
+    """A face whose surface is a point is an error."""
     point, plane = first("CARTESIAN_POINT", text), first("PLANE", text)
     damaged = re.sub(rf"(ADVANCED_FACE\([^;]*?)#{plane[1]}\b", rf"\g<1>#{point[1]}", text, count=1)
     assert damaged != text
@@ -64,7 +64,7 @@ def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
 
 
 def test_a_statement_that_does_not_end(text: str, tmp_path: Path) -> None:
-    """A parenthesis that is lost is a fault of the text, at its line."""
+    """A missing parenthesis is reported at its line."""
     point = first("CARTESIAN_POINT", text)
     damaged = text.replace(point[0], f"#{point[1]}=CARTESIAN_POINT{point[3][:-1]};")
     faults = complaints(damaged, tmp_path)
@@ -74,14 +74,14 @@ def test_a_statement_that_does_not_end(text: str, tmp_path: Path) -> None:
 
 
 def test_two_entities_with_one_number(text: str, tmp_path: Path) -> None:
-    """Which of them is meant is anyone's guess."""
+    """Two entities of one number are an error."""
     point, direction = first("CARTESIAN_POINT", text), first("DIRECTION", text)
     damaged = text.replace(f"#{direction[1]}=", f"#{point[1]}=", 1)
     assert "SB221" in [d.code for d in complaints(damaged, tmp_path)]
 
 
 def test_styles_that_lead_nowhere_are_a_warning(tmp_path: Path) -> None:
-    """A colour that is missing costs no more than the colour: the assembly is there."""
+    """A missing colour is a warning, and the assembly is read without it."""
     text = parts.write_colored_faces(tmp_path / "whole.step").path.read_text(encoding="utf-8")
     colour = first("COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR", text)
     faults = complaints(text.replace(colour[0], ""), tmp_path)
@@ -90,7 +90,7 @@ def test_styles_that_lead_nowhere_are_a_warning(tmp_path: Path) -> None:
 
 
 def test_many_faults_are_counted(text: str, tmp_path: Path) -> None:
-    """Five places are enough to see what is wrong."""
+    """Five places are listed, and further ones counted."""
     damaged = re.sub(r"^#\d+=CARTESIAN_POINT\(.*?\);$", "", text, flags=re.MULTILINE | re.DOTALL)
     (fault,) = complaints(damaged, tmp_path)
     assert len(fault.notes) == 6

@@ -16,7 +16,7 @@ FLAGS = ".F.,.F.,.F.,.F.,.F.,.T."
 
 
 def mechanism(text: str) -> Mechanism:
-    """The mechanism of some statements beside two links, a joint and two placements."""
+    """The mechanism of some statements with two links, a joint and two placements."""
     found = mechanism_of(read_entities((LINKS + text).encode(), "utf-8"))
     assert found is not None
     return found
@@ -29,7 +29,7 @@ def pair(text: str) -> KinematicPair:
 
 
 def test_placements_are_right_handed_and_default_where_left_out() -> None:
-    """The z axis is the stated axis, x the part of the reference direction at right angles to it."""
+    """The z axis is the given axis, x the perpendicular part of the reference direction; both have defaults."""
     first, second = pair(f"#9=REVOLUTE_PAIR('p','','',#7,#8,#3,{FLAGS});").placements
     assert first.position == (1.0, 2.0, 3.0)
     assert first.rotation == ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))  # columns: the file's z, x, y
@@ -59,7 +59,7 @@ def test_placements_are_right_handed_and_default_where_left_out() -> None:
     ],
 )
 def test_degrees_of_freedom_of_each_kind(text: str, dofs: tuple[int, ...], is_stated: bool) -> None:
-    """The file's flags count; where they are left out, what the standard fixes for the kind."""
+    """Degrees of freedom are the file's flags, or those of the standard for the kind if omitted."""
     found = pair(f"#9={text};")
     assert (found.name, found.links, found.dofs, found.is_stated) == ("p", (0, 1), dofs, is_stated)
 
@@ -81,12 +81,12 @@ def test_degrees_of_freedom_of_each_kind(text: str, dofs: tuple[int, ...], is_st
     ],
 )  # fmt: skip
 def test_ranges(text: str, bounds: tuple[float | None, float | None]) -> None:
-    """Ranges stand in the pair, in a part of a complex one, or in AP214 in an entity of their own."""
+    """Ranges are in the pair, in a part of a complex one, or in a separate entity in AP214."""
     assert pair(text).bounds == bounds
 
 
 def test_ranges_in_degrees_are_converted() -> None:
-    """The context of the mechanism declares its unit of angle; lengths are left to the assembly's."""
+    """Angles are converted by the unit of the mechanism's context; lengths stay in the file's unit."""
     text = f"""
     #9=REVOLUTE_PAIR_WITH_RANGE('p','','',#7,#8,#3,{FLAGS},-90.,180.);
     #20=MECHANISM_REPRESENTATION('',(#9),#21,$);
@@ -99,14 +99,14 @@ def test_ranges_in_degrees_are_converted() -> None:
 
 
 def test_screw_has_a_pitch_and_perhaps_a_range() -> None:
-    """The pitch comes before the range."""
+    """A screw has a pitch, followed by an optional range."""
     assert pair("#9=SCREW_PAIR('p','','',#7,#8,#3,*,*,*,*,*,*,2.5);").pitch == 2.5
     found = pair("#9=SCREW_PAIR_WITH_RANGE('p','','',#7,#8,#3,*,*,*,*,*,*,2.5,-1.,6.);")
     assert (found.pitch, found.bounds, found.dofs) == (2.5, (-1.0, 6.0), (2, 5))
 
 
 def test_links_know_their_occurrences() -> None:
-    """A link's representation leads to the usage of a product in an assembly, counted in file order."""
+    """A link's representation refers to the usage of a product in an assembly, counted in file order."""
     text = f"""
     #9=REVOLUTE_PAIR('p','','',#7,#8,#3,{FLAGS});
     #30=PRODUCT('r','robot','',()); #31=PRODUCT_DEFINITION_FORMATION('','',#30); #32=PRODUCT_DEFINITION('','',#31,$);
@@ -126,7 +126,7 @@ def test_links_know_their_occurrences() -> None:
 
 
 def test_pairs_that_are_no_joint_are_named() -> None:
-    """A gear pair, and a pair without placements, are listed and not guessed at."""
+    """A gear pair, and a pair without placements, are listed as unsupported."""
     found = mechanism(
         "#9=GEAR_PAIR('g','','',#7,#8,#3,*,*,*,*,*,*,1.,2.,0.,0.,1.); #10=REVOLUTE_PAIR('r','','',$,#8,#3);"
     )

@@ -27,7 +27,7 @@ def written(folder: Path, string: str = "", comment: str = "") -> Path:
     "string", ["a" * ROOM, "''" * (ROOM // 2), "a\n" * (ROOM // 2)], ids=["letters", "quotes", "lines"]
 )
 def test_longest_string_is_read(string: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """So is a comment of any length in short lines: the limit is that of the kernel."""
+    """A string of the kernel's maximum length is read, and a comment of any length in short lines."""
     assert read_here(written(tmp_path, string, f"/*{'comment ' * 9}{'* and more' * 9_999}*/"), found) is not None
     assert found.codes() == []
 
@@ -46,7 +46,7 @@ def test_longest_string_is_read(string: str, tmp_path: Path, found: ReadDiagnost
 def test_longer_ones_are_reported_by_line(
     string: str, comment: str, message: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """The kernel rejects the file without a reason; the error has the line, the length and a remedy."""
+    """A longer string is an error with the line, the length and a remedy."""
     path = written(tmp_path, string, comment)
     assert read_here(path, found) is None
     (error,) = found

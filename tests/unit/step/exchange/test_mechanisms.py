@@ -1,4 +1,4 @@
-"""STEP files that describe a kinematic mechanism (ISO 10303-105) beside the shapes."""
+"""STEP files with a kinematic mechanism (ISO 10303-105)."""
 
 import re
 from pathlib import Path
@@ -35,7 +35,7 @@ def add_mechanism(path: Path) -> None:
 
 
 def test_file_with_a_mechanism_is_read(tmp_path: Path) -> None:
-    """Shapes, places and densities are those of the file without it, and `inspect` names what was not read."""
+    """Shapes, poses and densities are those without the mechanism, and `inspect` names what was not read."""
     path = parts.write_slider(tmp_path / "slider.step").path
     plain = read_quietly(path)
     assert mechanism_count(read_model(path).session) == 0

@@ -1,4 +1,4 @@
-"""MAPPED_ITEM with a transformation operator: translated, mirrored and scaled parts, as ISO 10303-42 defines them."""
+"""MAPPED_ITEM with a transformation operator: translated, mirrored and scaled parts (ISO 10303-42)."""
 
 import re
 from pathlib import Path
@@ -17,7 +17,7 @@ BRACKET = (
 
 
 def write_mapped(path: Path, axes: tuple[str, str, str], scale: str) -> None:
-    """A product that shows a bracket through an operator at (100, 0, 0) with these axes and scale."""
+    """A product that maps a bracket by an operator at (100, 0, 0) with these axes and scale."""
     parts.draw(path, parts.drawn("bracket", BRACKET))
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     brep = re.search(r"#(\d+)=ADVANCED_BREP_SHAPE_REPRESENTATION\('[^']*',\((#\d+),#\d+\),(#\d+)\)", text)
@@ -61,7 +61,7 @@ X, Y, Z, MINUS_X = "(1.,0.,0.)", "(0.,1.,0.)", "(0.,0.,1.)", "(-1.,0.,0.)"
     ids=["moved", "without scale", "turned", "mirrored", "scaled", "mirrored and scaled"],
 )
 def test_operator(axes: tuple[str, str, str], scale: str, matrix: Array, tmp_path: Path) -> None:
-    """The mapped bracket has the volume, centre and inertia of the transformed one, and closes."""
+    """The mapped bracket is closed, with volume, centre and inertia of the transformed one."""
     path = tmp_path / "mapped.step"
     write_mapped(path, axes, scale)
     assembly = read_quietly(path)
@@ -80,7 +80,7 @@ def test_operator(axes: tuple[str, str, str], scale: str, matrix: Array, tmp_pat
 
 
 def test_an_axis_without_direction(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """An operator that is no transformation ends in a diagnostic."""
+    """An operator that is not a transformation is a diagnostic."""
     path = tmp_path / "mapped.step"
     write_mapped(path, (X, Y, "(0.,0.,0.)"), "1.")
     assert read_here(path, found) is None
@@ -89,7 +89,7 @@ def test_an_axis_without_direction(tmp_path: Path, found: ReadDiagnostics) -> No
 
 @pytest.mark.parametrize("lost", ["#9011,#9012,#9010", "#9010,1.,#9013"])
 def test_an_operator_that_names_something_else(lost: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A direction for its place, or a place for a direction: an error, and no traceback."""
+    """An operator with a direction in place of a point, or vice versa, is an error without a traceback."""
     path = tmp_path / "mapped.step"
     write_mapped(path, (X, Y, Z), "1.")
     text = path.read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Checks of a file before the kernel runs: whether it is STEP, and its faults, with the line."""
+"""Checks of a file before the kernel runs: whether it is STEP, and its errors by line."""
 
 import os
 from pathlib import Path
@@ -22,14 +22,14 @@ DATA = "DATA;\n#1=ADVANCED_FACE('',(),#2,.T.);\nENDSEC;\nEND-ISO-10303-21;\n"
 
 
 def write(tmp_path: Path, content: str | bytes) -> Path:
-    """A file of that content."""
+    """A file with this content."""
     path = tmp_path / "file.step"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     return path
 
 
 def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The header's fields are decoded; comments are ignored."""
+    """Fields of the header are decoded; comments are ignored."""
     part21 = check_step(write(tmp_path, HEADER + DATA), "arm.step", found)
     assert part21 is not None
     assert part21.encoding == "ascii"
@@ -49,7 +49,7 @@ def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
     ],
 )
 def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A schema is reported by its usual short name."""
+    """A schema has its usual short name."""
     text = HEADER.replace("AUTOMOTIVE_DESIGN { 1 0 10303 214 3 1 1 }", schema)
     part21 = check_step(write(tmp_path, text + DATA), "x", found)
     assert part21 is not None
@@ -76,7 +76,7 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
 def test_files_that_cannot_be_read(
     content: bytes, code: str, word: str, line: int, tmp_path: Path, found: ReadDiagnostics
 ) -> None:
-    """Each fault has one diagnostic that names it, at its line, with a remedy."""
+    """Each error is one diagnostic at its line, with a remedy."""
     assert check_step(write(tmp_path, content), "given/name.step", found) is None
     (diagnostic,) = found
     assert diagnostic.code == code
@@ -86,7 +86,7 @@ def test_files_that_cannot_be_read(
 
 
 def test_missing_folder_and_unreadable(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A path that is not a file is reported."""
+    """A path that is not a file is an error."""
     assert check_step(tmp_path / "none.step", "none.step", found) is None
     assert check_step(tmp_path, "folder", found) is None
     assert [(d.code, d.message) for d in found] == [
@@ -97,7 +97,7 @@ def test_missing_folder_and_unreadable(tmp_path: Path, found: ReadDiagnostics) -
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="rights hold neither on Windows nor for root")
 def test_file_without_rights(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A file that may not be read is a diagnostic."""
+    """A file without read permission is an error."""
     path = write(tmp_path, HEADER + DATA)
     path.chmod(0)
     assert check_step(path, "x", found) is None
@@ -108,7 +108,7 @@ EXTERNAL = "#7=DOCUMENT_FILE('TAIL.sldprt','','',#8,'',$);\n#9=DOCUMENT_FILE('ma
 
 
 def test_geometry_in_other_files(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """References to other files without geometry of its own, or to native CAD files beside it, end the reading."""
+    """References to other files without own geometry, or to native CAD files, are an error."""
     only = DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", EXTERNAL)
     beside = DATA.replace("DATA;\n", "DATA;\n" + EXTERNAL)
     for text in (only, beside):
@@ -120,7 +120,7 @@ def test_geometry_in_other_files(tmp_path: Path, found: ReadDiagnostics) -> None
 
 
 def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Product definition, product, name and line of each reference; shapes may be there alone."""
+    """References have product definition, product, name and line; other files may contain shapes only."""
     text = """#1=PRODUCT('id','tail','',(#2));
 #3=PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE('','',#1,.NOT_KNOWN.);
 #4=PRODUCT_DEFINITION('','',#3,#5);
@@ -144,7 +144,7 @@ def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> Non
 
 
 def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A reference to a manual is not one to a part."""
+    """A reference to a manual is not a reference to a part."""
     text = DATA.replace("DATA;\n", "DATA;\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n")
     assert check_step(write(tmp_path, HEADER + text), "x", found) is not None
 
@@ -153,7 +153,7 @@ def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: Read
     ("name", "encoding"), [("Deckel", "ascii"), ("Wälzlager", "utf-8"), ("螺丝" * 400_000, "utf-8")], ids=[*"abc"]
 )
 def test_encodings(name: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """UTF-8 is recognised, even if a character crosses two chunks of the file."""
+    """UTF-8 is detected, also if a character crosses two chunks of the file."""
     text = HEADER + DATA.replace("''", f"'{name}'")
     part21 = check_step(write(tmp_path, text), "x", found)
     assert part21 is not None
@@ -161,7 +161,7 @@ def test_encodings(name: str, encoding: str, tmp_path: Path, found: ReadDiagnost
 
 
 def test_names_in_an_unknown_encoding_are_said(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Bytes that are no UTF-8 draw a warning with their line."""
+    """Bytes that are not UTF-8 are a warning with their line."""
     content = (HEADER + DATA).encode().replace(b"ADVANCED_FACE(''", "ADVANCED_FACE('Деталь'".encode("cp1251"))
     part21 = check_step(write(tmp_path, content), "x", found)
     assert part21 is not None
@@ -171,6 +171,6 @@ def test_names_in_an_unknown_encoding_are_said(tmp_path: Path, found: ReadDiagno
 
 
 def test_lines() -> None:
-    """A byte's line counts from 1 and across chunks."""
+    """Lines of bytes count from 1 and across chunks."""
     data = b"x\n" * 800_000
     assert [line_of(data, offset) for offset in (0, 1, 2, 1_500_000)] == [1, 1, 2, 750_001]

@@ -6,7 +6,7 @@ from stepbot.step.exchange.part21_values import DERIVED, Record, Reference, Synt
 
 
 def test_all_kinds_of_parameters() -> None:
-    """Texts, numbers, references, words, lists, typed parameters, what is left out and what is derived."""
+    """Texts, numbers, references, words, lists, typed parameters, omitted and derived values are parsed."""
     body = b"A_1('it''s; #9 (',-1.5E-3,2.,7,#12,.T.,.UNSPECIFIED.,$,*,(1.,(#2)),LENGTH_MEASURE(3.),()) /* c */"
     (record,) = records(body)
     assert record.keyword == "A_1"
@@ -17,7 +17,7 @@ def test_all_kinds_of_parameters() -> None:
 
 
 def test_complex_instances_have_several_records() -> None:
-    """The parts of a complex instance come in file order."""
+    """The parts of a complex instance are in file order."""
     assert records(b" ( A(1.) B() C(#3)\n) ") == (
         Record("A", (1.0,)), Record("B", ()), Record("C", (Reference(3),))
     )  # fmt: skip
@@ -29,6 +29,6 @@ def test_complex_instances_have_several_records() -> None:
      b"A(" + 100 * b"(" + 100 * b")" + b")"],
 )  # fmt: skip
 def test_what_breaks_the_grammar_is_a_fault(body: bytes) -> None:
-    """Whatever is cut off or nested without end is one kind of fault, never a crash."""
+    """Truncated or deeply nested text raises one kind of error."""
     with pytest.raises(SyntaxFault):
         records(body)

@@ -1,21 +1,21 @@
-"""Items of representations, also of those that name what is no item."""
+"""Items of representations, including entities that are not items."""
 
 from stepbot.step.exchange.selection import items
 
 
 class Representation:
-    """As the kernel gives one whose first item is something else."""
+    """A representation whose first item is an entity of another type."""
 
     def NbItems(self) -> int:  # noqa: N802 - the kernel's name
-        """How many there should be."""
+        """Number of items."""
         return 2
 
     def ItemsValue(self, index: int) -> str | None:  # noqa: N802 - the kernel's name
-        """One of them, from 1."""
+        """An item, counted from 1."""
         return (None, "a point")[index - 1]
 
 
 def test_items_that_are_none() -> None:
-    """Entities of other types are left out; another type of representation has no items."""
+    """Entities of other types are omitted; another type of representation has no items."""
     assert list(items(Representation())) == ["a point"]
     assert list(items(None)) == []

@@ -26,6 +26,6 @@ def test_escapes(raw: bytes, text: str) -> None:
 
 
 def test_bytes_of_another_encoding_are_refused() -> None:
-    """Bytes that are no UTF-8 never become other characters in silence."""
+    """Bytes that are not UTF-8 are rejected instead of decoded as other characters."""
     with pytest.raises(UnicodeDecodeError):
         decode_string("Деталь".encode("cp1251"), "utf-8")

@@ -1,4 +1,4 @@
-"""Lengths and densities in any declared unit, against the definitions of those units."""
+"""Lengths and densities in any declared unit, against the definitions of the units."""
 
 import re
 from pathlib import Path
@@ -26,7 +26,7 @@ INCH = "( CONVERSION_BASED_UNIT('INCH',#9006) LENGTH_UNIT() NAMED_UNIT(#9004) )"
 
 
 def rewrite(path: Path, *replacements: tuple[str, str], extra: str = EXTRA) -> Path:
-    """Replace text in a STEP file, each of it at least once, and add entities."""
+    """Replace texts in a STEP file, each at least once, and add entities."""
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     for old, new in replacements:
         assert old in text, f"{old} in\n{text}"
@@ -54,7 +54,7 @@ def density_of(assembly: Assembly | None) -> float | None:
     ids=["g/cm^3", "kg/m^3", "t/mm^3", "lb/in^3", "g/in^3"],
 )
 def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None:
-    """A density is so many of its own units, SI or not."""
+    """A density is in its own unit, SI or not."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     rewrite(path, (GRAM, mass), (CENTIMETRE, length), ("POSITIVE_RATIO_MEASURE(7.85)", "POSITIVE_RATIO_MEASURE(2.)"))
     assert density_of(read_quietly(path)) == pytest.approx(2 * density, rel=1e-11)
@@ -70,7 +70,7 @@ def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None
     ],
 )
 def test_a_density_that_is_none(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A value without a unit of density is ignored and reported."""
+    """A value without a unit of density is ignored with a diagnostic."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     assert density_of(read_here(rewrite(path, (old, new)), found)) is None
     (diagnostic,) = found
@@ -79,13 +79,13 @@ def test_a_density_that_is_none(old: str, new: str, word: str, tmp_path: Path, f
 
 
 def test_zero_is_no_density(tmp_path: Path) -> None:
-    """Some programs write 0 where nothing was set."""
+    """A density of 0, which some programs write by default, counts as none."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     assert density_of(read_quietly(rewrite(path, ("MEASURE(7.85)", "MEASURE(0.)")))) is None
 
 
 def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Two contradictory densities are both ignored and reported."""
+    """Two contradictory densities are both ignored with a diagnostic."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     text = path.read_text(encoding="utf-8").replace("\n", "")
     relation = re.search(r"#(\d+)=PROPERTY_DEFINITION\('material property','density',#(\d+)\)", text)
@@ -118,7 +118,7 @@ def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnos
     ],
 )
 def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> None:
-    """A unit has the declared length, even if its name is unknown."""
+    """A unit has its declared length, even if its name is unknown."""
     assembly = read_quietly(rewrite(parts.write_box(tmp_path / "box.step").path, (MILLIMETRE, unit)))
     assert assembly.unit == name
     assert assembly.unit_scale == pytest.approx(scale, rel=1e-12)
@@ -128,7 +128,7 @@ def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> Non
 
 
 def test_an_inch_that_is_none(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The declared size counts, and a name that means another draws a warning."""
+    """An inch that is not 25.4 mm has its declared size, with a warning."""
     path = parts.write_box(tmp_path / "box.step").path
     extra = EXTRA.replace("0.0254", "0.025")
     assembly = read_here(rewrite(path, (MILLIMETRE, INCH), extra=extra), found)

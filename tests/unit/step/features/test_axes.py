@@ -1,4 +1,4 @@
-"""Faces become lines, and lines shared by two components become joint frames, as documented."""
+"""Faces become axis lines, and lines shared by two components become joint frames, as documented."""
 
 import time
 from collections.abc import Sequence
@@ -60,7 +60,7 @@ def _mm(values: Sequence[float]) -> list[float]:
 
 
 def test_faces_of_one_axis_are_one_line() -> None:
-    """Bore, shaft and chamfer of several radii and extents on one axis are one line; its point is the middle of all."""
+    """Bore, shaft and chamfer on one axis are one line; its point is the middle of them all."""
     found = axes.lines(
         _faces(
             _face((5, 0, 0), radius=4, low=0, high=10),
@@ -91,7 +91,7 @@ def test_tolerances(apart: float, angle: float, together: bool) -> None:
 
 
 def test_distance_counts_where_the_faces_are() -> None:
-    """Lines a milliradian apart that cross at the origin are two when their faces are a metre further along."""
+    """Lines at a milliradian that intersect at the origin are two lines if their faces are a metre away."""
     d = (np.sin(0.5e-3), 0.0, np.cos(0.5e-3))
     near = _faces(_face((0, 0, 0), low=0, high=10), _face((0, 0, 0), d, low=0, high=10))
     far = _faces(_face((0, 0, 0), low=1000, high=1010), _face((0, 0, 0), d, low=1000, high=1010))
@@ -111,13 +111,13 @@ def test_distance_counts_where_the_faces_are() -> None:
     ],
 )
 def test_sign_rule(drawn: Vector3, expected: Vector3) -> None:
-    """Of (z, y, x) of the direction the first larger than 1e-6 is positive, whichever way the kernel drew it."""
+    """Of (z, y, x) of the direction the first component above 1e-6 is positive, for any direction in the kernel."""
     (line,) = axes.lines(_faces(_face((0, 0, 0), drawn)))
     np.testing.assert_allclose(line.direction, np.array(expected) / np.linalg.norm(expected), atol=1e-15)
 
 
 def test_frame_rule() -> None:
-    """Joint frames have z along the line, x is the assembly's x made normal to it, or y where z is nearly x."""
+    """Joint frames have z along the line; x is the assembly's x made normal to it, or y if z is near x."""
     (line,) = axes.lines(_faces(_face((1, 2, 3), (0, 1, 0), low=-1, high=1)))
     frame = axes.line_frame(line)
     np.testing.assert_allclose(frame.R, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
@@ -129,7 +129,7 @@ def test_frame_rule() -> None:
 
 
 def test_mate_of_a_pin_in_a_hole() -> None:
-    """A shaft in a bore mates; the origin is midway between the larger low end and the smaller high end."""
+    """A shaft in a bore is a mate; the origin is midway between the larger low end and the smaller high end."""
     pin = [_face((0, 0, 0), radius=3.9, low=-5, high=25)]
     hole = [_face((0, 0, 0), (0, 0, 1), radius=4.0, low=0, high=10)]
     a, b = _two(pin, hole, Pose.of(position=(0, 0, 12 * MM)))
@@ -141,13 +141,13 @@ def test_mate_of_a_pin_in_a_hole() -> None:
 
 
 def test_mate_of_two_plates_apart() -> None:
-    """If the extents do not overlap, the origin is in the middle of the gap."""
+    """Without an overlap of extents the origin is in the middle of the gap."""
     a, b = _two([_face((0, 0, 0), low=0, high=4)], [_face((0, 0, 0), low=10, high=11)])
     assert _mm(axes.mates(a, b)[0].point) == [0, 0, 7]
 
 
 def test_mate_is_the_same_from_both_sides() -> None:
-    """Exchanging parent and child changes nothing."""
+    """Exchanging parent and child does not change the mate."""
     a, b = _two(
         [_face((0, 0, 0), radius=4, low=0, high=4), _face((9, 0, 0), radius=1)],
         [_face((0, 0, 3), (0, 0, -1), radius=4, low=-4, high=6), _face((9, 0, 0), radius=1.5)],
@@ -156,13 +156,13 @@ def test_mate_is_the_same_from_both_sides() -> None:
 
 
 def test_cones_do_not_mate() -> None:
-    """A countersink is no bearing: mates are of cylinders only."""
+    """A countersink is no mate: only cylinders are."""
     a, b = _two([_face((0, 0, 0), cone=True)], [_face((0, 0, 0))])
     assert axes.mates(a, b) == ()
 
 
 def test_weight_is_that_of_the_faces_that_meet() -> None:
-    """A wide flange against a thin pin weighs the pin; wide rims that do not fit add nothing to a pin in its bore."""
+    """The weight is that of the faces in contact, not of a wide flange against a pin or of wide rims apart."""
     a, b = _two([_face((0, 0, 0), radius=20), _face((0, 0, 0), radius=2)], [_face((0, 0, 0), radius=3)])
     assert axes.mates(a, b)[0].weight == pytest.approx(3 * MM)
     pin, rim = replace(_face((0, 0, 0), radius=2), bore=False), replace(_face((0, 0, 0), radius=30), bore=False)
@@ -186,19 +186,19 @@ def test_the_bearing_beats_the_bolt_circle() -> None:
 
 
 def test_radius_narrows_down() -> None:
-    """``radius`` matches within 0.01 mm: of a component's faces, and of the lines that two share."""
+    """``radius`` matches within 0.01 mm, for a component's faces and for shared lines."""
     a, b = _two(_bolt_circle(4, 2.5), _bolt_circle(4, 2.5))
     assert axes.choose(axes.mates(a, b, radius=4.009 * MM)).line is not None
     assert axes.mates(a, b, radius=4.011 * MM) == ()
     assert len(axes.choose(axes.mates(a, b, radius=2.5 * MM)).rivals) == 4
     faces = _faces(_face((0, 0, 0), radius=4, low=0, high=10), _face((0, 0, 0), radius=6, low=10, high=20))
     (line,) = axes.lines(faces, radius=6 * MM)
-    assert _mm(line.point) == [0, 0, 15]  # only the selected face counts for the extent
+    assert _mm(line.point) == [0, 0, 15]  # the extent is that of the selected face only
     assert _mm(axes.lines(faces)[0].point) == [0, 0, 10]
 
 
 def test_near_takes_the_nearest_line() -> None:
-    """``near`` is a point of the assembly; the nearest line wins however light it is, and a tie stays open."""
+    """``near`` selects the line nearest to a point of the assembly, of any weight; a tie is ambiguous."""
     found = axes.lines(_faces(*_bolt_circle(4, 2.5)))
     choice = axes.choose(found, near=(9 * MM, 1 * MM, 99 * MM))
     assert choice.line is not None
@@ -207,7 +207,7 @@ def test_near_takes_the_nearest_line() -> None:
 
 
 def test_a_slide_needs_only_the_direction() -> None:
-    """For a prismatic joint parallel lines agree; other directions are rivals by weight."""
+    """For a prismatic joint parallel lines are equivalent; other directions compete by weight."""
     guides = [_face((0, 0, 0), radius=3), _face((20, 0, 0), radius=3)]
     assert axes.choose(axes.lines(_faces(*guides))).line is None
     choice = axes.choose(axes.lines(_faces(*guides)), direction_only=True)
@@ -218,7 +218,7 @@ def test_a_slide_needs_only_the_direction() -> None:
 
 
 def test_no_line_at_all() -> None:
-    """Components without cylinders have no lines, no mates, and no choice."""
+    """Components without cylinders have no lines and no mates."""
     nothing = _faces()
     assert axes.lines(nothing) == ()
     assert axes.mates(nothing, _faces(_face((0, 0, 0)))) == ()
@@ -240,7 +240,7 @@ def test_near_misses_say_how_far() -> None:
 
 
 def test_a_line_that_mates_misses_none() -> None:
-    """What is beside a line that has found its mate is no near miss; what is beside another one is."""
+    """A line near one that mates is no near miss; one near another line is."""
     a, b = _two([_face((0, 0, 0)), _face((50, 0, 0))], [_face((0, 0, 0)), _face((1, 0, 0)), _face((51, 0, 0))])
     assert len(axes.mates(a, b)) == 1
     (miss,) = axes.near_misses(a, b)
@@ -248,14 +248,14 @@ def test_a_line_that_mates_misses_none() -> None:
 
 
 def test_a_tilted_line_is_a_near_miss() -> None:
-    """Lines at an angle beyond the tolerance do not mate and are reported with it."""
+    """Lines at an angle beyond the tolerance do not mate, and are reported with the angle."""
     a, b = _two([_face((0, 0, 0))], [_face((0, 0, 0), (0.005, 0, 1))])
     assert axes.mates(a, b) == ()
     assert axes.near_misses(a, b)[0].angle == pytest.approx(0.005, rel=1e-4)
 
 
 def test_selectors_select_just_their_line() -> None:
-    """The suggested selector selects the line that it is printed with."""
+    """A suggested selector selects the line that it is listed with."""
     faces = _faces(
         *_bolt_circle(4, 2.5), _face((0, 0, 0), (1, 0, 0), radius=2.5), _face((0, 40, 0), (0, 1, 1), radius=3.2)
     )
@@ -270,7 +270,7 @@ def test_selectors_select_just_their_line() -> None:
 
 
 def test_selector_of_a_line_that_wins_is_empty() -> None:
-    """A line that is taken anyway needs no selector."""
+    """The selector of a line that is selected anyway is empty."""
     assert axes.selectors(axes.lines(_faces(*_bolt_circle(6, 2))))[0] == Selector()
 
 
@@ -280,7 +280,7 @@ def test_selector_of_a_line_that_wins_is_empty() -> None:
     st.lists(st.tuples(st.floats(-0.1, 0.1), st.booleans()), min_size=1, max_size=6),
 )
 def test_any_line_in_space(direction: Vector3, point: Vector3, faces: list[tuple[float, bool]]) -> None:
-    """For any axis and face orientation, its faces are one line with the right extent."""
+    """Faces with any axis and orientation are one line with the right extent."""
     d = np.array(direction) / np.linalg.norm(direction)
     drawn = []
     for t, flipped in faces:
@@ -296,7 +296,7 @@ def test_any_line_in_space(direction: Vector3, point: Vector3, faces: list[tuple
 def test_time_grows_less_than_quadratically() -> None:
     """Eight times the faces, on lines in a hundred directions, take far less than 64 times as long."""
     few, many = _random_shafts(1_250), _random_shafts(10_000)
-    axes.lines(few)  # what is done once is not counted
+    axes.lines(few)  # initialization is not counted
 
     def seconds(table: AxisFaces, count: int) -> float:
         start = time.process_time()

@@ -1,4 +1,4 @@
-"""How the faces of two sides meet on a line decides whether a joint can be there."""
+"""Contact of faces of two sides on a line, which determines whether it can be a joint."""
 
 import numpy as np
 import pytest
@@ -39,14 +39,14 @@ def _spans(*faces: Face) -> Spans:
     ],
 )
 def test_two_faces(a: Face, b: Face, basis: Basis, overlap: float) -> None:
-    """Radii that fit and a length in common make a fit, equal bores face to face a flange."""
+    """Radii that fit and overlap are a fit; equal bores face to face are a flange."""
     met = meeting(_spans(a), _spans(b))
     assert met.basis is basis
     assert met.overlap == pytest.approx(overlap * MM, abs=1e-12)
 
 
 def test_the_strongest_pair_counts() -> None:
-    """The fit among many faces decides, however wide the others are; of several fits the widest."""
+    """Of many faces the best fit decides, of several fits the widest."""
     a = _spans(("shaft", 30, 0, 5), ("shaft", 4, 5, 25), ("shaft", 6, 25, 30))
     b = _spans(("bore", 35, 0, 5), ("bore", 4.05, 10, 20), ("bore", 6.05, 28, 40))
     met = meeting(a, b)
@@ -55,14 +55,14 @@ def test_the_strongest_pair_counts() -> None:
 
 
 def test_of_faces_apart_the_nearest_tell() -> None:
-    """The gap that is reported is the least one."""
+    """The reported gap is the smallest one."""
     met = meeting(_spans(("bore", 9, -50, 0), ("bore", 2, 0, 3)), _spans(("bore", 9, 300, 310), ("bore", 2, 20, 30)))
     assert (met.basis, met.rows) == (Basis.APART, (1, 1))
     assert met.overlap == pytest.approx(-17 * MM)
 
 
 def test_blocks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lines with many faces are compared block by block, with the same result."""
+    """Lines with many faces are compared in blocks with the same result."""
     random = np.random.default_rng(3)
     low = random.uniform(0, 1, (2, 60))
     sides = [Spans(z, z + 0.004, random.uniform(0.001, 0.02, 60), random.random(60) < 0.5) for z in low]

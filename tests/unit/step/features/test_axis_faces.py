@@ -1,4 +1,4 @@
-"""How far faces of cylinders reach along their axis, against closed forms."""
+"""Extents of cylindrical faces along their axis, against closed forms."""
 
 import math
 
@@ -14,7 +14,7 @@ from stepbot.step.topology import faces_of
 
 @pytest.mark.parametrize("turn", [0.0, 0.05, 1.0, 3.1, math.pi, 3.2, 6.25])
 def test_cylinder_cut_aslant(turn: float) -> None:
-    """The ellipse at its end is highest in the same place, wherever the seam of the cylinder is."""
+    """The end of an obliquely cut cylinder is that of its ellipse, for any position of the seam."""
     seam = gp_Dir(math.cos(turn), math.sin(turn), 0.0)
     rod = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(), gp_Dir(0.0, 0.0, 1.0), seam), 5.0, 30.0).Shape()
     plane = gp_Pln(gp_Ax3(gp_Pnt(0.0, 0.0, 15.0), gp_Dir(0.5, 0.0, 1.0)))

@@ -1,4 +1,4 @@
-"""Faces of bodies as contacts need them, against closed forms and the kernel's own integrals."""
+"""Faces of bodies for contacts, against closed forms and the kernel's integrals."""
 
 import math
 from typing import Any
@@ -26,7 +26,7 @@ def drilled_block() -> Any:
 
 
 def as_splines(shape: Any) -> Any:
-    """The same shape, every surface a rational B-spline."""
+    """The same shape with all surfaces as rational B-splines."""
     return BRepBuilderAPI_NurbsConvert(shape, True).Shape()
 
 
@@ -36,13 +36,13 @@ def of_kind(shape: Any, kind: FaceKind) -> list[Face]:
 
 
 def shoelace(ring: Array, normal: Array) -> float:
-    """Area [m^2] that a ring encloses, positive where it runs anticlockwise about the normal."""
+    """Area [m^2] enclosed by a ring, positive if anticlockwise about the normal."""
     return float(0.5 * np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0) @ normal)
 
 
 @pytest.mark.parametrize("written", [drilled_block(), as_splines(drilled_block())], ids=["exact", "splines"])
 def test_block_with_a_bore(written: Any) -> None:
-    """Six planes look outwards; the bore has its axis, radius and length, also where all surfaces are B-splines."""
+    """Six planes face outwards; the bore has its axis, radius and length, also with B-spline surfaces."""
     planes = of_kind(written, FaceKind.PLANE)
     (bore,) = of_kind(written, FaceKind.CYLINDER)
     middle = np.array([0.0, 0.0, 5e-3])
@@ -55,7 +55,7 @@ def test_block_with_a_bore(written: Any) -> None:
 
 
 def test_outlines_enclose_the_area_of_their_faces() -> None:
-    """The rings of a face with a hole, outer first, enclose its area but for the chords of the circle."""
+    """The rings of a face with a hole, outer first, enclose its area except for chords of the circle."""
     shape = drilled_block()
     faces = faces_of(shape)
     for kernel_face, face in zip(faces, read_faces(faces), strict=True):
@@ -70,7 +70,7 @@ def test_outlines_enclose_the_area_of_their_faces() -> None:
 
 
 def test_ball_and_socket_differ() -> None:
-    """The outside of a ball looks away from its centre, that of a socket towards it."""
+    """The face of a ball points away from its centre, that of a socket towards it."""
     ball = BRepPrimAPI_MakeSphere(gp_Pnt(1.0, 2.0, 3.0), 5.0).Shape()
     block = BRepPrimAPI_MakeBox(gp_Pnt(-20.0, -20.0, 3.0), 40.0, 40.0, 10.0).Shape()
     (outside,) = of_kind(ball, FaceKind.SPHERE)
@@ -80,7 +80,7 @@ def test_ball_and_socket_differ() -> None:
 
 
 def test_mirrored_face_keeps_its_outline_on_its_plane() -> None:
-    """A mirrored and scaled face is where its points are mirrored and scaled to."""
+    """A mirrored and scaled face has the mirrored and scaled outline on its plane."""
     factors = 2.0 * np.array([1.0, 1.0, -1.0])
     for face in of_kind(drilled_block(), FaceKind.PLANE):
         made = face.scaled(factors, 2.0)

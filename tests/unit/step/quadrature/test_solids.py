@@ -1,4 +1,4 @@
-"""Mass properties of splined solids, against integrals in the plane that know no face, no trimming and no kernel."""
+"""Mass properties of splined solids, against planar integrals without faces, trimming or kernel."""
 
 from collections.abc import Callable
 from math import cos, pi, sin
@@ -56,7 +56,7 @@ class Outline:
         return table[:, :2], table[:, 2:], weights
 
     def face(self, *holes: float) -> Any:
-        """The face within it, without smaller copies of it at some scales."""
+        """The face bounded by the outline, without scaled copies of it as holes."""
         from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
         from OCP.gp import gp_Pnt
         from OCP.TopoDS import TopoDS
@@ -70,13 +70,13 @@ class Outline:
 
 
 def area_moments(points: Array, tangents: Array, weights: Array) -> dict[tuple[int, int], float]:
-    """Integrals of x^i y^j over what a closed curve surrounds, i + j up to 2, by Green's theorem."""
+    """Integrals of x^i y^j, i + j up to 2, over the region of a closed curve, by Green's theorem."""
     (x, y), dy = points.T, tangents[:, 1] * weights
     return {(i, j): float((x ** (i + 1) * y**j * dy).sum() / (i + 1)) for i in range(3) for j in range(3 - i)}
 
 
 def prism(area: dict[tuple[int, int], float], height: float) -> Array:
-    """The ten integrals (1, x, y, z, xx, xy, xz, yy, yz, zz) over a prism that stands on z = 0."""
+    """The ten integrals (1, x, y, z, xx, xy, xz, yy, yz, zz) over a prism on z = 0."""
     h = height
     a = area
     first = (a[1, 0] * h, a[0, 1] * h, a[0, 0] * h**2 / 2)
@@ -93,7 +93,7 @@ def extruded(face: Any, height: float) -> Any:
 
 
 def assert_same(found: Array | VolumeProperties | None, expected: Array, tolerance: float) -> None:
-    """Volume, centre and inertia are as expected."""
+    """Assert that volume, centre and inertia are as expected."""
     if isinstance(found, np.ndarray):
         found = properties_of(found, np.zeros(3))
     right = properties_of(expected, np.zeros(3))
@@ -108,7 +108,7 @@ def waves(t: float) -> float:
 
 
 def test_a_plate_with_a_wavy_outline(tmp_path: Path) -> None:
-    """A plate whose outline has 200 spans, which the kernel's integration misses by a tenth, through a STEP file."""
+    """A plate whose outline has 200 spans, which the kernel's integration misses by a tenth, read from a STEP file."""
     outline = Outline(200, waves)
     shape = extruded(outline.face(), 30.0)
     expected = prism(area_moments(*outline.nodes()), 30.0)
@@ -120,7 +120,7 @@ def test_a_plate_with_a_wavy_outline(tmp_path: Path) -> None:
 
 
 def test_a_splined_solid_in_a_file(tmp_path: Path) -> None:
-    """What is read of a smaller plate is right to 1e-8, and the estimated error says that a mesh confirms it."""
+    """A smaller plate, read from a STEP file, is right to 1e-8, and its estimated error is below 1e-3."""
     outline = Outline(40, lambda t: 40 + 6 * cos(5 * t) + 2 * sin(9 * t))
     expected = prism(area_moments(*outline.nodes()), 30.0)
     body = only(read_quietly(write_with_parameter_curves(tmp_path / "plate.step", extruded(outline.face(), 30.0))))
@@ -129,7 +129,7 @@ def test_a_splined_solid_in_a_file(tmp_path: Path) -> None:
 
 
 def test_a_thin_shell() -> None:
-    """A wall of a hundredth of its radius between two splines."""
+    """A wall of 1 % of its radius between two splines."""
     outline = Outline(60, lambda t: 50 + 3 * cos(4 * t))
     points, tangents, weights = outline.nodes()
     expected = prism(area_moments(points, tangents, weights), 80.0)
@@ -162,7 +162,7 @@ def test_a_loft() -> None:
 
 
 def test_a_revolved_spline() -> None:
-    """A wavy ring: a splined section turned about an axis beside it."""
+    """A wavy ring: a splined section revolved about an axis beside it."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt
 
@@ -173,7 +173,7 @@ def test_a_revolved_spline() -> None:
     dy = 2 * pi * tangents[:, 1] * weights
 
     def ring(i: int, j: int) -> float:
-        """Integral of radius^i y^j over the solid, whose element is 2 pi radius."""
+        """Integral of radius^i y^j over the solid, with the volume element 2 pi radius."""
         return float(-(radius ** (i + 2) * y**j * dy).sum() / (i + 2))
 
     volume, along = ring(0, 0), ring(0, 1)
@@ -195,7 +195,7 @@ def test_a_revolved_spline() -> None:
 )
 @pytest.mark.parametrize("rational", [False, True], ids=["quadrics", "rational"])
 def test_closed_forms(solid: solids.Solid, rational: bool) -> None:
-    """Quadrics are exact to rounding as they are, and as rational B-splines."""
+    """Quadrics are exact to rounding, and so are their rational B-splines."""
     shape = as_nurbs(solid.shape) if rational else solid.shape
     found = properties_of(quadrature(shape, np.array([1.0, 2.0, 3.0]), 2), np.array([1.0, 2.0, 3.0]))
     expected = solid.moments.in_metres()
@@ -206,7 +206,7 @@ def test_closed_forms(solid: solids.Solid, rational: bool) -> None:
 
 
 def test_what_nothing_confirms_is_uncertain() -> None:
-    """A kernel's number that neither stepbot's integration nor meshes come near to has no small error."""
+    """A kernel's result that neither stepbot's integration nor meshes confirm has no small error."""
     shape = as_nurbs(solids.cylinder(3, 10).shape)
     right = properties_of(quadrature(shape, np.zeros(3), 2), np.zeros(3))
     assert right is not None
@@ -223,13 +223,13 @@ def test_what_nothing_confirms_is_uncertain() -> None:
 
 
 def scaled(properties: VolumeProperties, factor: float) -> VolumeProperties:
-    """As if there were more of the solid by a factor."""
+    """The integrals scaled by a factor."""
     unit = properties.unit_density
     return VolumeProperties.of(factor * properties.volume, np.array(unit.com), factor * np.array(unit.inertia))
 
 
 def test_the_larger_difference_is_the_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Up to 1e-3 off the kernel, stepbot's integral counts once it has converged to 1e-5; else meshes decide."""
+    """Up to 1e-3 off the kernel, stepbot's integral is used once converged to 1e-5; otherwise meshes decide."""
     shape = as_nurbs(solids.cylinder(3, 10).shape)
     right = properties_of(quadrature(shape, np.zeros(3), 2), np.zeros(3))
     assert right is not None
@@ -250,7 +250,7 @@ def test_the_larger_difference_is_the_error(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_simple_solids_keep_the_kernels_numbers(tmp_path: Path) -> None:
-    """Of planes and quadrics what is read is the kernel's integration, bit for bit."""
+    """Solids of planes and quadrics have the kernel's numbers, bit for bit."""
     solid = solids.box(40, 30, 12) - solids.cylinder(5, 12).at(8, 3, -6)
     body: Body = only(read_quietly(write(tmp_path / "plate.step", solid.shape)))
     assert body.kind is BodyKind.SOLID

@@ -1,4 +1,4 @@
-"""Mass properties of threads, swept splines and offset surfaces as the kernel makes them, against closed forms."""
+"""Mass properties of threads, swept splines and offset surfaces built by the kernel, against closed forms."""
 
 from math import cos, hypot, pi
 from pathlib import Path
@@ -16,7 +16,7 @@ from tests.unit.step.quadrature.test_solids import Outline, area_moments, assert
 from tests.unit.step.shapes.test_bodies import only, write_with_parameter_curves
 
 MAJOR, LEAD, TURNS = 10.0, 4.0, 3
-"""Of a thread: radius of its helix, its rise in a turn [mm], and whole turns."""
+"""Thread: radius of the helix, rise per turn [mm], number of turns."""
 TOOTH = ((9.0, -1.0), (11.0, -0.6), (11.0, 0.6), (9.0, 1.0))
 """Trapezoid: distance from the axis and height [mm]."""
 
@@ -37,7 +37,7 @@ def helix() -> Any:
 
 
 def swept_about_the_axis(profile: Any) -> Any:
-    """The solid that a wire in the plane of x and z makes as it turns and rises along the helix."""
+    """The solid swept by a wire in the x-z plane along the helix."""
     from OCP.BRepOffsetAPI import BRepOffsetAPI_MakePipeShell
     from OCP.gp import gp_Dir
 
@@ -94,7 +94,7 @@ def shifted(integrals: Array, height: float) -> Array:
 
 
 def test_a_thread(tmp_path: Path) -> None:
-    """A trapezoidal thread of three turns, through a STEP file; the kernel's sweep itself is 1e-6 off the helix."""
+    """A trapezoidal thread of three turns, read from STEP; the kernel's sweep itself is 1e-6 off the helix."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakePolygon
     from OCP.gp import gp_Pnt
 
@@ -125,7 +125,7 @@ def test_a_splined_thread() -> None:
 
 
 def test_a_rod_along_a_spline() -> None:
-    """A round rod along a plane spline; across a bend its element of volume is 1 minus curvature times distance."""
+    """A round rod along a plane spline; the volume element is 1 - curvature * distance across the bend."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
     from OCP.BRepOffsetAPI import BRepOffsetAPI_MakePipe
     from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Pnt, gp_Vec
@@ -161,7 +161,7 @@ def test_a_rod_along_a_spline() -> None:
 
 
 def parallel(outline: Outline, distance: float) -> tuple[Array, Array, Array]:
-    """Points, tangents and weights along the curve at a distance outside of an outline."""
+    """Points, tangents and weights of a curve at a distance outside an outline."""
     from OCP.gp import gp_Pnt, gp_Vec
 
     knots = np.array(list(outline.curve.Knots()))
@@ -179,7 +179,7 @@ def parallel(outline: Outline, distance: float) -> tuple[Array, Array, Array]:
 
 
 def test_offset_surfaces(tmp_path: Path) -> None:
-    """A splined prism that is offset outwards, through a STEP file: its wall is an offset surface there."""
+    """The wall of a splined prism offset outwards, read from STEP, is an offset surface."""
     from OCP.BRepOffset import BRepOffset_Mode
     from OCP.BRepOffsetAPI import BRepOffsetAPI_MakeOffsetShape
     from OCP.GeomAbs import GeomAbs_JoinType

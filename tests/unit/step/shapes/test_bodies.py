@@ -1,4 +1,4 @@
-"""One body: tolerance, size, refinement, exactness, axes; on shapes whose numbers are known in closed form."""
+"""One body: tolerance, size, refinement, accuracy, axes; on shapes with closed forms."""
 
 from collections.abc import Callable
 from math import pi, sqrt
@@ -18,13 +18,13 @@ from tests.unit.step.here import read_here, read_quietly
 
 
 def write(path: Path, shape: Any) -> Path:
-    """A file with one part of that shape."""
+    """A file with one part of this shape."""
     write_step(path, Part("part", shape))
     return path
 
 
 def write_with_parameter_curves(path: Path, shape: Any) -> Path:
-    """The same as the kernel writes it by itself: edges also as curves in the parameters of their faces."""
+    """The same as the kernel writes it by default, with parameter curves of edges on their faces."""
     from OCP.Interface import Interface_Static
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
 
@@ -54,17 +54,17 @@ def as_nurbs(shape: Any) -> Any:
 
 @pytest.mark.parametrize("relative", [0.02, 0.002, 0.0002])
 def test_the_mesh_follows_the_solid(relative: float, tmp_path: Path) -> None:
-    """No facet of a ball is further from the sphere than the tolerance, a share of the ball's diagonal."""
+    """No facet of a ball deviates by more than the tolerance, a share of the ball's diagonal."""
     path = parts.write_sphere(tmp_path / "ball.step", radius=30).path
     body = only(read_quietly(path, ReadOptions(tolerance=MeshTolerance(relative, angle=pi))))
     middles = body.mesh.vertices[body.mesh.faces].mean(axis=1)
     diagonal = 0.06 * sqrt(3)
-    # The mesher keeps the deviation along edges, and nearly so inside of faces.
+    # The mesher keeps the deviation along edges, and nearly so inside faces.
     assert 0.03 - np.linalg.norm(middles, axis=1).min() < 1.25 * relative * diagonal
 
 
 def test_an_absolute_tolerance_is_a_length(tmp_path: Path) -> None:
-    """A tolerance in metres applies for any size."""
+    """A tolerance in metres is independent of the size."""
     for radius in (3.0, 300.0):
         path = parts.write_cylinder(tmp_path / f"{radius}.step", radius=radius).path
         body = only(read_quietly(path, ReadOptions(tolerance=MeshTolerance(absolute=1e-5, angle=pi))))
@@ -75,7 +75,7 @@ def test_an_absolute_tolerance_is_a_length(tmp_path: Path) -> None:
 
 
 def test_the_angle_bounds_the_facets(tmp_path: Path) -> None:
-    """A circle is divided at least as finely as the angle asks for."""
+    """A circle has at least as many segments as the angle requires."""
     path = parts.write_cylinder(tmp_path / "pin.step").path
     body = only(read_quietly(path, ReadOptions(tolerance=MeshTolerance(relative=0.02, angle=pi / 24))))
     on_circle = np.isclose(np.hypot(*body.mesh.vertices[:, :2].T), 0.02) & np.isclose(body.mesh.vertices[:, 2], 0.0)
@@ -83,7 +83,7 @@ def test_the_angle_bounds_the_facets(tmp_path: Path) -> None:
 
 
 def test_the_finest_claim_on_a_body_holds(tmp_path: Path) -> None:
-    """One bolt of a link with a fine mesh makes all bolts fine, since they are one body; other parts stay coarse."""
+    """The finest tolerance of all occurrences applies to a body; other parts stay coarse."""
     path = parts.write_nested(tmp_path / "nested.step").path
     coarse = MeshTolerance(0.05, angle=1.0)
     plain = read_quietly(path, ReadOptions(tolerance=coarse))
@@ -135,7 +135,7 @@ def test_refinement_has_a_bound(tmp_path: Path, found: ReadDiagnostics, monkeypa
 
 @pytest.mark.parametrize(
     ("writer", "volume_tolerance", "com_tolerance"),
-    # Where a file has no curves in the parameters of its surfaces, the kernel fits them to 1e-7 m.
+    # Without parameter curves in the file, the kernel fits them to 1e-7 m.
     [(write_with_parameter_curves, 1e-6, 1e-8), (write, 3e-6, 1e-7)],
     ids=["with parameter curves", "without"],
 )
@@ -151,7 +151,7 @@ def test_rational_surfaces_are_integrated_well(
     com_tolerance: float,
     tmp_path: Path,
 ) -> None:
-    """The kernel's plain integration is wrong by a percent on rational B-splines; the mesh gives it away."""
+    """Rational B-splines, on which the kernel's plain integration is 1 % off, are integrated accurately."""
     exact = only(read_quietly(writer(tmp_path / "nurbs.step", as_nurbs(solid.shape)))).exact
     assert exact is not None
     expected = solid.moments.in_metres()
@@ -162,7 +162,7 @@ def test_rational_surfaces_are_integrated_well(
 
 
 def test_a_solid_inside_out_is_turned_round(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """The volume of a solid whose faces look inwards is that of the solid, and its mesh looks outwards."""
+    """A solid whose faces point inwards is reversed: positive volume, outward mesh."""
     drawing = parts.write_bored_plate(tmp_path / "plate.step")
     text = drawing.path.read_text(encoding="utf-8")
     turned = text.replace(",.T.);", ",.?.);").replace(",.F.);", ",.T.);").replace(",.?.);", ",.F.);")
@@ -184,7 +184,7 @@ def test_a_solid_inside_out_is_turned_round(tmp_path: Path, found: ReadDiagnosti
 
 
 def test_a_closed_shell_is_no_solid(tmp_path: Path) -> None:
-    """A box of faces without a solid is a surface, closed or not: the file does not declare it as solid."""
+    """A closed box of faces without a solid is a surface: the file does not declare it as solid."""
     from OCP.TopAbs import TopAbs_ShapeEnum
     from OCP.TopExp import TopExp_Explorer
 
@@ -203,13 +203,13 @@ def edge() -> Any:
 
 
 def test_curves_alone_are_a_wire(tmp_path: Path) -> None:
-    """A part of curves has a place in the tree, and nothing to see."""
+    """A part of curves only is in the tree and has no shape."""
     body = only(read_quietly(write(tmp_path / "wire.step", edge())))
     assert (body.kind, len(body.mesh.faces), body.watertight) == (BodyKind.WIRE, 0, False)
 
 
 def test_curves_beside_a_solid_are_left_out(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """They are not a separate body, which is reported."""
+    """Curves beside a solid are no separate body, which is reported."""
     shape = solids.compound(edge(), solids.box(10, 10, 10).shape)
     body = only(read_here(write(tmp_path / "both.step", shape), found))
     assert body.kind == BodyKind.SOLID
@@ -225,7 +225,7 @@ def axis_faces(tmp_path: Path, solid: Any) -> tuple[AxisFace, ...]:
 
 
 X_WB = pose((100.0, -50.0, 30.0), turn("x", 0.4) @ turn("y", -1.1))
-"""Somewhere, so that no axis is parallel to another [mm]."""
+"""Some pose, so that no axis is parallel to another [mm]."""
 
 
 def ends(face: AxisFace) -> np.ndarray:
@@ -236,7 +236,7 @@ def ends(face: AxisFace) -> np.ndarray:
 
 
 def test_a_shaft(tmp_path: Path) -> None:
-    """Axis, radius and extent of a pin, with material inside."""
+    """A pin has its axis, radius and extent, with material inside."""
     (face,) = axis_faces(tmp_path, moved(solids.cylinder(4, 25).shape, X_WB))
     assert (face.bore, face.cone) == (False, False)
     assert face.radius == pytest.approx(0.004)
@@ -244,7 +244,7 @@ def test_a_shaft(tmp_path: Path) -> None:
 
 
 def test_a_bore(tmp_path: Path) -> None:
-    """Material is outside of a hole."""
+    """A hole has its material outside."""
     plate = solids.box(40, 40, 12) - solids.cylinder(5, 12).at(8, 3, -6)
     (face,) = axis_faces(tmp_path, moved(plate.shape, X_WB))
     assert face.bore
@@ -253,7 +253,7 @@ def test_a_bore(tmp_path: Path) -> None:
 
 
 def test_a_cone(tmp_path: Path) -> None:
-    """A cone counts with its larger radius."""
+    """A cone has its larger radius."""
     (face,) = axis_faces(tmp_path, moved(solids.cone(9, 4, 20).shape, X_WB))
     assert (face.bore, face.cone) == (False, True)
     assert face.radius == pytest.approx(0.009)
@@ -261,7 +261,7 @@ def test_a_cone(tmp_path: Path) -> None:
 
 
 def test_an_oblique_cut_counts_to_its_tip(tmp_path: Path) -> None:
-    """The extent of a trimmed face is exact where an ellipse ends it: a pin of radius 5 cut at 30 degrees."""
+    """The extent of a face ending in an ellipse is exact: a pin of radius 5 cut at 30 degrees."""
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 
     knife = solids.box(100, 100, 100).at(0, 0, 50).moved(pose((0, 0, 20), turn("x", pi / 6)))
@@ -272,7 +272,7 @@ def test_an_oblique_cut_counts_to_its_tip(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("sweep", ["extrusion", "revolution"])
 def test_swept_surfaces_that_are_cylinders(sweep: str, tmp_path: Path) -> None:
-    """A cylinder that was written as an extruded circle or a revolved line is one."""
+    """A cylinder written as an extruded circle or a revolved line is a cylinder."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
     from OCP.Geom import Geom_Circle, Geom_Line, Geom_SurfaceOfLinearExtrusion, Geom_SurfaceOfRevolution
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt
@@ -290,13 +290,13 @@ def test_swept_surfaces_that_are_cylinders(sweep: str, tmp_path: Path) -> None:
 
 
 def test_other_faces_have_no_axis(tmp_path: Path) -> None:
-    """Planes and spheres turn about nothing in particular."""
+    """Planes and spheres have no axis."""
     assert axis_faces(tmp_path, solids.box(1, 2, 3).shape) == ()
     assert axis_faces(tmp_path, solids.sphere(2).shape) == ()
 
 
 def test_a_mirrored_bore_is_a_bore(tmp_path: Path) -> None:
-    """Mirroring moves an axis and keeps what is inside."""
+    """A mirrored bore has a mirrored axis, and its material still outside."""
     from stepbot.step.shapes.mirroring import variant
 
     plate = solids.box(40, 40, 12) - solids.cone(6, 3, 12).at(8, 3, -6)
@@ -311,11 +311,11 @@ def test_a_mirrored_bore_is_a_bore(tmp_path: Path) -> None:
     assert variant(body, is_mirrored=False, scale=1.0) is body
 
 
-# Stumbling blocks
+# Special cases
 
 
 def test_a_slanted_seam_is_straightened(tmp_path: Path) -> None:
-    """A seam that rounding slants in parameter space keeps its place and becomes exactly vertical."""
+    """A seam slanted by rounding in parameter space stays in place and becomes exactly vertical."""
     from OCP.BRep import BRep_Builder, BRep_Tool
     from OCP.Geom2d import Geom2d_Line
     from OCP.gp import gp_Dir2d, gp_Pnt2d
@@ -355,7 +355,7 @@ def edges_of(face: Any) -> list[Any]:
 
 
 def curve_place(edge: Any, face: Any) -> float:
-    """Where the seam is in parameter space."""
+    """Position of the seam in parameter space."""
     from OCP.BRep import BRep_Tool
 
     return float(BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0).Lin2d().Location().X())

@@ -1,4 +1,4 @@
-"""What STEP files call a body: voids, facets, faces that are not sewn or cross each other; bodies of assemblies."""
+"""Kinds of bodies in STEP: voids, facets, unsewn or intersecting faces; bodies of assemblies."""
 
 import os
 import re
@@ -25,7 +25,7 @@ BLOCK = solids.box(40, 30, 20).at(5, 7, 11)
 
 
 def read_one(path: Path, shape: Any, found: ReadDiagnostics) -> Body:
-    """The only body of a file with one part of that shape."""
+    """The only body of a file with one part of this shape."""
     write_step(path, Part("part", shape))
     assembly = read_here(path, found)
     assert assembly is not None
@@ -34,7 +34,7 @@ def read_one(path: Path, shape: Any, found: ReadDiagnostics) -> Body:
 
 
 def assert_exact(body: Body, drawn: Moments, relative: float = 1e-9) -> None:
-    """The body encloses what was drawn [mm], by its exact shape and, closed, by its mesh."""
+    """Assert that the exact shape, and a closed mesh, enclose the drawn body [mm]."""
     expected = drawn.in_metres()
     assert body.exact is not None
     found = body.exact.unit_density
@@ -49,7 +49,7 @@ def assert_exact(body: Body, drawn: Moments, relative: float = 1e-9) -> None:
 
 
 def test_a_solid_with_voids(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Two hollows, one of them round, weigh nothing; the mesh has their walls, looking into them."""
+    """Two voids, one round, have no mass; the mesh has their walls, facing inwards."""
     hollow = BLOCK - solids.sphere(6).at(0, 3, 11) - solids.box(5, 6, 7).at(15, 10, 12)
     body = read_one(tmp_path / "hollow.step", hollow.shape, found)
     assert "BREP_WITH_VOIDS" in (tmp_path / "hollow.step").read_text(encoding="utf-8")
@@ -66,7 +66,7 @@ def test_a_solid_with_voids(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def write_faceted(path: Path, x: float, y: float, z: float) -> None:
-    """A box around the origin as FACETED_BREP, which has corners and planes, and neither edges nor curves."""
+    """A box around the origin as FACETED_BREP, which has corners and planes, but neither edges nor curves."""
     parts.write_empty(path)
     corners = [(i * x / 2, j * y / 2, k * z / 2) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
     quads = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
@@ -95,7 +95,7 @@ def write_faceted(path: Path, x: float, y: float, z: float) -> None:
 
 
 def test_a_faceted_solid(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid of polygons is a solid like any other."""
+    """A faceted solid has the volume of the closed form."""
     write_faceted(tmp_path / "faceted.step", 40.0, 30.0, 20.0)
     assembly = read_here(tmp_path / "faceted.step", found)
     assert assembly is not None
@@ -110,7 +110,7 @@ def test_a_faceted_solid(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 @pytest.mark.parametrize("gap", [0.0, 1e-4])
 def test_faces_that_meet_are_sewn(gap: float, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid whose faces share no edges is closed where they meet, with a note; the volume is unchanged."""
+    """A solid whose faces share no edges is sewn where they meet, with a note; the volume is unchanged."""
     drilled = BLOCK - solids.cylinder(4, 20).at(0, 7, 1)
     body = read_one(tmp_path / "unsewn.step", solids.unsewn(drilled.shape, gap), found)
     assert [(d.code, d.severity) for d in found] == [("SB228", "note")]
@@ -120,7 +120,7 @@ def test_faces_that_meet_are_sewn(gap: float, tmp_path: Path, found: ReadDiagnos
 
 
 def test_colours_survive_sewing(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A face keeps its colour whichever of its edges are replaced."""
+    """A face keeps its colour when its edges are replaced."""
     loose = solids.unsewn(BLOCK.shape)
     path = tmp_path / "red.step"
     write_step(path, Part("part", loose, "#0000ff", ((solids.faces(loose)[0], "#ff0000"),)))
@@ -135,28 +135,28 @@ def test_colours_survive_sewing(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_gaps_stay_open(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Gaps larger than the file's precision are not closed: the intent is unknown."""
+    """Gaps larger than the file's precision are not closed."""
     body = read_one(tmp_path / "gaps.step", solids.unsewn(BLOCK.shape, 0.05), found)
     assert found.codes() == ["SB602"]
     assert (body.exact, body.watertight) == (None, False)
 
 
 def test_a_foil_is_not_sewn(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where the gap allowed is no longer small against the thickness, sewing could change the volume: it is left."""
+    """A thin foil is not sewn if the allowed gap is not small against its thickness."""
     body = read_one(tmp_path / "foil.step", solids.unsewn(solids.box(40, 30, 0.5).shape), found)
     assert found.codes() == ["SB602"]
     assert body.exact is None
 
 
-# Faces that pass through each other
+# Faces that intersect
 
 
 @pytest.mark.parametrize("as_shells", [True, False])
 @pytest.mark.parametrize("x", [6.0, 14.0])
 def test_lobes_that_overlap(x: float, as_shells: bool, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A solid of two blocks that cross is named: whichever way their common part is counted, it is wrong."""
+    """A solid of two intersecting blocks is reported by name, since its volume is ambiguous."""
     blocks = [solids.faces(block.shape) for block in (solids.box(20, 20, 20), solids.box(10, 10, 10).at(x, 3, 2))]
-    if x == 6.0:  # all within the other, and yet no void, since it sticks out on top
+    if x == 6.0:  # within the other, yet not a void, since it extends beyond the top
         blocks[1] = solids.faces(solids.box(10, 10, 30).at(x, 3, 2).shape)
     shells = blocks if as_shells else [[face for block in blocks for face in block]]
     read_one(tmp_path / "crossing.step", solids.solid_of(*shells), found)
@@ -166,7 +166,7 @@ def test_lobes_that_overlap(x: float, as_shells: bool, tmp_path: Path, found: Re
 
 
 def test_lobes_that_cancel(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Two equal blocks, one treated as a void, leave rounding errors, not a volume."""
+    """Two equal blocks, one as a void, have only rounding errors as volume."""
     blocks = (solids.box(20, 20, 20), solids.box(20, 20, 20).at(10, 5, 3))
     body = read_one(tmp_path / "nothing.step", solids.solid_of(*(solids.faces(b.shape) for b in blocks)), found)
     assert found.codes() == ["SB602"]
@@ -174,14 +174,14 @@ def test_lobes_that_cancel(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def mesh_of(shape: Any) -> Stitched:
-    """A shape's mesh as it is judged."""
+    """A shape's mesh, as it is classified."""
     from stepbot.step.shapes.tessellation import Fineness, tessellated
 
     return tessellated(shape, Fineness(0.05, 0.3)).mesh
 
 
 def sound() -> Iterator[solids.Solid]:
-    """Solids that do not pass through themselves, some of them nearly."""
+    """Solids that do not intersect themselves, some of them nearly."""
     yield BLOCK
     yield solids.sphere(10)
     yield BLOCK - solids.sphere(6).at(0, 3, 11)
@@ -192,7 +192,7 @@ def sound() -> Iterator[solids.Solid]:
 
 
 def test_sound_solids_are_left_alone() -> None:
-    """Hollows, bores and thin walls are no crossings."""
+    """Hollows, bores and thin walls are not self-intersections."""
     assert [share_within(mesh_of(solid.shape)) for solid in sound()] == [0.0] * 5
 
 
@@ -205,7 +205,7 @@ def test_share_within() -> None:
         np.concatenate([large.places, small.places]),
         0,
     )
-    # Of each cube one face as a whole and half of two beside it: the other two just stick out.
+    # Of each cube one whole face and half of two beside it are inside: the other two stick out slightly.
     assert share_within(both) == pytest.approx(1 / 3, abs=0.1)
     assert share_within(Stitched(np.empty((0, 3)), np.empty((0, 3), np.int32), np.empty(0, np.int32), 0)) == 0.0
 
@@ -223,7 +223,7 @@ def rewritten(path: Path, *changes: tuple[str, str]) -> None:
 
 
 def test_an_assembly_with_a_solid_of_its_own(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A product that has both a shape and components: its own solid is the component ``body``, at the right place."""
+    """A product with both a shape and components has its own solid as component ``body``, in the right pose."""
     pin, own = parts.drawn("pin", solids.cylinder(3, 10)), parts.drawn("own", BLOCK)
     group = Tree("group", [Occurrence(pin, "pin:1", pose((50, 0, 0))), Occurrence(pin, "pin:2", pose((60, 0, 0)))])
     path = tmp_path / "group.step"
@@ -263,7 +263,7 @@ def test_an_assembly_with_a_solid_of_its_own(tmp_path: Path, found: ReadDiagnost
 
 
 def test_products_without_names(tmp_path: Path) -> None:
-    """Three parts, two of them unnamed, in an unnamed assembly: each has a path of its own, in order."""
+    """Three parts, two of them unnamed, in an unnamed assembly have distinct paths, in order."""
     children = [
         Occurrence(parts.drawn(name, solids.box(10, 10, 10 * (i + 1))), "", pose((20 * i, 0, 0)))
         for i, name in enumerate(("", "block", ""))
@@ -280,12 +280,12 @@ def test_products_without_names(tmp_path: Path) -> None:
 
 
 def units(text: str) -> Iterable[re.Match[str]]:
-    """The millimetres that a file declares, once for each of its contexts."""
+    """The millimetres per unit of each context of a file."""
     return re.finditer(r"#(\d+)=\( LENGTH_UNIT\(\) NAMED_UNIT\(\*\) SI_UNIT\(\.MILLI\.,\.METRE\.\) \);", text)
 
 
 def test_a_part_in_another_unit_than_its_assembly(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Where a part is drawn in inches and its assembly in millimetres, each counts in its own unit."""
+    """A part in inches in an assembly in millimetres has both units applied."""
     block = parts.drawn("block", solids.box(10, 20, 30))
     pin = parts.drawn("pin", solids.box(1, 2, 3))
     path = tmp_path / "mixed.step"
@@ -313,7 +313,7 @@ def test_a_part_in_another_unit_than_its_assembly(tmp_path: Path, found: ReadDia
 
 
 def test_axes_of_mirror_images(tmp_path: Path) -> None:
-    """A slanting bore and its mirror image: each axis is where the closed form has it; all images are one body."""
+    """The axes of an oblique bore and its mirror image are the closed form's; all images are one body."""
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 
     X_PB = pose((12.0, 8.0, -3.0), turn("x", 0.4) @ turn("y", 0.3))
@@ -340,7 +340,7 @@ def test_axes_of_mirror_images(tmp_path: Path) -> None:
 
 
 def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A tessellated body with a corner that is not there fails alone, and is named."""
+    """A tessellated body with an invalid corner fails alone, and is reported by name."""
     path = parts.write_tessellated(tmp_path / "scan.step").path
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     faces = re.search(r"TRIANGULATED_FACE\(.*?\(\((\d+),", text)
@@ -352,7 +352,7 @@ def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -
 
 
 def test_what_occurrences_cost(tmp_path: Path) -> None:
-    """In time and memory one more occurrence costs a small part of one more definition."""
+    """An occurrence costs a small part of the time and memory of a definition."""
     drawn = [parts.drawn(f"ball {i}", solids.sphere(10 + 0.1 * i)) for i in range(40)]
     costs = {}
     for name, shown in (("one", drawn[:1]), ("defined", drawn), ("shown", drawn[:1] * 2000)):
@@ -367,17 +367,17 @@ def test_what_occurrences_cost(tmp_path: Path) -> None:
 
 
 class Cost(NamedTuple):
-    """What it takes to read a file."""
+    """The cost of reading a file."""
 
     seconds: float
-    """Of processor time, forked processes too."""
+    """Processor time, forked processes included."""
     size: int
-    """Bytes of the assembly on its way to the main process."""
+    """Bytes of the assembly sent to the main process."""
     components: int
 
 
 def cost_of(path: Path) -> Cost:
-    """Read a file in a process of its own, which has nothing else on its clock."""
+    """The cost of reading a file in a separate process."""
     script = """
 import os, pickle, sys
 from pathlib import Path
@@ -401,7 +401,7 @@ print(sum(os.times()[:4]) - before, len(pickle.dumps(assembly, protocol=5)), len
 
 @pytest.mark.parametrize(("radius", "count"), [(1e-9, 0), (1e-3, 1)])
 def test_a_cylinder_without_a_radius_has_no_axis(radius: float, count: int) -> None:
-    """What is thinner than a nanometre is a line, and nothing turns about it."""
+    """A cylinder thinner than a nanometre has no axis."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
     from OCP.Geom import Geom_CylindricalSurface
     from OCP.gp import gp_Ax3

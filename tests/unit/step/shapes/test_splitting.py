@@ -1,4 +1,4 @@
-"""Meshes whose blocks touch along edges: parted there, of the same shape, closed to those who ask."""
+"""Meshes whose blocks touch along edges are split there, and become closed without changing shape."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ from stepbot.step.shapes.stitching import Stitched
 
 Cell = tuple[int, int, int]
 
-QUADS = {  # the side of a unit cube that looks in a direction, counter-clockwise from outside
+QUADS = {  # the side of a unit cube that faces a direction, counter-clockwise from outside
     (-1, 0, 0): ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0)),
     (1, 0, 0): ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)),
     (0, -1, 0): ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
@@ -24,7 +24,7 @@ QUADS = {  # the side of a unit cube that looks in a direction, counter-clockwis
 
 
 def cells(filled: Sequence[Cell]) -> Stitched:
-    """The surface of unit cubes, corners at one point joined."""
+    """The surface of unit cubes, with equal corners merged."""
     numbers: dict[Cell, int] = {}
     faces = []
     for cell in filled:
@@ -38,7 +38,7 @@ def cells(filled: Sequence[Cell]) -> Stitched:
 
 
 def seen_by_trimesh(mesh: Stitched) -> trimesh.Trimesh:
-    """The mesh without merging anything."""
+    """The mesh in trimesh, without merging."""
     return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
@@ -53,7 +53,7 @@ TOUCHING = {
 
 @pytest.mark.parametrize("name", TOUCHING)
 def test_touching_blocks_close(name: str) -> None:
-    """Trimesh takes the mesh for closed only once it is parted; volume, area and colours stay."""
+    """The split mesh is closed in trimesh; volume, area and colours are unchanged."""
     before = cells(TOUCHING[name])
     assert not seen_by_trimesh(before).is_watertight
     after = split(before)
@@ -68,7 +68,7 @@ def test_touching_blocks_close(name: str) -> None:
 
 @given(st.sets(st.tuples(*[st.integers(0, 3)] * 3), min_size=1), st.integers(0, 2**32 - 1))
 def test_any_blocks_anyhow_turned_close(filled: set[Cell], seed: int) -> None:
-    """However cubes touch and lie in space, their surface closes and encloses as many as there are."""
+    """For any arrangement of touching cubes the surface is closed and encloses all of them."""
     flat = cells(sorted(filled))
     R = trimesh.transformations.random_rotation_matrix(np.random.default_rng(seed).random(3))[:3, :3]
     mesh = split(Stitched(flat.vertices @ R.T, flat.faces, flat.places, 0))
@@ -77,7 +77,7 @@ def test_any_blocks_anyhow_turned_close(filled: set[Cell], seed: int) -> None:
 
 
 def test_sound_meshes_stay_as_they_are() -> None:
-    """Nothing is touched where two faces meet at every edge, or where the surface is open."""
+    """A mesh with two faces at every edge, or an open one, is unchanged."""
     cube = cells([(0, 0, 0)])
     assert split(cube) is cube
     opened = Stitched(cube.vertices, cube.faces[2:], cube.places[2:], 0)
@@ -87,7 +87,7 @@ def test_sound_meshes_stay_as_they_are() -> None:
 
 
 def test_folded_faces_stay_as_they_are() -> None:
-    """A face that coincides with another, or three at an edge, define no inside: reported as not closed."""
+    """Coincident faces, or three at an edge, are reported as not closed."""
     points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -1, 0)], dtype=float)
     for triangles in ([(0, 1, 2), (1, 0, 3), (0, 1, 4)], [(0, 1, 2), (1, 0, 2), (0, 1, 3), (1, 0, 3)]):
         mesh = Stitched(points, np.array(triangles, np.int32), np.arange(len(triangles), dtype=np.int32), 0)

@@ -1,4 +1,4 @@
-"""Faces joined along shared edges: closed where the solid is, never by distance."""
+"""Faces are joined along shared edges, never by distance."""
 
 import networkx as nx
 import numpy as np
@@ -18,7 +18,7 @@ SQUARE = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
 
 
 def quad(place: int, *corners: tuple[float, float, float]) -> FacetedFace:
-    """A face of two triangles with nodes of its own."""
+    """A face of two triangles with its own nodes."""
     return FacetedFace(place, np.array(corners), SQUARE)
 
 
@@ -33,7 +33,7 @@ CUBE = [
 
 
 def cube_uses(shift: dict[int, float]) -> tuple[list[FacetedFace], list[EdgeUse]]:
-    """A cube's faces, some shifted apart, and the edges that they share."""
+    """The faces of a cube, some shifted apart, and their shared edges."""
     edges: dict[frozenset[tuple[float, ...]], int] = {}
     vertices: dict[tuple[float, ...], int] = {}
     faces, uses = [], []
@@ -50,7 +50,7 @@ def cube_uses(shift: dict[int, float]) -> tuple[list[FacetedFace], list[EdgeUse]
 
 
 def test_a_cube_closes() -> None:
-    """Six faces with nodes of their own become a closed cube of eight vertices and volume 1."""
+    """Six faces with their own nodes become a closed cube of eight vertices and volume 1."""
     mesh = stitched(*cube_uses({}))
     assert len(mesh.vertices) == 8
     assert is_watertight(mesh.faces)
@@ -60,14 +60,14 @@ def test_a_cube_closes() -> None:
 
 
 def test_it_closes_where_positions_differ() -> None:
-    """Edges are shared by identity, so a slightly misplaced face still closes the mesh."""
+    """Shared edges join by identity, so a slightly displaced face still closes the mesh."""
     mesh = stitched(*cube_uses({1: 1e-3}))
     assert len(mesh.vertices) == 8
     assert is_watertight(mesh.faces)
 
 
 def test_faces_that_only_touch_stay_apart() -> None:
-    """Nodes in the same place that share no edge are not joined."""
+    """Coincident nodes without a shared edge are not joined."""
     faces = [quad(0, *CUBE[0]), quad(1, *CUBE[0])]
     mesh = stitched(faces, [])
     assert len(mesh.vertices) == 8
@@ -82,14 +82,14 @@ def test_an_open_box_is_open() -> None:
 
 
 def test_a_turned_face_is_not_watertight() -> None:
-    """All edges join two faces, but they do not agree on the outside."""
+    """A mesh with a flipped face is not watertight, although all edges join two faces."""
     faces, uses = cube_uses({})
     faces[0] = FacetedFace(0, faces[0].nodes, faces[0].triangles[:, ::-1])
     assert not is_watertight(stitched(faces, uses).faces)
 
 
 def test_points_collapse() -> None:
-    """An edge that is a point makes its nodes one, and triangles that fall together are dropped."""
+    """A degenerate edge merges its nodes, and degenerate triangles are dropped."""
     nodes = np.array([(0, 0, 1), (0, 0, 1), (1, 0, 0), (0, 1, 0)], dtype=np.float64)
     face = FacetedFace(0, nodes, np.array([[0, 2, 3], [0, 1, 2]], dtype=np.int32))
     mesh = stitched([face], [EdgeUse(0, 1, [1, 2], (1, 1), True)])
@@ -97,7 +97,7 @@ def test_points_collapse() -> None:
 
 
 def test_triangles_without_edges_join_by_position() -> None:
-    """Tessellated faces join at equal coordinates, 0.0 and -0.0 included."""
+    """Tessellated faces are joined at equal coordinates, 0.0 and -0.0 included."""
     faces = [quad(place, *corners) for place, corners in enumerate(CUBE)]
     faces[0] = FacetedFace(0, -1.0 * (-faces[0].nodes), faces[0].triangles)
     mesh = merged_by_position(faces)
@@ -107,7 +107,7 @@ def test_triangles_without_edges_join_by_position() -> None:
 
 
 def test_no_faces() -> None:
-    """A shape without any triangle gives an empty mesh, which is not watertight."""
+    """A shape without triangles gives an empty mesh, which is not watertight."""
     mesh = stitched([], [])
     assert mesh.faces.shape == (0, 3)
     assert not is_watertight(mesh.faces)

@@ -1,4 +1,4 @@
-"""Canonical names of components, as the sidecar's specification words them."""
+"""Canonical names of components, as documented."""
 
 import pytest
 from hypothesis import given
@@ -10,7 +10,7 @@ Names = list[tuple[str, str]]
 
 
 def paths(children: Names) -> list[str]:
-    """Paths of siblings (product, occurrence) right below the root."""
+    """Paths of siblings (product, occurrence) directly below the root."""
     components = [NamedComponent(-1, "root", ""), *(NamedComponent(0, *names) for names in children)]
     return [name.path for name in assign_paths(components)][1:]
 
@@ -33,17 +33,17 @@ def paths(children: Names) -> list[str]:
     ],
 )
 def test_siblings(children: Names, expected: list[str]) -> None:
-    """The product's name, else the occurrence's if unique and given by a person, else the order in the file."""
+    """The name is the product's, else a unique occurrence name given by a user, else the order in the file."""
     assert paths(children) == expected
 
 
 def test_an_occurrence_named_like_a_sibling_does_not_serve() -> None:
-    """A name that another component has does not distinguish it."""
+    """An occurrence name equal to a sibling's name is not used."""
     assert paths([("bolt", "screw"), ("bolt", "left"), ("screw", "screw:1")]) == ["bolt#1", "left", "screw"]
 
 
 def test_paths_go_down_from_below_the_root() -> None:
-    """Segments are joined by slashes, the root is a dot, and ordinals count equal names."""
+    """Segments are joined by slashes, the root is a dot, and equal names are numbered."""
     names = assign_paths(
         [
             NamedComponent(-1, "arm v3", ""),
@@ -66,7 +66,7 @@ def test_machine_made(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["bolt:1", "left", "NAUO left", "M3x8", "-> Rod"])
 def test_made_by_people(name: str) -> None:
-    """Names given by people are kept."""
+    """Names given by users are kept."""
     assert not is_machine_made(name)
 
 
@@ -75,6 +75,6 @@ NAME = st.sampled_from(["", "SOLID", "a", "b", "a v1", "a:1", "a v2:1", "a/b", "
 
 @given(st.lists(st.tuples(NAME, NAME), max_size=8))
 def test_paths_are_unique(children: Names) -> None:
-    """Whatever the names, no two siblings share a path."""
+    """For any names, siblings have distinct paths."""
     found = paths(children)
     assert len(set(found)) == len(found)

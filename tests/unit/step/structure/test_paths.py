@@ -10,7 +10,7 @@ from stepbot.step.structure.paths import ComponentPaths, escape, nearest_claim, 
 
 
 def _tree(*rows: tuple[str, str, str], bodies: bool = True) -> list[Component]:
-    """Components from (path of the parent, product, occurrence), with canonical segments written out by hand rules."""
+    """Components from (parent path, product, occurrence), with canonical segments written by hand."""
     components = [Component(0, -1, "", ".", "robot", "robot", 1)]
     paths = {".": 0}
     for parent_path, product, occurrence in rows:
@@ -93,7 +93,7 @@ def test_binding(pattern: str, expected: list[str]) -> None:
 
 
 def test_a_glob_names_what_lies_below_another_match_too() -> None:
-    """All matches are returned, so that nearer claims can be found; the topmost are marked."""
+    """A glob returns all matches, for closer claims, and marks the topmost."""
     components = _tree((".", "arm", ""), ("arm", "arm plate", ""), ("arm", "bolt", ""))
     binding = ComponentPaths(components).find("**/arm*")
     assert binding.indices == (1, 2)
@@ -101,7 +101,7 @@ def test_a_glob_names_what_lies_below_another_match_too() -> None:
 
 
 def test_suffix_in_two_places_is_ambiguous() -> None:
-    """A path that ends like this in two places is an error with both as candidates."""
+    """A suffix that matches in two places is an error with both candidates."""
     binding = PATHS.find("horn")
     assert binding.problem == "ambiguous"
     assert binding.candidates == ("base v3/motor/horn", "gripper/XL,XC-330 v1/horn")
@@ -109,13 +109,13 @@ def test_suffix_in_two_places_is_ambiguous() -> None:
 
 
 def test_exact_path_beats_suffix() -> None:
-    """A path that is right from the root is not made ambiguous by the same suffix elsewhere."""
+    """An exact path takes precedence over an equal suffix elsewhere."""
     components = _tree((".", "plate", ""), (".", "arm", ""), ("arm", "plate", ""))
     assert ComponentPaths(components).find("plate").indices == (1,)
 
 
 def test_suffix_below_equal_siblings_is_one_place() -> None:
-    """Segments without ``#n`` match all equal siblings in the middle of a suffix as well."""
+    """A segment without ``#n`` in a suffix matches all equal siblings."""
     components = _tree(
         (".", "hand", ""),
         ("hand", "finger", "f1"),
@@ -130,7 +130,7 @@ def test_suffix_below_equal_siblings_is_one_place() -> None:
 
 
 def test_one_component_is_needed() -> None:
-    """Where one component is needed, several are an error that lists them."""
+    """Several matches are an error with a list where one component is required."""
     binding = PATHS.find_one("gripper/bolt")
     assert binding.problem == "ambiguous"
     assert binding.candidates == ("gripper/bolt#1", "gripper/bolt#2")
@@ -139,13 +139,13 @@ def test_one_component_is_needed() -> None:
 
 
 def test_every_canonical_path_finds_its_component() -> None:
-    """What messages print can be pasted back."""
+    """Every printed path selects its component."""
     for component in ARM:
         assert PATHS.find_one(component.path).indices == (component.index,)
 
 
 def test_binding_by_ordinal_alone_is_fragile() -> None:
-    """Only a ``#n`` that nothing else replaces is fragile."""
+    """Only a path that depends on ``#n`` alone is fragile."""
     assert PATHS.find("gripper/bolt#2").fragile
     assert not PATHS.find("gripper/bolt").fragile
     assert not PATHS.find("base/bolt").fragile
@@ -165,33 +165,33 @@ def test_binding_by_ordinal_alone_is_fragile() -> None:
     ],
 )
 def test_unknown_paths_get_help(pattern: str, hint: str) -> None:
-    """A path that names nothing comes with the remedy that is most likely."""
+    """An unknown path has the most likely remedy."""
     binding = PATHS.find(pattern)
     assert binding.problem == "unknown"
     assert any(hint in text for text in binding.help), binding.help
 
 
 def test_a_single_part_matches_two_stars() -> None:
-    """An assembly that is one part is all that a glob can mean."""
+    """In an assembly of a single part a glob matches the part."""
     root = Component(0, -1, "", ".", "bracket", "bracket", 1, body=0)
     assert ComponentPaths([root]).find("**").indices == (0,)
     assert ComponentPaths([root]).find("*").problem == "unknown"
 
 
 def test_below_lists_each_component_once() -> None:
-    """Nested components do not repeat what is below them."""
+    """Components below a path are listed once each."""
     below = PATHS.below([3, 1])
     assert below == [1, 2, 3, 4, 5]
 
 
 def test_the_nearest_claim_holds() -> None:
-    """A claim on a component beats one above it, and an earlier claim a later one on the same component."""
+    """A claim takes precedence over one above it, and over a later one on the same component."""
     values = nearest_claim(ARM, (((1,), "a"), ((4,), "b"), ((4, 1), "c")), "none")
     assert values[:7] == ["none", "a", "a", "a", "b", "a", "none"]
 
 
 def test_quoting_is_yaml() -> None:
-    """Quoted paths read back as they were."""
+    """Quoted paths are read back unchanged."""
     from ruamel.yaml import YAML
 
     odd = ("two\nlines", "\x1b[31m 'red' \\/ \"quoted\"", "\u202ertl\u2028\x85\t\xa0", "\U000e0001tag")
@@ -206,7 +206,7 @@ _NAME = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_
 @given(st.lists(_NAME, min_size=1, max_size=5))
 @example([".", "\\.", "..", "\\/"])
 def test_escaped_names_bind_to_themselves(names: list[str]) -> None:
-    """The escaped form of any name matches it and nothing else."""
+    """The escaped form of any name matches that name only."""
     plain = list(dict.fromkeys(filter(None, map(plain_name, names))))
     components = [Component(0, -1, "", ".", "", "", 1)]
     for i, name in enumerate(plain, start=1):
@@ -221,9 +221,9 @@ _WORDS = st.sampled_from(["", "a", "b", "a v2", "a v3", "a:1", "a v2:2", "SOLID"
 
 @given(st.lists(st.tuples(st.integers(0, 6), _WORDS, _WORDS), max_size=12))
 def test_canonical_paths_of_any_tree_bind(rows: list[tuple[int, str, str]]) -> None:
-    """However CAD programs name products and occurrences, each printed path finds its own component."""
+    """For any product and occurrence names, each printed path selects its own component."""
     named = [NamedComponent(-1, "robot", "robot")]
-    # Depth first, as an assembly is: each new component goes below the last one or one of those above it.
+    # Depth first, as in an assembly: each component is below the previous one or one of its ancestors.
     for up, product, occurrence in rows:
         parent = len(named) - 1
         for _ in range(up):

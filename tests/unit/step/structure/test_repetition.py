@@ -1,4 +1,4 @@
-"""Many occurrences of one product, placed without the kernel: the same result."""
+"""Many occurrences of one product are placed without the kernel, with the same result."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ TREE = ReadOptions(geometry=False)
 
 
 def write_alternating(path: Path, unit: LengthUnit = "mm", color: str = "") -> list[str]:
-    """Pins and blocks in turn, forty of each, all turned otherwise; their names in the order of the file."""
+    """Pins and blocks in turn, forty of each, all rotated differently; their names in file order."""
     pin, block = parts.drawn("pin", solids.cylinder(2, 10)), parts.drawn("block", solids.box(1, 2, 3))
     children = [
         Occurrence(
@@ -34,12 +34,12 @@ def write_alternating(path: Path, unit: LengthUnit = "mm", color: str = "") -> l
 
 
 def kernel_places_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave every occurrence to the kernel."""
+    """Let the kernel place every occurrence."""
     monkeypatch.setattr(repetition, "MANY", 10_000)
 
 
 def assert_same(found: tuple[Component, ...], expected: tuple[Component, ...]) -> None:
-    """Equal trees, poses but for the last bits."""
+    """Assert equal trees, and poses equal except for the last bits."""
     assert [(c.path, c.product, c.occurrence, c.parent, c.body, c.color) for c in found] == [
         (c.path, c.product, c.occurrence, c.parent, c.body, c.color) for c in expected
     ]
@@ -49,7 +49,7 @@ def assert_same(found: tuple[Component, ...], expected: tuple[Component, ...]) -
 
 @pytest.mark.parametrize("unit", ["mm", "inch"])
 def test_placed_as_the_kernel_would(unit: LengthUnit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names, order and poses are those that the kernel gives when it is left with all the work."""
+    """Names, order and poses are those of the kernel."""
     path = tmp_path / "many.step"
     names = write_alternating(path, unit)
     quick = read_quietly(path, TREE).components
@@ -59,7 +59,7 @@ def test_placed_as_the_kernel_would(unit: LengthUnit, tmp_path: Path, monkeypatc
 
 
 def test_a_kernel_that_disagrees_gets_all_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the formula does not give the kernel's pose, it is not used."""
+    """If the formula does not give the kernel's pose, the kernel places all."""
     path = tmp_path / "many.step"
     write_alternating(path)
     expected = read_quietly(path, TREE).components
@@ -75,7 +75,7 @@ def test_a_kernel_that_disagrees_gets_all_the_work(tmp_path: Path, monkeypatch: 
 
 
 def test_coloured_occurrences_are_left_to_the_kernel(tmp_path: Path) -> None:
-    """A colour is attached to an occurrence by the kernel, so all of them must be there."""
+    """Coloured occurrences are placed by the kernel, which attaches the colours."""
     path = tmp_path / "many.step"
     write_alternating(path, color="#ff0000")
     colored = [c.occurrence for c in read_quietly(path, TREE).components if c.color == (1.0, 0.0, 0.0, 1.0)]
@@ -84,7 +84,7 @@ def test_coloured_occurrences_are_left_to_the_kernel(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_thousands_cost_next_to_nothing(tmp_path: Path) -> None:
-    """Three thousand occurrences of one pin make one body."""
+    """Three thousand occurrences of one pin have one body."""
     path = tmp_path / "row.step"
     parts.write_many(path, 3000)
     assembly = read_quietly(path)

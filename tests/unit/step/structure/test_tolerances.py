@@ -14,21 +14,21 @@ COMPONENTS = (
 
 
 def tolerances(*claims: tuple[str, MeshTolerance]) -> list[tuple[MeshTolerance, ...]]:
-    """What the bodies of the assembly above get."""
+    """The tolerances of the bodies of the assembly above."""
     return definition_tolerances(COMPONENTS, [0, 1], ReadOptions(tolerance=COARSE, tolerance_of=claims))
 
 
 def test_without_claims_the_default_holds() -> None:
-    """Every body has the tolerance of the whole file."""
+    """Without claims every body has the default tolerance."""
     assert tolerances() == [(COARSE,), (COARSE,)]
 
 
 def test_a_claim_holds_for_all_below_and_the_nearest_wins() -> None:
-    """A link that names a subassembly refines what is in it, unless a part of it is named apart."""
+    """A link that claims a subassembly refines its parts, except those claimed separately."""
     assert tolerances(("motor", FINE)) == [(FINE, COARSE), (FINE,)]
     assert tolerances(("motor", FINE), ("motor/case", FINEST)) == [(FINE, COARSE), (FINEST,)]
 
 
 def test_patterns_that_name_nothing_are_for_others_to_report() -> None:
-    """The reader goes on with the default."""
+    """A pattern without a match is ignored here, and reported elsewhere."""
     assert tolerances(("no such part", FINE)) == [(COARSE,), (COARSE,)]

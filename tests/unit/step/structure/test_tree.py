@@ -27,13 +27,13 @@ def at(x: float, linear: Array | None = None) -> Array:
 
 
 def expand(definitions: list[Definition], found: ReadDiagnostics, *roots: int) -> Tree | None:
-    """The tree of definitions whose products are all of steel but the first."""
+    """The tree of definitions whose products are all of steel except the first."""
     materials = [StepMaterial()] + [STEEL if d.product != NONE else StepMaterial() for d in definitions[1:]]
     return grow(definitions, roots or (0,), materials, "x.step", found)
 
 
 def test_poses_add_up(found: ReadDiagnostics) -> None:
-    """A component's pose is that of all above it and its own, in this order."""
+    """A component's pose is the product of those above it and its own."""
     quarter = rotation_about((0, 0, 1), np.pi / 2)
     definitions = [
         Definition(0, "root", children=[Child(1, "a", at(1.0, quarter)), Child(1, "b", at(5.0))]),
@@ -50,7 +50,7 @@ def test_poses_add_up(found: ReadDiagnostics) -> None:
 
 
 def test_mirrored_twice_is_not_mirrored(found: ReadDiagnostics) -> None:
-    """A mirror image in a mirrored assembly is the part itself; once mirrored it is a variant."""
+    """A part mirrored twice is the part itself; mirrored once it is a variant."""
     mirror = np.diag([-1.0, 1.0, 1.0])
     definitions = [
         Definition(0, "root", children=[Child(1, "a", at(1.0, mirror))]),
@@ -62,14 +62,14 @@ def test_mirrored_twice_is_not_mirrored(found: ReadDiagnostics) -> None:
     assert grown.variants == (Variant(2, 0, True), Variant(2, 0))
     for component in grown.components:
         assert np.linalg.det(component.X_WC.R) == pytest.approx(1.0)
-    # The variant's own mirror plane is z = 0: frame and variant together give the mirror image in x.
+    # The variant is mirrored at z = 0: frame and variant together are the mirror image in x.
     plain = grown.components[2].X_WC
     assert plain.R @ np.diag([1.0, 1.0, -1.0]) == pytest.approx(mirror)
     assert plain.position == pytest.approx((-1.0, 0.0, 0.0))
 
 
 def test_scaled(found: ReadDiagnostics) -> None:
-    """An even scaling is a variant of its own."""
+    """A uniformly scaled occurrence is a variant."""
     definitions = [
         Definition(0, "root", children=[Child(1, "a", at(1.0, 2.5 * np.eye(3)))]),
         Definition(1, "part", bodies=[body()]),
@@ -94,7 +94,7 @@ def test_what_is_no_pose(linear: Array, found: ReadDiagnostics) -> None:
 
 
 def test_colours_nearest_first(found: ReadDiagnostics) -> None:
-    """The occurrence's colour beats the body's, the body's the part's, the part's that of the assembly above."""
+    """Colour precedence: occurrence, body, part, assembly above."""
     definitions = [
         Definition(0, "root", children=[Child(1, "a", at(0.0), RED), Child(1, "b", at(1.0)), Child(2, "c", at(2.0))]),
         Definition(1, "two bodies", BLUE, bodies=[body(GREEN), body()]),
@@ -117,7 +117,7 @@ def test_colours_nearest_first(found: ReadDiagnostics) -> None:
 
 
 def test_materials_reach_bodies_but_not_components(found: ReadDiagnostics) -> None:
-    """Bodies of a part, and those the kernel created, have its material; a product below has its own or none."""
+    """Bodies of a part, and those created by the kernel, have its material; a product below has its own or none."""
     definitions = [
         Definition(0, "root", children=[Child(1, "a", at(0.0)), Child(4, "e", at(0.0))]),
         Definition(1, "part", children=[Child(2, "", at(0.0)), Child(3, "", at(0.0))]),
@@ -141,7 +141,7 @@ def test_materials_reach_bodies_but_not_components(found: ReadDiagnostics) -> No
 
 
 def test_empty_components_are_told(found: ReadDiagnostics) -> None:
-    """A product without content is a component, and one note lists them all."""
+    """A product without content is a component, and one note lists all of them."""
     definitions = [
         Definition(0, "root", children=[Child(1, str(i), at(0.0)) for i in range(5)] + [Child(2, "p", at(0.0))]),
         Definition(1, "empty"),
@@ -154,7 +154,7 @@ def test_empty_components_are_told(found: ReadDiagnostics) -> None:
 
 
 def test_several_roots_get_one_without_a_name(found: ReadDiagnostics) -> None:
-    """The first level of a file without a common root hangs below a root that the file does not have."""
+    """The first level of a file without a common root is below an unnamed root."""
     definitions = [Definition(0, "one", bodies=[body()]), Definition(1, "two", bodies=[body()])]
     grown = expand(definitions, found, 0, 1)
     assert grown is not None
@@ -173,7 +173,7 @@ def test_a_part_alone_is_the_root(found: ReadDiagnostics) -> None:
 
 
 def test_trees_that_explode(found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Assemblies that double twenty times over end in a diagnostic, not in all of the memory."""
+    """Assemblies that double twenty times are rejected by a diagnostic."""
     monkeypatch.setattr(tree, "MAX_COMPONENTS", 1000)
     definitions = [
         Definition(i, f"level {i}", children=[Child(i + 1, "a", at(0.0)), Child(i + 1, "b", at(1.0))])
@@ -185,7 +185,7 @@ def test_trees_that_explode(found: ReadDiagnostics, monkeypatch: pytest.MonkeyPa
 
 
 def test_deep_nesting(found: ReadDiagnostics) -> None:
-    """Thousands of levels are no more than a long path."""
+    """Thousands of levels give a long path."""
     definitions = [Definition(i, "level", children=[Child(i + 1, "a", at(1e-3))]) for i in range(3000)]
     definitions.append(Definition(3000, "part", bodies=[body()]))
     grown = expand(definitions, found)

@@ -1,4 +1,4 @@
-"""The size of a tree is known before the kernel follows it."""
+"""The size of a tree is computed before the kernel expands it."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from tests.hostile.trees import write_tree
 
 @pytest.mark.parametrize(("levels", "children", "count"), [(8, 10, "111,111,111"), (30, 2, "2,147,483,647")])
 def test_shared_assemblies_of_millions_are_refused(tmp_path: Path, levels: int, children: int, count: str) -> None:
-    """A few kilobytes that stand for 10^8 components and more are refused with their number, not followed."""
+    """A few kilobytes that expand to 10^8 components or more are rejected with the number."""
     step = tmp_path / "tree.step"
     write_tree(step, levels, children)
     assert step.stat().st_size < 100_000
@@ -24,7 +24,7 @@ def test_shared_assemblies_of_millions_are_refused(tmp_path: Path, levels: int, 
 
 
 def test_shared_assemblies_are_read(tmp_path: Path) -> None:
-    """The same file with fewer of them has each component: 1 + 3 + 9 + 27."""
+    """The same structure with few components is read: 1 + 3 + 9 + 27."""
     step = tmp_path / "tree.step"
     write_tree(step, 3, 3)
     found = Diagnostics()

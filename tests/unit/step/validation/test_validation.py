@@ -1,4 +1,4 @@
-"""Validation properties: what a file states of its shapes, against closed forms and against what is read."""
+"""Validation properties: values stated in a file, against closed forms and the geometry read."""
 
 import re
 from math import pi
@@ -18,13 +18,13 @@ from tests.unit.step.here import read_here, read_quietly
 
 
 def by_quantity(assembly: Assembly) -> dict[str, Validation]:
-    """Validations of a file that states each quantity once."""
+    """Validations of a file that states each quantity once, by quantity."""
     return {validation.quantity.value: validation for validation in assembly.validations}
 
 
 @pytest.mark.parametrize(("unit", "stated_in"), [("mm", "cm"), ("inch", "mm"), ("m", "m"), ("foot", "cm")])
 def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -> None:
-    """Values have their own unit, independent of the file's length unit; a centroid has the file's."""
+    """A value has its own unit, independent of the file's length unit; a centroid has the file's."""
     drawing = parts.write_cylinder(tmp_path / "cylinder.step", 20.0, 70.0, unit)
     file = Stating(drawing.path)
     root, one = file.definition("pin"), METRES[stated_in]
@@ -43,7 +43,7 @@ def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -
 
 
 def test_what_differs_is_said(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A wrong volume and a wrong centroid: both values and the deviation, of a known part."""
+    """A wrong volume and a wrong centroid are reported with both values, the deviation and the part."""
     drawing = parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0))
     file = Stating(drawing.path)
     block = file.definition("block")
@@ -68,7 +68,7 @@ def test_what_differs_is_said(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_sums_over_an_assembly(tmp_path: Path) -> None:
-    """An assembly's values are those of all below it, wherever and however often it is."""
+    """The values of an assembly are those of everything below it, for any occurrences."""
     drawing = parts.write_nested(tmp_path / "nested.step")
     file = Stating(drawing.path)
     root = file.definition("machine")
@@ -81,7 +81,7 @@ def test_sums_over_an_assembly(tmp_path: Path) -> None:
 
 
 def test_mirrored_and_repeated_occurrences(tmp_path: Path) -> None:
-    """The centroid of an occurrence is in the assembly's frame; each of several is found by its own."""
+    """The centroid of an occurrence is in the assembly's frame; each of several has its own."""
     drawing = parts.write_mirrored(tmp_path / "pair.step")
     file = Stating(drawing.path)
     context = file.context(file.representation(file.definition("pair of brackets")))
@@ -100,7 +100,7 @@ def test_mirrored_and_repeated_occurrences(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("style", ["shape representation", "item usage"])
 def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Each solid of a part has its own values, in the ways of AP214 and AP242."""
+    """Each solid of a part has its own values, in the forms of AP214 and AP242."""
     drawing = parts.write_two_solids(tmp_path / "pair.step")
     file = Stating(drawing.path)
     definition = file.definition("pair")
@@ -127,7 +127,7 @@ def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) ->
 
 
 def test_what_cannot_be_compared(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A volume in square metres and a value of something that is no part are counted, not guessed."""
+    """A volume in square metres, and a value of something that is not a part, are counted as not compared."""
     file = Stating(parts.write_box(tmp_path / "box.step").path)
     root = file.definition("block")
     file.measure(root, Quantity.VOLUME, 1.0, power=2)
@@ -141,7 +141,7 @@ def test_what_cannot_be_compared(tmp_path: Path, found: ReadDiagnostics) -> None
 
 
 def test_triangles_are_not_compared(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A mesh has no exact volume to compare with."""
+    """A tessellated body has no exact volume to compare."""
     file = Stating(parts.write_tessellated(tmp_path / "mesh.step").path)
     file.measure(file.definition("scan"), Quantity.VOLUME, 1.0)
     assembly = read_here(file.write(), found)
@@ -150,7 +150,7 @@ def test_triangles_are_not_compared(tmp_path: Path, found: ReadDiagnostics) -> N
 
 
 def test_an_open_solid_has_no_volume(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A file that states the volume of a solid that lost a face is contradicted."""
+    """The stated volume of a solid that lost a face is reported as different."""
     file = Stating(parts.write_open_solid(tmp_path / "open.step").path)
     file.measure(file.definition("open box"), Quantity.VOLUME, 1000.0)
     assembly = read_here(file.write(), found)
@@ -160,14 +160,14 @@ def test_an_open_solid_has_no_volume(tmp_path: Path, found: ReadDiagnostics) -> 
 
 
 def test_without_geometry_nothing_is_compared(tmp_path: Path) -> None:
-    """The tree alone has nothing to compare."""
+    """Without geometry nothing is compared."""
     file = Stating(parts.write_box(tmp_path / "box.step").path)
     file.measure(file.definition("block"), Quantity.VOLUME, 1.0)
     assert read_quietly(file.write(), ReadOptions(geometry=False)).validations == ()
 
 
 def test_areas_cost_nothing_where_none_is_stated(tmp_path: Path) -> None:
-    """Areas are integrated only where the file states one."""
+    """Areas are integrated only if the file states one."""
     path = parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path
     assert [body.area for body in read_quietly(path).bodies] == [0.0]
     file = Stating(path)
@@ -180,7 +180,7 @@ def test_areas_cost_nothing_where_none_is_stated(tmp_path: Path) -> None:
     [("as1-oc-214.step", 27, 0), ("s1_autocad_foot.step", 39, 0), ("dm1_ideas_inch.step", 19, 1)],
 )
 def test_real_files(name: str, count: int, differing: int, corpus: Path, found: ReadDiagnostics) -> None:
-    """What three CAD programs computed of their own assemblies is what is read, in mm, feet and inches."""
+    """Values stated by three CAD programs for real assemblies agree, in mm, feet and inches."""
     assembly = read_here(corpus / name, found)
     assert assembly is not None
     assert len(assembly.validations) == count
@@ -199,7 +199,7 @@ def test_real_files(name: str, count: int, differing: int, corpus: Path, found: 
 
 
 def test_a_turned_occurrence_of_an_assembly(tmp_path: Path) -> None:
-    """Values of a subassembly are in its own frame, however it is placed."""
+    """Values of a subassembly are in its own frame, in any pose."""
     pin = parts.drawn("pin", solids.cylinder(2, 10))
     pair = DrawnAssembly("pair", [Occurrence(pin, "one", pose((1, 2, 3))), Occurrence(pin, "two", pose((5, 2, 3)))])
     root = DrawnAssembly("root", [Occurrence(pair, "pair:1", pose((50, 0, 0), np.diag([1.0, -1.0, -1.0])))])
