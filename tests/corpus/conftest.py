@@ -1,4 +1,4 @@
-"""The real assemblies are read once for all tests, measuring meshes included; deviations are printed at the end."""
+"""Real assemblies, each read once for all tests with measuring meshes; deviations are printed at the end."""
 
 import os
 import pickle
@@ -13,9 +13,9 @@ from tests.corpus.reading import DEVIATIONS, ReadFile, read_file
 
 @pytest.fixture(scope="session")
 def read(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[CorpusFile], ReadFile]:
-    """Reads a file of the corpus in the kernel's process, or takes it from where another test or process put it."""
+    """Read a file of the corpus in the kernel's process, or return the result of another test or process."""
     base = tmp_path_factory.getbasetemp()
-    # Processes that share the tests have folders beside each other.
+    # Processes that share the tests have sibling folders.
     folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "corpus-readings"
     folder.mkdir(exist_ok=True)
 
@@ -34,7 +34,7 @@ def read(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[Co
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Print file x solid x deviation with ``-v``, else the worst of each file."""
+    """Print file, solid and deviation with ``-v``, else the worst deviation of each file."""
     rows = [
         row
         for report in terminalreporter.getreports("passed") + terminalreporter.getreports("failed")

@@ -11,7 +11,7 @@ COLUMNS = 100
 
 
 def printed(arguments: Sequence[str], folder: Path) -> str:
-    """Run a command that must succeed, in a folder and without a cache; returns both output streams together."""
+    """Run a command that must succeed, in a folder and without a cache; returns both output streams."""
     run = subprocess.run(
         [sys.executable, "-m", "stepbot_cli", *arguments],
         cwd=folder,

@@ -1,4 +1,4 @@
-"""The real assemblies, and what is known of them besides their index."""
+"""The real assemblies, with known values beyond their index."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,11 +10,11 @@ class CorpusFile:
 
     name: str
     index_is_off: str = ""
-    """Why the volume in the index is not that of the solids; empty where it is."""
+    """Why the volume in the index is not that of the solids; empty if it is."""
     volume: float = 0.0
-    """Volume [mm^3] of all solids, where the index is off."""
+    """Volume [mm^3] of all solids, if the index is wrong."""
     findings: tuple[str, ...] = ()
-    """Codes of warnings and errors that the file itself draws, besides those about its mass."""
+    """Codes of warnings and errors of the file itself, except those about its mass."""
 
     @property
     def stem(self) -> str:
@@ -32,7 +32,7 @@ FILES = (
         "bolts and bracket have faces that are rational B-splines, which the kernel integrates wrongly by default: the "
         "volume read is that of three nuts, three bolts and the bracket as the CAD program wrote it into the file",
         3 * 664.380773 + 3 * 3436.11607 + 96858.3852,
-        # The centroid that the file states of the assembly is its centre of mass.
+        # The stated centroid of the assembly is its centre of mass.
         ("SB226",),
     ),
     CorpusFile("eight_cylinders_multi_root.step", findings=("SB211",)),
@@ -49,7 +49,7 @@ FILES = (
         "of its Gauss-Kronrod rule, span by span",
         323998.372191,
     ),
-    # The centroids that it states of a ring of balls are up to 0.2 mm off the middle of the ring.
+    # The stated centroids of a ring of balls are up to 0.2 mm off the middle of the ring.
     CorpusFile("rotor_pump_ap203.step", findings=("SB226",)),
     CorpusFile("russian_names_cp1251.step", findings=("SB210",)),
     CorpusFile("s1_autocad_foot.step"),
@@ -61,7 +61,7 @@ READABLE = tuple(file for file in FILES if "SB203" not in file.findings)
 
 
 def index_row(corpus: Path, name: str) -> tuple[int, float]:
-    """Number of solids and volume [mm^3] that the index gives for a file."""
+    """Number of solids and volume [mm^3] of a file in the index."""
     rows = (line.split("|") for line in (corpus / "INDEX.md").read_text(encoding="utf-8").splitlines())
     cells = next([cell.strip() for cell in row] for row in rows if len(row) > 2 and row[1].strip() == name)
     return int(cells[8]), float(cells[9])

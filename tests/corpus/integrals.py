@@ -11,7 +11,7 @@ from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
 
 SIMPLE = 1e-9
-"""Estimated error of solids that the kernel alone integrates."""
+"""Estimated error of solids that only the kernel integrates."""
 
 
 def row(step: Path) -> str:

@@ -34,7 +34,7 @@ origin, and a direction with the sign of the sidecar's rule. Links as drawn, in 
 about the centre of mass."""
 
 LINKS = (
-    # The first match applies; from the horns, which are below a motor of another link, to the rest.
+    # The first match applies; from the horns, which are children of another link's motor, to the rest.
     (r"gripper:1/moving side|gripper:1/XL,XC-330:1/(.*HORN|.*IDLE_CAP|BTS2)", "jaw"),
     (r"gripper:1|XL,XC-330:6/(DC15_A01_HORN_DUMMY|BTS2_M2_6X8:1)", "gripper"),
     (r"servo connector angle|XL,XC-330:6|XL,XC-330:8/(.*HORN|.*IDLE_CAP|BTS2)", "wrist"),
@@ -56,10 +56,10 @@ HORNS = {
 
 @dataclass(frozen=True, eq=False)
 class Occurrence:
-    """One part at its place."""
+    """One part with its pose."""
 
     path: str
-    """Occurrence names from below the root, without the save counters of the CAD."""
+    """Occurrence names from below the root, without the CAD's save counters."""
     definition: str
     """Entry of the product in the kernel's document."""
     X_WC: Array
@@ -200,7 +200,7 @@ def widest_cylinder(occurrence: Occurrence) -> dict[str, Any]:
     z = occurrence.X_WC[:3, :3] @ (direction.X(), direction.Y(), direction.Z())
     z *= next(np.sign(z[i]) for i in (2, 1, 0) if abs(z[i]) > 1e-6)
     foot = p[:3] - (p[:3] @ z) * z
-    # Nine decimals of a millimetre: what the placements of the file are exact to.
+    # Nine decimals of a millimetre, the accuracy of the placements in the file.
     return {"point_mm": foot.round(9), "direction": z.round(9), "radius_mm": widest.Radius()}
 
 
@@ -211,7 +211,7 @@ def motor_of(path: str) -> str:
 
 
 def measure(step: Path) -> dict[str, Any]:
-    """All that is known of the arm."""
+    """The expected values of the arm."""
     parts = occurrences(step)
     unit_bodies = {part.definition: solid_moments(part.shape) for part in parts}
     counts = {name: sum(part.definition == name for part in parts) for name in unit_bodies}

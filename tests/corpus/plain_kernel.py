@@ -1,4 +1,4 @@
-"""A second opinion on the solids of a STEP file: the kernel's own reader and healing, no tree, no process."""
+"""An independent reading of the solids of a STEP file: the kernel's reader and healing, no tree, no process."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ MILLIMETRES_PER_METRE = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class PlainSolid:
-    """One solid in the frame that it is defined in, at 1 kg/m^3, as GProp integrates it by default."""
+    """One solid in the frame of its definition, at 1 kg/m^3, integrated by GProp's default rule."""
 
     volume: float
     """[m^3]."""
@@ -24,7 +24,7 @@ class PlainSolid:
     inertia: tuple[tuple[float, ...], ...]
     """About the com [kg m^2]."""
     shape: Any
-    """The kernel's [mm]."""
+    """The kernel's shape [mm]."""
 
     def volume_by_spans(self) -> float:
         """Volume [m^3] by the kernel's Gauss-Kronrod rule, which divides every face at its knots, to 1e-9."""
@@ -37,13 +37,13 @@ class PlainSolid:
         return float(properties.Mass()) / MILLIMETRES_PER_METRE**3
 
     def volume_without_integration(self) -> float:
-        """Volume [m^3] that two meshes of it tend to; what a mesh is off falls with the square of its fineness."""
+        """Volume [m^3] extrapolated from two meshes; the error of a mesh falls with the square of its fineness."""
         coarse, fine = (_mesh_volume(self.shape, angle) for angle in (0.16, 0.08))
         return (4.0 * fine - coarse) / 3.0 / MILLIMETRES_PER_METRE**3
 
 
 def plain_solids(step: Path) -> list[PlainSolid]:
-    """Every solid of a file, once however often it occurs."""
+    """Every solid of a file, once for all its occurrences."""
     from OCP.STEPControl import STEPControl_Reader
     from OCP.TopLoc import TopLoc_Location
 

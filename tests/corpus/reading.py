@@ -1,4 +1,4 @@
-"""A file of the corpus as the kernel's process reads it, measuring meshes and all."""
+"""A file of the corpus, read by the kernel's process with measuring meshes."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,18 +10,18 @@ from stepbot.step.assembly import Assembly, ReadOptions
 from stepbot.step.reader import start_reading
 
 ACCURACY = 1e-3
-"""Relative deviation from exact up to which mass properties are right."""
+"""Relative deviation from exact up to which mass properties count as right."""
 DEVIATIONS = "deviations of solids"
-"""Property of a test's report: file, solid, deviation of the written and the measuring mesh, what is taken."""
+"""Property of a test's report: file, solid, deviation of the written and the measuring mesh, the chosen one."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReadFile:
-    """What came of reading a file."""
+    """The result of reading a file."""
 
     assembly: Assembly | None
     measures: tuple[VolumeProperties | None, ...]
-    """By trimesh, of the written meshes."""
+    """Mass properties of the written meshes, by trimesh."""
     findings: tuple[Diagnostic, ...]
 
 

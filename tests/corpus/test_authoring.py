@@ -29,7 +29,7 @@ def blocks(kind: str, page: str) -> list[str]:
 
 
 def edited(text: str, lines: str) -> str:
-    """A text with the lines of a diff: after the line before them that has a blank in front, at the end without one."""
+    """A text with the lines of a diff inserted, after its context line, or at the end without one."""
     rows, at = text.splitlines(), len(text.splitlines())
     for line in lines.splitlines():
         if line.startswith("+"):
@@ -43,7 +43,7 @@ def edited(text: str, lines: str) -> str:
 
 
 def session(page: str, corpus: Path, folder: Path) -> Iterator[str]:
-    """Type the page's commands in a folder, with its edit behind the first; yields what each prints."""
+    """Run the commands of the page in a folder, with its edit after the first; yields the output of each."""
     shutil.copy(corpus / STEP, folder)
     for number, (command, _) in enumerate(CONSOLE.findall(page)):
         if number == 1:
@@ -65,7 +65,7 @@ def test_session(corpus: Path, tmp_path: Path) -> None:
 
 
 def refresh(corpus: Path) -> None:
-    """Write what the commands print into the page."""
+    """Write the output of the commands into the page."""
     page = PAGE.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         outputs = session(page, corpus, Path(folder))

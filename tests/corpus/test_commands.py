@@ -1,4 +1,4 @@
-"""Real assemblies from the STEP to files that engines have proven, by the command that everybody runs."""
+"""Real assemblies from STEP to verified files, by the command line."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ links:
 @pytest.mark.long
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_one_link(file: CorpusFile, corpus: Path, tmp_path: Path) -> None:
-    """A sidecar of one link converts every file, verified in all engines that are there, or names what is missing."""
+    """A sidecar of one link converts every file, verified in all installed engines, or the error has the reason."""
     sidecar = tmp_path / "whole.robot.yaml"
     sidecar.write_text(SIDECAR.format((corpus / file.name).as_posix()), encoding="utf-8")
     run = command_line.stepbot("convert", sidecar, "-o", "whole", cwd=tmp_path)

@@ -32,7 +32,7 @@ Read = Callable[[CorpusFile], ReadFile]
 
 
 def each(files: tuple[CorpusFile, ...]) -> pytest.MarkDecorator:
-    """A parameter ``file``; what reads the same file runs in the same process, so that it is read once."""
+    """A parameter ``file``; tests of the same file run in the same process, so that it is read once."""
     return pytest.mark.parametrize(
         "file", [pytest.param(file, id=file.stem, marks=pytest.mark.xdist_group(file.stem)) for file in files]
     )
@@ -43,11 +43,11 @@ DENSITY = 1000.0
 """[kg/m^3]."""
 ONE_LINK = 'defaults: {density: 1000}\nparts: {"**": {density: 1000}}\nmass: %s\nlinks: {all: {rest: true}}\n'
 INDEX_TOLERANCE = 2e-5
-"""Share of a volume by which the index, made by another version of the kernel, may be off without a reason."""
+"""Relative deviation allowed for volumes in the index, which another version of the kernel has computed."""
 
 
 def assembly_of(file: CorpusFile, read: Read) -> Assembly:
-    """What was read of a file that can be read."""
+    """The assembly of a readable file."""
     assembly = read(file).assembly
     assert assembly is not None
     return assembly
@@ -60,7 +60,7 @@ def solids(assembly: Assembly) -> list[int]:
 
 @each(FILES)
 def test_reading(file: CorpusFile, read: Read, corpus: Path) -> None:
-    """As many solids as the index has, of the volume that it gives or of one that is explained; all watertight."""
+    """The solids have the number and volume of the index, or an explained one; all are watertight."""
     reading = read(file)
     assert tuple(d.code for d in reading.findings if d.severity != "note") == file.findings
     assert (reading.assembly is None) == any(d.severity == "error" for d in reading.findings)
@@ -83,7 +83,7 @@ def test_reading(file: CorpusFile, read: Read, corpus: Path) -> None:
 def test_mass_properties(
     file: CorpusFile, read: Read, corpus: Path, record_property: Callable[[str, object], None]
 ) -> None:
-    """By trimesh alone every solid comes within a thousandth of its exact B-rep; what is further off is not taken."""
+    """By trimesh alone every solid is within 1e-3 of its exact B-rep; meshes further off are not used."""
     reading = read(file)
     assembly = assembly_of(file, read)
     paths = {c.body: c.path for c in reversed(assembly.components)}
@@ -124,7 +124,7 @@ def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: 
 
 
 def assert_better(ours: MassProperties, plain: PlainSolid) -> None:
-    """Of two volumes that differ, meshes decide for the first."""
+    """Assert that meshes confirm the first of two volumes."""
     limit = plain.volume_without_integration()
     assert ours.mass == pytest.approx(limit, rel=ACCURACY)
     assert abs(ours.mass - limit) < abs(plain.volume - limit)
@@ -144,7 +144,7 @@ def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> 
 @each(READABLE)
 @pytest.mark.parametrize("mass", ["auto", "mesh", "exact"])
 def test_one_link(file: CorpusFile, mass: str, read: Read, tmp_path: Path) -> None:
-    """Every file becomes a robot of one link in every format; its mass, com and inertia are the exact ones."""
+    """Every file becomes a robot of one link in every format, with the exact mass, com and inertia."""
     assembly, reading = assembly_of(file, read), read(file)
     robot, found = one_link(assembly, reading, mass, tmp_path)
     assert robot is not None
@@ -181,7 +181,7 @@ def about(
 
 
 def test_references_to_other_files(read: Read) -> None:
-    """An assembly whose parts are in four other files, which are missing, is refused, and each of them is named."""
+    """An assembly whose parts are in four missing files is rejected, and each file is named."""
     reading = read(next(file for file in FILES if file not in READABLE))
     assert [(fault.code, fault.severity) for fault in reading.findings] == [("SB203", "error")] * 4
     for fault, name in zip(reading.findings, ("TAIL.stp", "HEAD.stp", "MAINBODY.stp", "FOOT.stp"), strict=True):
@@ -230,7 +230,7 @@ def named(stem: str) -> CorpusFile:
 
 @pytest.mark.parametrize("stem", VALIDATION_VOLUMES)
 def test_validation_properties_of_the_file(stem: str, read: Read) -> None:
-    """Volumes that the CAD programs themselves computed are those that are read."""
+    """The volumes stated by CAD programs equal those read."""
     assembly = assembly_of(named(stem), read)
     components = by_path(assembly)
     for path, volume in VALIDATION_VOLUMES[stem].items():
@@ -240,20 +240,20 @@ def test_validation_properties_of_the_file(stem: str, read: Read) -> None:
 
 
 def test_materials_in_pounds_and_inches(read: Read) -> None:
-    """A part made from a raw material has its name and its density, in any unit."""
+    """A part of a raw material has its name and its density, in any unit."""
     bolt = by_path(assembly_of(named("dm1_ideas_inch"), read))["bolt_3"]
     assert bolt.material == "Greek Ascoloy"
     assert bolt.density == pytest.approx(0.285230375059732 * 0.4536 / 0.0254**3, rel=1e-9)
 
 
 def test_body_beside_components(read: Read) -> None:
-    """A product with both a solid and components: the solid is a component called body."""
+    """The solid of a product with both a solid and components is a component called body."""
     assembly = assembly_of(named("so101_upper_arm"), read)
     assert [c.path for c in assembly.components] == [".", "Wiring_holder", "Wiring_holder v1 (1)", "body"]
 
 
 def test_names_of_the_follower(read: Read) -> None:
-    """Fusion's save counters are left out, bodies of one part are numbered, the one default density is there."""
+    """Fusion's save counters are removed, bodies of one part are numbered, and the default density is reported."""
     assembly = assembly_of(named("low_cost_robot_follower"), read)
     components = by_path(assembly)
     assert {"XL-430_new:1/DC11_A01_DUMMY/body#2", "XL,XC-330:6/DC15_A01_HORN_DUMMY", "gripper/moving side"} <= set(
@@ -266,7 +266,7 @@ def test_names_of_the_follower(read: Read) -> None:
 
 
 def test_several_roots(read: Read) -> None:
-    """Roots become children of a root without a name, and equal names are numbered."""
+    """Several roots are children of an unnamed root, and equal names are numbered."""
     assembly = assembly_of(named("eight_cylinders_multi_root"), read)
     assert assembly.components[0].path == "."
     assert assembly.components[0].product == ""

@@ -1,4 +1,4 @@
-"""A real assembly of SolidWorks in thirteen files, against its files read singly and the kernel's own reading."""
+"""A real SolidWorks assembly in thirteen files, against its files read separately and the kernel's reading."""
 
 import shutil
 from pathlib import Path
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.xdist_group("koch")
 
 @pytest.fixture(scope="module")
 def koch(corpus: Path) -> Path:
-    """The folder; skipped where it is not there."""
+    """The folder; the test is skipped if it is missing."""
     folder = corpus / FOLDER
     if not (folder / ROOT).exists():
         pytest.skip(f"no {FOLDER} in {corpus}")
@@ -62,7 +62,7 @@ def whole(koch: Path) -> Assembly:
 
 
 def test_whole_and_parts(koch: Path, whole: Assembly) -> None:
-    """The tree is that of the index, and each of its 25 parts has the volume of its file read on its own."""
+    """The tree is that of the index, and each of its 25 parts has the volume of its own file."""
     assembly = whole
     parts = assembly.children[0]
     assert (assembly.definitions, len(parts), len(assembly.external_files)) == (13, 25, 12)
@@ -113,7 +113,7 @@ def test_against_the_kernel(koch: Path, whole: Assembly) -> None:
 
 
 def test_the_axis_that_is_up(whole: Assembly) -> None:
-    """The arm is drawn with y up: it stands on its base, whose motor turns about y."""
+    """The arm is drawn with y up: it is on its base, whose motor turns about y."""
     base = [c.index for c in whole.components if c.path.startswith("Follower_Base")]
     found = standing(whole, base, [(0.0, 1.0, 0.0)])
     assert found is not None
@@ -122,7 +122,7 @@ def test_the_axis_that_is_up(whole: Assembly) -> None:
 
 @pytest.mark.long
 def test_one_link(koch: Path, tmp_path: Path) -> None:
-    """It converts and is verified; without one of its files it is refused, by the name of that file."""
+    """The assembly converts and is verified; without one of its files it is rejected with the name of that file."""
     sidecar = tmp_path / "whole.robot.yaml"
     sidecar.write_text(SIDECAR.format((koch / ROOT).as_posix()), encoding="utf-8")
     run = command_line.stepbot("convert", sidecar, "-o", "whole", cwd=tmp_path)

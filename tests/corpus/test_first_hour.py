@@ -1,4 +1,4 @@
-"""docs/first-hour.md: what it shows is what a stranger's terminal shows."""
+"""docs/first-hour.md: its commands print what it shows."""
 
 import re
 import shutil
@@ -12,7 +12,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "first-hour.md"
 STEP = "low_cost_robot_follower.step"
 SIDECAR = "follower.robot.yaml"
 LINES = 2 * 50
-"""Two screens."""
+"""Lines of two screens."""
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +34,7 @@ def session() -> list[tuple[list[str], list[str]]]:
 
 
 def test_fits_two_screens() -> None:
-    """Inspect, sidecar, check and convert: all that is typed and printed."""
+    """Inspect, sidecar, check and convert fit two screens, with all that is typed and printed."""
     lines = [line for kind in ("console", "yaml") for block in blocks(kind) for line in block.splitlines()]
     assert [arguments[0] for arguments, _ in session()] == ["inspect", "check", "convert"]
     assert len(lines) <= LINES
@@ -42,7 +42,7 @@ def test_fits_two_screens() -> None:
 
 
 def test_session(corpus: Path, tmp_path: Path) -> None:
-    """Each command prints the page's lines; of the proof, which engines are installed may differ."""
+    """Each command prints the page's lines; in the table of checks the installed engines may differ."""
     shutil.copy(corpus / STEP, tmp_path)
     (sidecar,) = blocks("yaml")
     (tmp_path / SIDECAR).write_text(sidecar, encoding="utf-8")
@@ -51,7 +51,7 @@ def test_session(corpus: Path, tmp_path: Path) -> None:
 
 
 def comparable(lines: list[str]) -> list[str]:
-    """The lines up to the proof; of the proof format, file and result, and that nothing failed."""
+    """The lines up to the table of checks; of the table format, file and result, and that nothing failed."""
     heads = [number for number, line in enumerate(lines) if line.split()[:2] == ["format", "file"]]
     if not heads:
         return lines

@@ -1,4 +1,4 @@
-"""A real arm of five axes and a gripper, from the STEP that its makers published: measured by other means."""
+"""A real arm of five axes and a gripper, from its published STEP, against independent measurements."""
 
 import json
 from functools import cache
@@ -19,7 +19,7 @@ PLA = 1240.0
 """[kg/m^3]."""
 ROOT = 'root: {link: base, frame: {axis_of: "XL-430_new:1/DC11_A01_IDLER_CAP_DUMMY", offset: {xyz: [0, 0, -2.6 mm]}}}'
 AGAINST_THE_LINE = {"shoulder_lift", "elbow_flex", "wrist_flex"}
-"""Joints that the sidecar turns the other way round, with `axis: -z`."""
+"""Joints that the sidecar reverses with `axis: -z`."""
 LIMITS = {
     "shoulder_pan": (-150, 150, 1.5, 61),
     "shoulder_lift": (-60, 100, 1.5, 61),
@@ -35,7 +35,7 @@ pytestmark = pytest.mark.slow
 
 @cache
 def expected() -> dict[str, Any]:
-    """What the kernel's own reader and integrals say."""
+    """Values by the kernel's own reader and integrals."""
     path = HERE / "low_cost_robot_follower.expected.json"
     content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return content
@@ -49,12 +49,12 @@ def step(corpus: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def follower(step: Path, tmp_path_factory: pytest.TempPathFactory) -> Conversion:
-    """The arm in all formats, proven."""
+    """The arm in all formats, verified."""
     return convert_once(tmp_path_factory, "follower", SIDECAR, "--step", step)
 
 
 def _as_drawn(path: Path, *changes: tuple[str, str]) -> Path:
-    """A sidecar that keeps the base in the frame of the assembly, with other changes."""
+    """The sidecar with the base frame of the assembly, and other changes."""
     text = SIDECAR.read_text(encoding="utf-8")
     for old, new in ((ROOT, "root: {link: base}"), *changes):
         assert text.count(old) == 1
@@ -72,7 +72,7 @@ def exact(step: Path, tmp_path_factory: pytest.TempPathFactory) -> Conversion:
 
 
 def test_total_mass_is_volumes_times_densities(follower: Conversion) -> None:
-    """The exact volume of what is printed times PLA's density, and six motors as weighed, to 1e-3."""
+    """The mass is the exact volume of printed parts times PLA's density, plus six weighed motors, to 1e-3."""
     printed = expected()["volume_mm3"]["printed"] * 1e-9 * PLA
     assert expected()["mass"] == pytest.approx(printed + 2 * 0.0572 + 4 * 0.018, rel=1e-9)
     root = etree.parse(follower.file(".urdf")).getroot()
@@ -82,7 +82,7 @@ def test_total_mass_is_volumes_times_densities(follower: Conversion) -> None:
 
 
 def test_total_mass_by_density_alone(step: Path, tmp_path: Path) -> None:
-    """With no part weighed it is the sum of the exact volumes of all solids times one density, to 1e-3."""
+    """Without weighed parts the mass is the exact volume of all solids times one density, to 1e-3."""
     motors = '  "**/XL-430*": {mass: 57.2 g}         # Dynamixel XL430-W250\n'
     others = '  "**/XL,XC-330*": {mass: 18 g}        # Dynamixel XL330-M288\n'
     sidecar = _as_drawn(tmp_path / "plain.robot.yaml", (f"parts:\n{motors}{others}", ""))
@@ -93,7 +93,7 @@ def test_total_mass_by_density_alone(step: Path, tmp_path: Path) -> None:
 
 
 def test_exact_mass_is_exact(exact: Conversion) -> None:
-    """`mass: exact` gives mass, com and inertia of every link as the kernel's Gauss-Kronrod rule does, to 1e-6."""
+    """With `mass: exact`, mass, com and inertia of every link are those of the kernel's Gauss-Kronrod rule to 1e-6."""
     assert exact.report["robot"]["mass"] == pytest.approx(expected()["mass"], rel=1e-7)
     links = {link["name"]: link for link in exact.report["robot"]["links"]}
     assert set(links) == set(expected()["links"])
@@ -102,7 +102,7 @@ def test_exact_mass_is_exact(exact: Conversion) -> None:
 
 
 def test_links_weigh_what_their_parts_weigh(follower: Conversion) -> None:
-    """Mass and principal moments of every link to 1e-3, whatever frame they are in; com within 1e-3 of its size."""
+    """Mass and principal moments of every link agree to 1e-3 in any frame; com within 1e-3 of its size."""
     for link in follower.report["robot"]["links"]:
         true = expected()["links"][link["name"]]
         assert link["mass"] == pytest.approx(true["mass"], rel=1e-3)
@@ -137,7 +137,7 @@ def test_axes_are_those_of_the_horns(exact: Conversion) -> None:
 
 
 def test_root_frame_moves_the_arm_and_nothing_in_it(follower: Conversion, exact: Conversion) -> None:
-    """The sidecar's floor: the pan axis is the base's z, and every link lies where it did beside its neighbours."""
+    """With the sidecar's root frame the pan axis is the base's z, and the relative poses of links are unchanged."""
     poses = []
     for conversion in (follower, exact):
         root = etree.parse(conversion.file(".urdf")).getroot()
@@ -153,7 +153,7 @@ def test_root_frame_moves_the_arm_and_nothing_in_it(follower: Conversion, exact:
 
 
 def test_limits_are_those_of_the_sidecar(follower: Conversion) -> None:
-    """Degrees and revolutions per minute become radians, per second; defaults reach the joints that they name."""
+    """Degrees and revolutions per minute are converted to SI; defaults reach the joints that they match."""
     root = etree.parse(follower.file(".urdf")).getroot()
     joints = {joint.get("name"): joint for joint in root.findall("joint") if joint.get("type") == "revolute"}
     assert set(joints) == set(LIMITS)
@@ -167,7 +167,7 @@ def test_limits_are_those_of_the_sidecar(follower: Conversion) -> None:
 
 @pytest.mark.mujoco
 def test_mujoco_loads_it_and_holds_it(follower: Conversion) -> None:
-    """URDF and MJCF weigh what the report says; a second with the motors on leaves it where it is."""
+    """MuJoCo reads the report's mass from URDF and MJCF; with the motors on, the arm stays in place for a second."""
     true = {link["name"]: link["mass"] for link in follower.report["robot"]["links"]}
     for suffix in (".urdf", ".xml"):
         seen = call_isolated("tests.engines:mujoco_links", str(follower.file(suffix)))
@@ -181,7 +181,7 @@ def test_mujoco_loads_it_and_holds_it(follower: Conversion) -> None:
 
 @pytest.mark.pybullet
 def test_pybullet_loads_it(follower: Conversion) -> None:
-    """URDF, and the tree of the SDFormat, weigh what the report says, without a complaint."""
+    """PyBullet reads the report's mass from the URDF and the tree of the SDFormat, without a complaint."""
     pytest.importorskip("pybullet")
     true = {link["name"]: link["mass"] for link in follower.report["robot"]["links"]}
     for function, suffix in (("read", ".urdf"), ("read_tree", ".sdf")):
@@ -192,7 +192,7 @@ def test_pybullet_loads_it(follower: Conversion) -> None:
 
 
 def test_every_check_that_an_engine_can_make_has_passed(follower: Conversion) -> None:
-    """Every file loads in every engine that reads it, and nothing failed."""
+    """Every file loads in every engine that reads it, and no check fails."""
     report = follower.report
     assert report["summary"]["failed"] == 0
     loaded = {
@@ -206,7 +206,7 @@ def test_every_check_that_an_engine_can_make_has_passed(follower: Conversion) ->
 
 
 def test_nothing_of_the_step_is_lost(follower: Conversion) -> None:
-    """All 161 parts are in some link: 117 solids weigh something, 46 surface bodies are reported as weightless."""
+    """All 161 parts are in some link: 117 solids have mass, 46 surface bodies are reported as massless."""
     assert expected()["counts"] == {"parts": 161, "solids": 117}
     (surfaces,) = (entry for entry in follower.report["diagnostics"] if entry["code"] == "SB506")
     assert "46 surface bodies" in surfaces["message"]

@@ -1,4 +1,4 @@
-"""Links and joints of real assemblies from their STEP files alone, against sidecars made by hand."""
+"""Links and joints inferred from the STEP of real assemblies, against hand-made sidecars."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def read(step: Path) -> Assembly:
     ],
 )
 def test_all_joints_of_real_assemblies(corpus: Path, step: str, truth: str, joints: int) -> None:
-    """All joints are found with type, axis and sides, none is wrong, and the volume is in the right links."""
+    """All joints have the right type, axis and sides, none is wrong, and the volume is in the right links."""
     assembly = read(corpus / f"{step}.step")
     result = score(infer_mechanism(assembly), read_truth(corpus / "joints" / f"{truth}.robot.yaml", assembly))
     assert (result.true, result.found, result.wrong) == (joints, joints, [])
@@ -42,6 +42,6 @@ def test_all_joints_of_real_assemblies(corpus: Path, step: str, truth: str, join
 @pytest.mark.parametrize("step", ["as1-oc-214", "dm1_ideas_inch", "s1_autocad_foot", "eight_cylinders_multi_root"])
 @pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
 def test_no_unmarked_joint_where_there_is_no_robot(corpus: Path, step: str, sources: Sources) -> None:
-    """Brackets, a foot and loose cylinders get no joint without a mark."""
+    """Brackets, a foot and loose cylinders have no joint without a mark."""
     inferred = infer_mechanism(read(corpus / f"{step}.step"), sources)
     assert not [arc.hinge.why for arc in inferred.arcs if is_unmarked(arc)]

@@ -1,4 +1,4 @@
-"""Sidecars drafted from real assemblies pass the check and convert as they are."""
+"""Sidecars drafted from real assemblies pass the check and convert unedited."""
 
 import json
 import shutil
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 def test_draft_of_a_real_assembly_converts(
     file: str, links: int, joints: list[str], corpus: Path, tmp_path: Path
 ) -> None:
-    """`init` finds the joints that the assembly has; what it writes has warnings and no errors, up to the files."""
+    """`init` finds the joints of the assembly; its sidecar converts with warnings and without errors."""
     shutil.copy(corpus / file, tmp_path)
     drafted = stepbot("init", file, "-o", "a.robot.yaml", "--json", cwd=tmp_path)
     assert drafted.code == 0, drafted.out

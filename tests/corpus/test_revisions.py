@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 
 
 def differences(old: Path, new: Path, folder: Path) -> tuple[Difference, ...]:
-    """What `stepbot diff` lists, but for materials: exports of the kernel lose some of those."""
+    """Rows of `stepbot diff` except materials, some of which the kernel's export loses."""
     from stepbot.diagnostics import Diagnostics
 
     found = Diagnostics()
@@ -31,7 +31,7 @@ def differences(old: Path, new: Path, folder: Path) -> tuple[Difference, ...]:
 
 
 def test_assembly_with_and_without_materials(corpus: Path, tmp_path: Path) -> None:
-    """The second as1 has materials: six bolts, two brackets and the plate have changed in that, and in nothing else."""
+    """The second as1 differs in materials only: six bolts, two brackets and the plate."""
     rows = differences(corpus / "as1-oc-214.step", corpus / "as1-oc-214-mat.step", tmp_path)
     assert {row.kind for row in rows} == {"material"}
     counts = Counter(row.detail for row in rows)
@@ -40,14 +40,14 @@ def test_assembly_with_and_without_materials(corpus: Path, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("name", ["as1-oc-214.step", "low_cost_robot_follower.step"])
 def test_every_name_changed(name: str, corpus: Path, tmp_path: Path) -> None:
-    """With every product and occurrence renamed, each part is found again by its shape and place, equal ones too."""
+    """With every product and occurrence renamed, each part is matched by its shape and pose, equal parts too."""
     revised = Revision(corpus / name).rename_all(lambda old: f"X{old[::-1]}" if old else old)
     rows = differences(corpus / name, revised.write(tmp_path / "new.step"), tmp_path)
     assert {row.kind for row in rows} - {"material"} == {"renamed"}
 
 
 def test_three_changes_among_other_names(corpus: Path, tmp_path: Path) -> None:
-    """A rod moved, a nut removed, the plate renamed and copied: each is one row, and what is called otherwise now."""
+    """A moved rod, a removed nut, and a renamed and copied plate are one row each, plus the rows of renamed parts."""
     source = corpus / "as1-oc-214.step"
     revised = Revision(source).rename({"plate": "Grundplatte"}).move("rod_1", pose((0, 0, 4.0)))
     revised.remove("nut_1").copy("plate_1", "plate_2", pose((0, 0, 200.0)))
@@ -63,7 +63,7 @@ def test_three_changes_among_other_names(corpus: Path, tmp_path: Path) -> None:
 
 
 def test_export_anew_has_no_differences(corpus: Path, tmp_path: Path) -> None:
-    """The kernel's own export of a real arm is the same arm: other entity numbers, other faces, equal fingerprints."""
+    """The kernel's export of a real arm has other entity numbers and faces, and equal fingerprints."""
     source = corpus / "two_joint_servo_arm_ap242.step"
     again = Revision(source).write(tmp_path / "again.step")
     assert inspect(again, cache=tmp_path / "cache").assembly is not None

@@ -1,4 +1,4 @@
-"""`init` and at most ten edited lines give the robots of two sidecars made by hand: links, masses, joints."""
+"""`init` and at most ten edited lines give the robots of two hand-made sidecars: links, masses, joints."""
 
 from pathlib import Path
 
@@ -23,7 +23,7 @@ SO101 = """\
 
 @pytest.mark.parametrize("robot", ["follower", "so101"])
 def test_draft_and_ten_lines_give_the_sidecar_made_by_hand(robot: str, corpus: Path, tmp_path: Path) -> None:
-    """The same components and mass in each link, the same joints on the same axes; names and signs may differ."""
+    """Links have equal components and masses, joints equal axes; names and signs may differ."""
     if robot == "follower":
         step, by_hand = corpus / "low_cost_robot_follower.step", HERE / "low_cost_robot_follower.robot.yaml"
         (lines,) = blocks("diff", PAGE.read_text(encoding="utf-8"))

@@ -1,11 +1,11 @@
-"""Edits STEP files that a transcript begins with."""
+"""Edits STEP files for transcripts."""
 
 import re
 from pathlib import Path
 
 
 def edited(path: Path, *changes: tuple[str, str], added: str = "") -> None:
-    """Replace text of statements, each of which is on its own line by then, and add statements."""
+    """Replace text of statements, one per line, and add statements."""
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     for pattern, replacement in changes:
         text, count = re.subn(pattern, replacement, text, count=1)

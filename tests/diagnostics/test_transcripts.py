@@ -1,4 +1,4 @@
-"""Each diagnostic code: an input that causes it, and all that is reported about it, as text and as JSON."""
+"""Each diagnostic code has an input that causes it, and the whole report about it, as text and as JSON."""
 
 import json
 from collections.abc import Iterator
@@ -17,14 +17,14 @@ WITHOUT = {"SB901": "an internal error has no known cause; tests/cli/test_applic
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
-    """Where the commands run."""
+    """A folder in which the commands run."""
     with Stage(tmp_path_factory.mktemp("stage")) as stage:
         yield stage
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_reports_what_is_expected(folder: Path, stage: Stage) -> None:
-    """The input of a folder causes its code; all that is reported, and the exit code, is as expected."""
+    """The input of a folder causes its code; the report and the exit code are as expected."""
     if missing := missing_engines(folder):
         pytest.skip("; ".join(missing))
     now = stage.transcript(folder)
@@ -36,20 +36,20 @@ def test_reports_what_is_expected(folder: Path, stage: Stage) -> None:
 
 
 def exit_code_of(diagnostics: list[dict[str, str]]) -> int:
-    """The exit code that a list of diagnostics demands."""
+    """The exit code required by a list of diagnostics."""
     found = Diagnostics()
     found.extend(Diagnostic(one["code"], one["severity"], one["message"], Span("file")) for one in diagnostics)
     return found.exit_code
 
 
 def test_each_code_has_a_folder() -> None:
-    """No code is without an input that causes it, but for those that no input can cause."""
+    """Every code has a folder, except those without a possible input."""
     assert {folder.name[:5] for folder in FOLDERS} == set(CODES) - set(WITHOUT)
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_places_are_in_the_file(folder: Path) -> None:
-    """Every place within an input file of a folder exists, and its columns mark a part of the line."""
+    """Every place within an input file exists, and its columns are within the line."""
     for one in json.loads((folder / "expected.json").read_text(encoding="utf-8")):
         source = folder / one["file"]
         if not one["line"] or not source.is_file():

@@ -46,7 +46,7 @@ if str(ROOT) not in sys.path:  # the command line removes the current folder
     sys.path.append(str(ROOT))
 NOT_INPUT = ("command", "engines", "expected.json", "expected.txt", "make.py", "__pycache__")
 CORE = ("extensions", "mujoco", "reader", "yourdfpy")
-"""Engines that every installation has; the others are as if they were not installed, unless a folder names them."""
+"""Engines that every installation has; others are disabled unless a folder names them."""
 _MODULES_OF_THE_KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
 _SPAWNED = worker.spawned
 Plain = dict[str, Any]
@@ -55,12 +55,12 @@ Plain = dict[str, Any]
 
 @dataclass(frozen=True)
 class Transcript:
-    """What came out of a command."""
+    """The output of a command."""
 
     diagnostics: list[Plain]
     text: str
     exit_code: int | None
-    """None where no command ran."""
+    """None if no command ran."""
 
     @property
     def codes(self) -> set[str]:
@@ -181,7 +181,7 @@ def _diagnostic(one: Plain) -> Diagnostic:
     return Diagnostic(one["code"], one["severity"], one["message"], span, tuple(one["help"]), tuple(one["notes"]))
 
 
-# What differs between machines and versions. This is the one place that hides it.
+# Text that differs between machines and versions is normalized here, and only here.
 
 _NORMALISED: tuple[tuple[str, str], ...] = (
     (re.escape(stepbot.__version__), "VERSION"),
@@ -198,7 +198,7 @@ _NORMALISED: tuple[tuple[str, str], ...] = (
 
 
 def _normalised(text: str, scratch: Path) -> str:
-    """``text`` without this machine's folders, versions, addresses, and digits that depend on them."""
+    """``text`` without local folders, versions, addresses, and digits that depend on them."""
     for path, name in ((scratch.resolve(), "FOLDER"), (scratch, "FOLDER"), (ROOT, "CHECKOUT")):
         text = text.replace(path.as_posix(), name).replace(str(path), name)
     text = text.replace(os.path.expanduser("~") + os.sep, "HOME/")  # noqa: PTH111 - a prefix of a text
@@ -208,7 +208,7 @@ def _normalised(text: str, scratch: Path) -> str:
 
 
 def _same_everywhere(one: Plain, scratch: Path) -> Plain:
-    """A diagnostic with normalised texts; its place stays, so that the text can show the line."""
+    """A diagnostic with normalized texts; its place is kept, so that the text can show the line."""
     texts = {key: _normalised(one[key], scratch) for key in ("message",)}
     lists = {key: [_normalised(text, scratch) for text in one[key]] for key in ("help", "notes")}
     file = one["file"] if not Path(one["file"]).is_absolute() else _normalised(one["file"], scratch)

@@ -1,4 +1,4 @@
-"""``python -m tests.diagnostics.update [SBnnn...]`` writes what transcripts expect again, of some codes or all."""
+"""``python -m tests.diagnostics.update [SBnnn...]`` rewrites the expected files of some transcripts, or of all."""
 
 import sys
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from tests.diagnostics.transcripts import Stage, folders, missing_engines
 
 
 def update(codes: list[str]) -> Iterator[str]:
-    """Write what is expected of the folders of some codes; yields a line for each that changed or was skipped."""
+    """Rewrite the expected files of some codes; yields a line for each that changed or was skipped."""
     with TemporaryDirectory(prefix="stepbot-transcripts-") as scratch, Stage(Path(scratch)) as stage:
         for folder in folders():
             if not codes or folder.name[:5] in codes or folder.name in codes:

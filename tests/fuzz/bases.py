@@ -13,9 +13,9 @@ from tests.conftest import CORPUS, CORPUS_ABSENT, ROOT
 LARGEST = 600_000
 """Size [bytes] above which a file of the corpus is too slow to be read thousands of times."""
 _REAL = "real_"
-"""What names of files of the corpus begin with here."""
+"""Prefix of the names of files of the corpus."""
 _REFUSED = ("write_empty", "write_external_reference", "write_without_unit")
-"""Drawings that no reader accepts: damage could not show there."""
+"""Drawings that readers reject anyway."""
 
 
 def collect(folder: Path) -> None:
@@ -37,7 +37,7 @@ def collect(folder: Path) -> None:
 
 
 def names(folder: Path, *, real: bool | None = None) -> list[str]:
-    """Names of the bases in a folder; all, or only those of the corpus, or only the others."""
+    """Names of the bases in a folder: all, only those of the corpus, or only the others."""
     found = sorted(path.name for path in folder.glob("*.step"))
     return [name for name in found if real is None or name.startswith(_REAL) == real]
 

@@ -1,4 +1,4 @@
-"""A runner that crashes, to test that this is noticed: it dies at the first mutant with an odd number."""
+"""A runner that crashes at the first mutant with an odd number, to test that this is detected."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""A drawing of the kinds of shapes that robots seldom have and kernels often stumble over."""
+"""A drawing of shapes that are rare in robots and difficult for kernels."""
 
 from pathlib import Path
 from typing import Any
@@ -96,7 +96,7 @@ def _spline_edge() -> Any:
 
 
 def _closing_edge() -> Any:
-    """An arc that leads from the end of the spline back to its start."""
+    """An arc from the end of the spline to its start."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.GC import GC_MakeArcOfCircle
     from OCP.gp import gp_Pnt

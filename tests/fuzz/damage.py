@@ -11,25 +11,25 @@ _END = b"ENDSEC;\nEND-ISO-10303-21;\n"
 
 
 def truncation(step: StepText, rng: Random) -> bytes:
-    """The end or the middle is missing: a full disk, a broken download, an export that crashed."""
+    """Remove the end or the middle, as by a full disk, a broken download or a crashed export."""
     data = step.data
     cut = rng.randrange(len(data))
     way = rng.randrange(5)
     if way == 0 or not step.statements:
         return data[:cut]
-    if way == 1:  # as if a program had tidied up after itself: whole statements, and a proper end
+    if way == 1:  # whole statements and a proper end, as by a program that cleaned up
         return data[: rng.choice(step.statements).end] + b"\n" + _END
-    if way == 2:  # in the middle of a statement, and a proper end
+    if way == 2:  # in the middle of a statement, with a proper end
         return data[:cut] + b"\n" + _END
     if way == 3:
         return data[:cut] + data[min(cut + 1 + rng.randrange(len(data) // 4 + 1), len(data)) :]
-    return data[:cut] + bytes(len(data) - cut)  # a file system that lost the blocks but kept the size
+    return data[:cut] + bytes(len(data) - cut)  # a file system that lost blocks but kept the size
 
 
 def flipped_bytes(step: StepText, rng: Random) -> bytes:
-    """Bits are wrong, or bytes came in, went or changed places."""
+    """Flip, insert, remove or swap bytes."""
     data = bytearray(step.data)
-    # Most of it beyond the header, where the kernel reads.
+    # Mostly after the header, in the data that the kernel reads.
     low = step.header_end if rng.random() < 0.8 else 0
     for _ in range(rng.choice((1, 1, 2, 4, 16, 64))):
         if len(data) <= low:
@@ -59,11 +59,11 @@ _BAD_STRINGS = (
     b"'%s%n%d'", b"'{0}'", b"'" + b"x" * 70_000 + b"'", b"'" + b"\\X2\\" + b"0416" * 5000 + b"\\X0\\'", b"'#1=(;'",
     b"'/*'", b"'ENDSEC;'", b"'NAUO1'", b"'product-x'", b"'product-9'", b"'occurrence-99'", b"' '", b"$", b"*",
 )  # fmt: skip
-"""Texts that an encoding, a path, a name in XML or a terminal may trip over."""
+"""Texts that are special in an encoding, a path, XML or a terminal."""
 
 
 def spoiled_strings(step: StepText, rng: Random) -> bytes:
-    """Names and descriptions with broken escapes, foreign encodings, quotes that do not close, control characters."""
+    """Put broken escapes, foreign encodings, unclosed quotes and control characters into names and descriptions."""
     strings = [token for token in step.tokens if token.kind == "string" and token.start >= step.header_end]
     named = [
         token
@@ -84,9 +84,9 @@ def _bad_string(step: StepText, token: Token, rng: Random) -> bytes:
     if way <= 3:
         return rng.choice(_BAD_STRINGS)
     if way == 4:
-        return b"'" + inside  # does not close
+        return b"'" + inside  # without closing quote
     if way == 5:
-        return inside + b"'"  # does not open
+        return inside + b"'"  # without opening quote
     if way == 6:
         return b"'" + inside[: len(inside) // 2] + b"'" + inside[len(inside) // 2 :] + b"'"
     return b"'" + rng.randbytes(rng.randrange(40)) + b"'"
@@ -109,7 +109,7 @@ _OTHER_LINES = (
 
 
 def spoiled_header(step: StepText, rng: Random) -> bytes:
-    """Sections, schema and header entities are wrong, or the whole file is in another encoding."""
+    """Damage sections, schema and header entities, or change the encoding of the file."""
     data, end = step.data, step.header_end
     way = rng.randrange(8)
     if way <= 2:

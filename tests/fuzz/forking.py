@@ -26,11 +26,11 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 __all__ = ["ForkServer", "ForkedCall", "can_fork"]
 
 _POLL = 0.002
-"""Seconds between two looks at a forked process."""
+"""Seconds between two polls of a forked process."""
 
 
 class ForkServer:
-    """A process that has a function loaded and forks for every call of it."""
+    """A process that has loaded a function and forks for every call of it."""
 
     def __init__(self, function: str, folder: Path, *, memory_limit: int) -> None:
         """Start the server; it begins to import at once.
@@ -51,7 +51,7 @@ class ForkServer:
         return ForkedCall(self, arguments)
 
     def ask(self, arguments: tuple[Any, ...], timeout: float) -> tuple[bool, int]:
-        """Fork, call, wait; whether it took too long, and how the forked process ended."""
+        """Fork, call and wait; returns whether it timed out, and how the forked process ended."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         pickle.dump((arguments, timeout), self._process.stdin, protocol=5)
@@ -71,17 +71,17 @@ class ForkServer:
 
     @property
     def answer(self) -> Path:
-        """Where the forked process leaves its answer."""
+        """File for the answer of the forked process."""
         return self._folder / "answer"
 
     @property
     def printed(self) -> Path:
-        """Where the forked process leaves what it prints."""
+        """File for the output of the forked process."""
         return self._folder / "printed"
 
 
 class ForkedCall(isolation.Worker):
-    """One call of a server's function: answers, and fails, as a worker does."""
+    """One call of a server's function, with the answers and failures of a worker."""
 
     def __init__(self, server: ForkServer, arguments: tuple[Any, ...]) -> None:
         self._server, self._arguments = server, arguments
@@ -107,7 +107,7 @@ class ForkedCall(isolation.Worker):
         return value
 
     def close(self) -> None:
-        """Nothing is left to end: the server ends what it forks."""
+        """Do nothing: the server ends what it forks."""
 
 
 def _serve(function: str, folder: Path, memory_limit: int) -> None:
@@ -131,11 +131,11 @@ def _serve(function: str, folder: Path, memory_limit: int) -> None:
 
 
 def _answer(function: Any, arguments: tuple[Any, ...], memory_limit: int, printed: BinaryIO, answer: BinaryIO) -> None:
-    """What the forked process does; it never returns."""
+    """Run the call in the forked process; never returns."""
     os.setpgid(0, 0)
     os.dup2(printed.fileno(), 1)
     os.dup2(printed.fileno(), 2)
-    faulthandler.enable(printed)  # which of our calls the kernel dies in
+    faulthandler.enable(printed)  # to identify the call in which the kernel dies
     isolation._limit_memory(memory_limit)
     outcome: tuple[str, Any]
     try:
@@ -151,8 +151,8 @@ def _answer(function: Any, arguments: tuple[Any, ...], memory_limit: int, printe
 
 
 def _wait(child: int, timeout: float) -> tuple[bool, int]:
-    """Whether a process had to be ended, and its exit status; what it forked itself ends with it."""
-    with contextlib.suppress(OSError):  # it may have done so itself, and be gone already
+    """Whether a process had to be ended, and its exit status; its own child processes end with it."""
+    with contextlib.suppress(OSError):  # it may have ended already
         os.setpgid(child, child)
     deadline = time.monotonic() + timeout
     while True:
@@ -164,11 +164,11 @@ def _wait(child: int, timeout: float) -> tuple[bool, int]:
         if ended or timed_out:
             break
         time.sleep(_POLL)
-    with contextlib.suppress(ProcessLookupError):  # nothing is left of it, as it should be
+    with contextlib.suppress(ProcessLookupError):  # no process is left, as expected
         os.killpg(child, signal.SIGKILL)
     return timed_out, os.waitstatus_to_exitcode(status)
 
 
 if __name__ == "__main__":
-    tempfile.tempdir = sys.argv[2]  # what forked processes leave behind when they die goes with the folder
+    tempfile.tempdir = sys.argv[2]  # files of dead forked processes are removed with the folder
     _serve(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))

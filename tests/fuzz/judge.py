@@ -28,7 +28,7 @@ Read = Callable[[Path, Diagnostics], Assembly | None]
 FAILED = "FAILED"
 OUT_OF_TIME = "out of time"
 OUTCOMES = ("robot", "no robot", "refused", "body failed", "kernel died", OUT_OF_TIME, FAILED)
-"""Files made; read, but not fit for a robot; not read; read but for a body; the kernel's process ended; our fault."""
+"""Files written; read, but not valid as a robot; not read; read except for a body; kernel died; a bug."""
 
 _SIDECAR = """\
 version: 1
@@ -45,18 +45,18 @@ _BODY_FAILED = "SB213"
 
 @dataclass(frozen=True)
 class Verdict:
-    """How a damaged file ended."""
+    """The outcome for a damaged file."""
 
     outcome: str
     """One of :data:`OUTCOMES`."""
     codes: tuple[str, ...] = ()
-    """Of the errors."""
+    """Codes of the errors."""
     message: str = ""
-    """The first error."""
+    """Message of the first error."""
     notes: tuple[str, ...] = ()
-    """And what it adds."""
+    """Its notes and help."""
     faults: tuple[str, ...] = ()
-    """What must not be; empty where all is well."""
+    """Forbidden results; empty if there are none."""
 
 
 @dataclass
@@ -71,7 +71,7 @@ def judge(step: Path, read: Read) -> Verdict:
     trial = _Trial()
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error")  # on a user's terminal they would stand between our lines
+            warnings.simplefilter("error")  # on a terminal they would be between the command's lines
             _convert(step, read, trial)
     except Exception:  # noqa: BLE001 - to find those is what this is for
         trial.faults.append(traceback.format_exc())
@@ -150,7 +150,7 @@ def _sidecar() -> Sidecar:
 
 
 def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
-    """Whatever a diagnostic must not be: an internal error, without a place, more than one printable line."""
+    """Defects of diagnostics: an internal error, no place, more than one printable line."""
     for diagnostic in found:
         if diagnostic.code == _INTERNAL:
             yield f"internal error: {diagnostic}"
@@ -188,12 +188,12 @@ def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> It
 
 
 def _is_unsound(name: str, attribute: str, word: str) -> bool:
-    """Whether a word is no number; in MJCF, a range that is open at one end has an infinite one."""
+    """Whether a word is not a number; in MJCF a range with one open end may be infinite."""
     return word == "nan" or (word in ("inf", "-inf") and (name, attribute) != ("mjcf", "range"))
 
 
 def unsound(assembly: Assembly) -> Iterator[str]:
-    """Faults of an assembly itself: NaN, invalid indices, inconsistent meshes."""
+    """Defects of an assembly: NaN, invalid indices, inconsistent meshes."""
     components, bodies = assembly.components, assembly.bodies
     if not 0.0 < assembly.unit_scale < math.inf:
         yield f"a length unit of {assembly.unit_scale} m"

@@ -1,4 +1,4 @@
-"""A mutant: a sound STEP file, damaged in one way or several, and its name, from which alone it is made again."""
+"""A mutant: a valid STEP file with one or several kinds of damage, reproducible from its name."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -33,16 +33,16 @@ KINDS: dict[str, Damage] = {
     "header": spoiled_header,
 }
 MIXED = "mixed"
-"""The kind of mutants that have several kinds of damage."""
+"""The kind of mutants with several kinds of damage."""
 ALL_KINDS = (*KINDS, MIXED)
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """What a damaged file is made from."""
+    """The origin of a damaged file."""
 
     base: str
-    """File name of the sound file."""
+    """File name of the valid file."""
     kind: str
     """One of :data:`ALL_KINDS`."""
     seed: int
@@ -55,7 +55,7 @@ class Mutant:
 
     @property
     def file_name(self) -> str:
-        """A name for its file, on any system."""
+        """A file name that is valid on any system."""
         return f"{self.base.removesuffix('.step')}-{self.kind}-{self.seed}-{self.number}.step"
 
     @staticmethod
@@ -71,8 +71,8 @@ class Mutant:
         return Mutant(base, kind, int(seed), int(number))
 
     def content(self, bases: Path) -> bytes:
-        """The damaged file; the same bytes wherever and whenever it is made."""
-        rng = Random(self.name)  # a text as seed: the same numbers on every platform and with every hash seed
+        """The damaged file; the bytes are deterministic."""
+        rng = Random(self.name)  # a text as seed gives the same numbers on every platform and for every hash seed
         step = _step_text(bases / self.base)
         if self.kind != MIXED:
             return KINDS[self.kind](step, rng)
@@ -82,7 +82,7 @@ class Mutant:
 
 
 def plan(bases: Sequence[str], count: int, seed: int) -> list[Mutant]:
-    """``count`` mutants in which every pair of base and kind comes equally often, in an order that the seed gives."""
+    """``count`` mutants in which every pair of base and kind is equally frequent, in an order given by the seed."""
     pairs = list(product(bases, ALL_KINDS))
     Random(seed).shuffle(pairs)
     return [Mutant(*pair, seed, number) for number, pair in zip(range(count), cycle(pairs), strict=False)]

@@ -23,7 +23,7 @@ from .mutant import ALL_KINDS, Mutant, plan
 from .runner import TIMEOUT
 
 PATIENCE = 4 * TIMEOUT + 60.0
-"""Seconds after which stepbot's own process hangs: the limit of the kernel, for two readings, and as much again."""
+"""Seconds after which stepbot's process counts as hung: twice the sum of two readings at the kernel's limit."""
 
 
 class Named(Protocol):
@@ -31,7 +31,7 @@ class Named(Protocol):
 
     @property
     def name(self) -> str:
-        """From which alone the runner makes it."""
+        """The name from which the runner creates it."""
         ...
 
 
@@ -40,7 +40,7 @@ M = TypeVar("M", bound=Named)
 
 @dataclass(frozen=True)
 class Trial(Generic[M]):
-    """A mutant and how it ended."""
+    """A mutant and its outcome."""
 
     mutant: M
     verdict: Verdict
@@ -48,7 +48,7 @@ class Trial(Generic[M]):
 
 
 class _Runner:
-    """A process that plays stepbot's; a new one takes its place when it dies."""
+    """A process in place of stepbot's; it is replaced when it dies."""
 
     def __init__(self, bases: Path, runner: str) -> None:
         self._bases, self._runner = bases, runner
@@ -85,7 +85,7 @@ class _Runner:
         if self._process is not None:
             assert self._process.stdin is not None
             assert self._process.stdout is not None
-            with contextlib.suppress(BrokenPipeError):  # it is dead already
+            with contextlib.suppress(BrokenPipeError):  # it has died already
                 self._process.stdin.close()
             self._process.wait()
             self._process.stdout.close()
@@ -102,7 +102,7 @@ class _Runner:
 
 
 def try_all(mutants: Sequence[M], bases: Path, *, jobs: int, runner: str = "tests.fuzz.runner") -> Iterator[Trial[M]]:
-    """Try mutants, several at once; their trials as they end."""
+    """Try mutants, several at once; yields their trials as they end."""
     waiting: queue.SimpleQueue[M | None] = queue.SimpleQueue()
     done: queue.SimpleQueue[Trial[M] | BaseException | None] = queue.SimpleQueue()
     for mutant in (*mutants, *[None] * jobs):
@@ -134,7 +134,7 @@ def try_all(mutants: Sequence[M], bases: Path, *, jobs: int, runner: str = "test
                 working -= 1
             else:
                 yield ended
-    finally:  # when no more trials are taken, wait for the running ones
+    finally:  # when no more trials are requested, wait for the running ones
         with contextlib.suppress(queue.Empty):
             while True:
                 waiting.get_nowait()
@@ -145,7 +145,7 @@ def try_all(mutants: Sequence[M], bases: Path, *, jobs: int, runner: str = "test
 
 
 def table(trials: Sequence[Trial[Mutant]]) -> str:
-    """Outcome by kind of damage, and how often each error was given."""
+    """Table of outcomes by kind of damage, and the number of each error."""
     counts = Counter((trial.mutant.kind, trial.verdict.outcome) for trial in trials)
     rows = [["", *OUTCOMES, "all"]]
     for kind in ALL_KINDS:
@@ -159,7 +159,7 @@ def table(trials: Sequence[Trial[Mutant]]) -> str:
 
 
 def described(trial: Trial[Mutant]) -> str:
-    """A mutant that found a fault: what is wrong, and how to see it again."""
+    """Describe a mutant that found a defect, with the command that repeats it."""
     faults = "\n".join(trial.verdict.faults)
     return f"{trial.mutant.name}\n{faults}\n  python -m tests.fuzz.mutants --only '{trial.mutant.name}' --keep DIR\n"
 
@@ -192,7 +192,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Try the mutants; 1 where any finds a fault."""
+    """Try the mutants; returns 1 if any finds a defect."""
     arguments = _arguments(argv)
     if base_files.absent():
         sys.stdout.write(f"\n*** NOT TRIED: {base_files.absent()}\n*** mutants of drawings alone prove less\n\n")

@@ -15,7 +15,7 @@ _NUMBERS = (
 
 
 def numbers(step: StepText, rng: Random) -> bytes:
-    """Numbers become zero, huge, tiny, negative, or a textual form of NaN."""
+    """Replace numbers by zero, huge, tiny or negative ones, or a textual NaN."""
     statements = [statement for statement in _some(step, rng) if step.within(statement, "number")]
     edits = []
     for statement in statements:
@@ -37,7 +37,7 @@ def _other_number(text: bytes, rng: Random) -> bytes:
 
 
 def dropped_entities(step: StepText, rng: Random) -> bytes:
-    """Statements are missing, so that references lead nowhere; or are there twice."""
+    """Remove or duplicate statements."""
     if not step.statements:
         return flipped_bytes(step, rng)
     way = rng.randrange(5)
@@ -57,7 +57,7 @@ def dropped_entities(step: StepText, rng: Random) -> bytes:
 
 
 def rewired_references(step: StepText, rng: Random) -> bytes:
-    """References lead elsewhere: to another entity of the same kind or of any, to nothing, to themselves."""
+    """Redirect references: to another entity of the same kind or of any, to nothing, to themselves."""
     statements = [statement for statement in _some(step, rng) if step.within(statement, "reference")]
     edits = []
     for statement in statements:
@@ -75,7 +75,7 @@ _USAGE = b"NEXT_ASSEMBLY_USAGE_OCCURRENCE"
 
 
 def circles(step: StepText, rng: Random) -> bytes:
-    """An entity is made of itself, some steps away: a subassembly in its own part, a unit in terms of itself."""
+    """Create cycles of references: a subassembly in its own part, a unit in terms of itself."""
     if not step.statements:
         return flipped_bytes(step, rng)
     edits = []
@@ -102,7 +102,7 @@ def circles(step: StepText, rng: Random) -> bytes:
 
 
 def swapped_keywords(step: StepText, rng: Random) -> bytes:
-    """Entities change their type: to another one in the file, a subtype, an unknown word."""
+    """Change the type of entities: to another one in the file, a subtype, an unknown word."""
     edits = []
     for statement in _some(step, rng):
         keywords = step.within(statement, "keyword")
@@ -147,7 +147,7 @@ _ENUMERATIONS = (
 
 
 def spoiled_arguments(step: StepText, rng: Random) -> bytes:
-    """Arguments are left out, doubled, emptied, nested too deeply, or choose another option."""
+    """Omit, duplicate, empty or deeply nest arguments, or choose another option."""
     edits = []
     for statement in _some(step, rng):
         tokens = step.tokens[statement.first : statement.last]
@@ -168,7 +168,7 @@ def spoiled_arguments(step: StepText, rng: Random) -> bytes:
 
 
 def _lists(step: StepText, tokens: list[Token]) -> list[list[Token]]:
-    """The innermost lists of a statement, each without its parentheses."""
+    """The innermost lists of a statement, without their parentheses."""
     found: list[list[Token]] = []
     inside: list[Token] | None = None
     for token in tokens:
@@ -201,7 +201,7 @@ def _changed_list(step: StepText, inside: list[Token], rng: Random) -> Edit:
 
 
 def _some(step: StepText, rng: Random) -> list[Statement]:
-    """One statement or several, of kinds that are all as likely as each other."""
+    """One or several statements, of equally likely kinds."""
     if not step.statements:
         return []
     if rng.random() < 0.1:

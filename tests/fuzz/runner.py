@@ -19,20 +19,20 @@ from .mutant import Mutant
 
 FUNCTION = "stepbot.step.worker:read"
 TIMEOUT = 60.0
-"""Seconds for one file; the bases take less than one."""
+"""Time limit [s] for one file; the bases take less than one."""
 MEMORY_LIMIT = 4 << 30
 """Address space [bytes] of the kernel's process."""
 SAMPLE = 40
-"""One mutant in so many is read in both ways, by the fork server and as everybody reads."""
+"""Every so many mutants, one is read in both ways: by the fork server, and by a worker."""
 
 
 def read_plainly(step: Path, found: Diagnostics) -> Assembly | None:
-    """Read a STEP file as every conversion does: a worker of its own, which loads the kernel anew."""
+    """Read a STEP file as every conversion does: in a new worker, which loads the kernel."""
     return start_reading(step, ReadOptions(), memory_limit=MEMORY_LIMIT).finish(found, timeout=TIMEOUT)
 
 
 def reading_by(server: ForkServer) -> Read:
-    """The same reading, only that the worker is forked from a server."""
+    """The same reading, by a worker forked from a server."""
 
     def read(step: Path, found: Diagnostics) -> Assembly | None:
         looked = Diagnostics()
@@ -44,13 +44,13 @@ def reading_by(server: ForkServer) -> Read:
 
 
 def try_out(mutant: Mutant, bases: Path, folder: Path, read: Read, *, also_plainly: bool) -> Verdict:
-    """Make a mutant and judge its outcome; with ``also_plainly`` both ways of reading must agree."""
+    """Create a mutant and judge its outcome; with ``also_plainly`` both ways of reading must agree."""
     step = folder / "mutant.step"
     step.write_bytes(mutant.content(bases))
     verdict = judge(step, read)
     if also_plainly:
         plain = judge(step, read_plainly)
-        # A limit of time falls on one of two readings where the machine is busy with other things.
+        # A time limit may apply to one of two readings on a busy machine.
         in_time = OUT_OF_TIME not in (plain.outcome, verdict.outcome)
         if plain.faults or (in_time and (plain.outcome, plain.codes) != (verdict.outcome, verdict.codes)):
             differs = f"read by a worker of its own it ends otherwise: {plain.outcome} {plain.codes} {plain.message}"

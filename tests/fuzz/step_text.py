@@ -18,7 +18,7 @@ _TOKEN = re.compile(
 
 
 class Token(NamedTuple):
-    """A word of the file."""
+    """A token of the file."""
 
     kind: str
     """``string``, ``reference``, ``enumeration``, ``number``, ``keyword``, ``mark`` or ``comment``."""
@@ -31,16 +31,16 @@ class Statement(NamedTuple):
 
     number: int
     keyword: bytes
-    """The first one, also of a combined entity."""
+    """The first keyword, also of a complex instance."""
     start: int
     end: int
     first: int
-    """Its tokens, as a range of :attr:`StepText.tokens`; the number that it defines is left out."""
+    """Range of its tokens in :attr:`StepText.tokens`, without the number that it defines."""
     last: int
 
 
 class Edit(NamedTuple):
-    """Bytes to put in place of others."""
+    """Bytes that replace others."""
 
     start: int
     end: int
@@ -49,7 +49,7 @@ class Edit(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StepText:
-    """A file and where its pieces are."""
+    """A file and the positions of its parts."""
 
     data: bytes
 
@@ -74,7 +74,7 @@ class StepText:
 
     @cached_property
     def by_keyword(self) -> dict[bytes, list[Statement]]:
-        """Statements of each kind of entity."""
+        """Statements by kind of entity."""
         groups: dict[bytes, list[Statement]] = {}
         for statement in self.statements:
             groups.setdefault(statement.keyword, []).append(statement)
@@ -87,7 +87,7 @@ class StepText:
 
     @cached_property
     def header_end(self) -> int:
-        """Where the DATA section begins."""
+        """Offset of the DATA section."""
         return max(self.data.find(b"DATA;"), 0)
 
     def within(self, statement: Statement, *kinds: str) -> list[Token]:
@@ -95,11 +95,11 @@ class StepText:
         return [token for token in self.tokens[statement.first : statement.last] if token.kind in kinds]
 
     def text(self, piece: Token | Statement) -> bytes:
-        """The bytes of a piece."""
+        """The bytes of a part."""
         return self.data[piece.start : piece.end]
 
     def edited(self, edits: Iterable[Edit]) -> bytes:
-        """The file with pieces replaced; of overlapping edits, the first in the file applies."""
+        """The file with parts replaced; of overlapping edits the first in the file applies."""
         parts, position = [], 0
         for edit in sorted(edits):
             if edit.start >= position:

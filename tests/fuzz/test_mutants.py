@@ -1,4 +1,4 @@
-"""Damaged STEP files end in a valid assembly or in an error that states the reason: a sample of the thousands."""
+"""Damaged STEP files give a valid assembly or an error with the reason: a sample of thousands."""
 
 import subprocess
 import sys
@@ -28,7 +28,7 @@ forking = pytest.mark.skipif(not can_fork(), reason="processes cannot be forked 
 
 @pytest.fixture(scope="module")
 def bases(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of the sound files; the corpus is not among them where it is absent."""
+    """Folder of the valid files, without those of the corpus if it is missing."""
     folder = tmp_path_factory.mktemp("bases")
     subprocess.run([sys.executable, "-m", "tests.fuzz.bases", str(folder)], cwd=ROOT, check=True)
     return folder
@@ -37,7 +37,7 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("origin", ["drawings", "corpus"])
 def test_mutants_find_no_fault(bases: Path, origin: str) -> None:
-    """Thirty mutants each of drawings and of real files: no exception, no crash, nothing unsound."""
+    """Thirty mutants each of drawings and real files raise no exception, do not crash, and give valid results."""
     if origin == "corpus" and base_files.absent():
         pytest.skip(CORPUS_ABSENT)
     names = base_files.names(bases, real=origin == "corpus")
@@ -50,7 +50,7 @@ def test_mutants_find_no_fault(bases: Path, origin: str) -> None:
 
 @pytest.mark.long
 def test_two_hundred_mutants(bases: Path) -> None:
-    """Of every base and every kind of damage; the numbers of all 2,000 are in docs/reading.md."""
+    """Two hundred mutants of every base and kind find no defect; the numbers of all 2,000 are in docs/reading.md."""
     trials = list(try_all(plan(base_files.names(bases), 200, seed=2), bases, jobs=core_count()))
     failed = [trial for trial in trials if trial.verdict.faults]
     assert not failed, "\n".join(map(described, failed)) + table(trials)
@@ -62,7 +62,7 @@ def test_two_hundred_mutants(bases: Path) -> None:
 
 
 def test_a_mutant_is_made_from_its_name_alone(bases: Path) -> None:
-    """The same name gives the same bytes; other numbers give others, and damage of every kind changes the file."""
+    """A name gives the same bytes each time; other numbers give others; damage of every kind changes the file."""
     for kind in ALL_KINDS:
         mutants = [Mutant("box.step", kind, 1, number) for number in range(20)]
         contents = [mutant.content(bases) for mutant in mutants]
@@ -72,7 +72,7 @@ def test_a_mutant_is_made_from_its_name_alone(bases: Path) -> None:
 
 
 def test_every_damage_bears_any_file() -> None:
-    """Damage can be done to files that are damaged already, down to nothing."""
+    """Damage applies to damaged files, down to empty ones."""
     from random import Random
 
     files = (b" ", b"DATA;", b"ISO-10303-21;DATA;#1=A();ENDSEC;", b"#1=#1;#2=B(#1,'x',1.,.T.,(1.,2.));", b"'" * 7)
@@ -83,7 +83,7 @@ def test_every_damage_bears_any_file() -> None:
 
 
 def test_plan_takes_every_pair_once_before_any_twice() -> None:
-    """Kinds and bases are spread evenly, in an order that the seed gives."""
+    """Kinds and bases are equally frequent, in an order given by the seed."""
     count = 3 * len(ALL_KINDS)
     pairs = [(mutant.base, mutant.kind) for mutant in plan(["a", "b", "c"], count, 5)]
     assert len(set(pairs)) == count
@@ -91,13 +91,13 @@ def test_plan_takes_every_pair_once_before_any_twice() -> None:
 
 
 def test_unknown_kind_is_refused() -> None:
-    """An unknown mutant name is reported with the available kinds."""
+    """An unknown kind is reported with the available ones."""
     with pytest.raises(ValueError, match="truncation, bytes"):
         Mutant.named("box.step:nonsense:1:2")
 
 
 def test_step_text_finds_statements_and_their_words() -> None:
-    """Strings hide what looks like a reference or an end; edits keep all other bytes."""
+    """Strings may contain references and ends of statements; edits keep all other bytes."""
     step = StepText(b"HEADER;FILE_NAME('#1=X;');DATA;\n#12 = LINE('a;#3''b',#4,-1.5E+03,.T.);\n#4=(A()B(*));")
     assert [(s.number, s.keyword) for s in step.statements] == [(12, b"LINE"), (4, b"A")]
     line = step.statements[0]
@@ -110,7 +110,7 @@ def test_step_text_finds_statements_and_their_words() -> None:
     assert step.edited([Edit(text.start, text.end, b"$")]) == step.data.replace(b"'a;#3''b'", b"$")
 
 
-# The judge notices every forbidden outcome
+# The judge detects every forbidden outcome
 
 
 def _box(**changes: object) -> Assembly:
@@ -125,7 +125,7 @@ def _box(**changes: object) -> Assembly:
 
 
 def test_judge_accepts_what_is_sound() -> None:
-    """An assembly without faults becomes the files of all formats; a refusal with a remedy is one."""
+    """A valid assembly becomes the files of all formats; a rejection with a remedy is accepted."""
     verdict = judge(Path("box.step"), lambda step, found: _box())
     assert (verdict.outcome, verdict.faults) == ("robot", ())
 
@@ -150,7 +150,7 @@ def _say(code: str, message: str, *help: str, file: str = "box.step") -> Callabl
 
 
 def _bring(diagnostic: Diagnostic) -> Callable[[Path, Diagnostics], None]:
-    """As made elsewhere, in a worker: `Diagnostics.add` lets no line break through."""
+    """Add a diagnostic as a worker does; `Diagnostics.add` rejects line breaks."""
 
     def read(step: Path, found: Diagnostics) -> None:
         found.extend([diagnostic])
@@ -181,14 +181,14 @@ def _warn(step: Path, found: Diagnostics) -> Assembly:
     ],
 )
 def test_judge_finds_faults(read: Callable[[Path, Diagnostics], Assembly | None], fault: str) -> None:
-    """Exceptions, silence, missing remedies, internal errors, warnings of numpy: each is a fault."""
+    """Exceptions, missing errors or remedies, internal errors and numpy warnings are defects."""
     verdict = judge(Path("box.step"), read)
     assert verdict.outcome == FAILED
     assert fault in "\n".join(verdict.faults)
 
 
 def test_unsound_assemblies_are_noticed() -> None:
-    """NaN, invalid indices, inconsistent meshes."""
+    """NaN, invalid indices and inconsistent meshes are defects."""
     sound = _box()
     assert not list(unsound(sound))
     body, root = sound.bodies[0], sound.components[0]
@@ -213,19 +213,19 @@ def test_unsound_assemblies_are_noticed() -> None:
 
 
 def test_a_crash_of_stepbots_own_process_is_a_fault(tmp_path: Path) -> None:
-    """A runner that dies is noticed, named, and replaced by a new one."""
+    """A runner that dies is reported, named and replaced."""
     mutants = [Mutant("box.step", "bytes", 1, number) for number in range(4)]
     trials = {t.mutant.number: t.verdict for t in try_all(mutants, tmp_path, jobs=2, runner="tests.fuzz.broken_runner")}
     assert [trials[number].outcome for number in range(4)] == ["robot", FAILED, "robot", FAILED]
     assert "stepbot's own process ended with status" in trials[1].faults[0]
 
 
-# The server that forks: it answers, and fails, as a worker of its own would
+# The fork server answers, and fails, as a worker does
 
 
 @pytest.fixture
 def serve(tmp_path: Path) -> Iterator[Callable[[str], ForkServer]]:
-    """Starts servers of the functions that the tests of isolation have, and ends them."""
+    """Starts fork servers of the functions for tests of isolation, and ends them."""
     servers: list[ForkServer] = []
 
     def start(name: str) -> ForkServer:
@@ -241,7 +241,7 @@ def serve(tmp_path: Path) -> Iterator[Callable[[str], ForkServer]]:
 
 @forking
 def test_forked_calls_answer_again_and_again(serve: Callable[[str], ForkServer]) -> None:
-    """One server answers many calls, each from a process of its own."""
+    """One server answers many calls, each in its own process."""
     server = serve("double")
     assert [server.call(number).result(10.0) for number in range(5)] == [0, 2, 4, 6, 8]
 
@@ -259,7 +259,7 @@ def test_forked_calls_answer_again_and_again(serve: Callable[[str], ForkServer])
 def test_forked_calls_die_as_workers_do(
     serve: Callable[[str], ForkServer], name: str, argument: object, timeout: float, reason: str
 ) -> None:
-    """A crash, an exit, a hang, too much memory: each ends the call alone, and is named."""
+    """A crash, an exit, a hang and too much memory each end one call, with the reason."""
     server = serve(name)
     for _ in range(2):
         with pytest.raises(WorkerDied) as died:
@@ -269,7 +269,7 @@ def test_forked_calls_die_as_workers_do(
 
 @forking
 def test_exceptions_of_forked_calls_come_back(serve: Callable[[str], ForkServer]) -> None:
-    """What the function raises is raised here, with its traceback."""
+    """An exception in the function is raised by the call, with its traceback."""
     with pytest.raises(RemoteError, match="ValueError: no") as raised:
         serve("fail").call("no").result(10.0)
     assert "isolated_functions" in raised.value.trace

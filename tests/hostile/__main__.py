@@ -33,7 +33,7 @@ def experiment(name: str) -> Experiment:
 
 
 def trials_of(chosen: Experiment, count: int, seed: int, jobs: int, minutes: float) -> list[Trial]:
-    """Run an experiment until it is through or the time is up; its faults are printed as they are found."""
+    """Run an experiment until it ends or the time is up; defects are printed as they are found."""
     trials: list[Trial] = []
     end = time.monotonic() + 60.0 * minutes
     with tempfile.TemporaryDirectory(prefix=f"hostile-{chosen.name}-") as folder:
@@ -51,7 +51,7 @@ def trials_of(chosen: Experiment, count: int, seed: int, jobs: int, minutes: flo
 
 
 def _code() -> str:
-    """Hash of stepbot's code as it is now: trials compare bytes with those of the first run of an experiment."""
+    """Hash of stepbot's current code: trials compare bytes with those of the first run of an experiment."""
     own_code.cache_clear()
     return own_code()
 
@@ -74,7 +74,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run experiments; 1 where any finds a fault, 2 where the code has changed meanwhile."""
+    """Run experiments; returns 1 if any finds a defect, 2 if the code has changed meanwhile."""
     arguments = _arguments(argv)
     faults = 0
     for name in arguments.only or NAMES:

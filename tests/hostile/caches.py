@@ -1,4 +1,4 @@
-"""Entries of the cache are cut off, emptied, or have bytes flipped: what comes out is the same, to the byte."""
+"""Cache entries are truncated, emptied, or have bytes flipped: the output is byte-identical."""
 
 import shutil
 from collections.abc import Iterator

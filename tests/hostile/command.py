@@ -1,4 +1,4 @@
-"""The ``stepbot`` command as a process that is watched: how it ends, what it prints, and what it leaves behind."""
+"""The ``stepbot`` command as an observed process: how it ends, what it prints, and what it leaves behind."""
 
 import os
 import re
@@ -13,17 +13,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 LONGEST = 120.0
-"""Seconds after which a command hangs."""
+"""Seconds after which a command counts as hung."""
 _MARK = "STEPBOT_HOSTILE_TRIAL"
-"""Environment variable by which the processes of a trial are found: those that they start inherit it."""
+"""Environment variable that identifies the processes of a trial; child processes inherit it."""
 _GONE_AFTER = 10.0
-"""Seconds within which all processes of a command must have ended, once it has."""
+"""Seconds within which all processes of a command must end after it."""
 _TRACEBACK = re.compile(r"^Traceback \(most recent call last\)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended."""
+    """The end of a command."""
 
     code: int
     """Exit code; negative for a signal."""
@@ -31,7 +31,7 @@ class Ended:
     err: bytes
     seconds: float
     left: tuple[str, ...]
-    """Processes, temporary files and shared memory that it left behind."""
+    """Processes, temporary files and shared memory left behind."""
 
     @property
     def text(self) -> str:
@@ -39,7 +39,7 @@ class Ended:
         return self.out.decode("utf-8", "replace") + self.err.decode("utf-8", "replace")
 
     def faults(self, codes: Sequence[int] = (0, 1, 2)) -> tuple[str, ...]:
-        """Forbidden outcomes of any command, for any input."""
+        """Outcomes that are forbidden for any command and input."""
         shown = self.text[-2000:]
         found = [f"left behind: {one}" for one in self.left]
         if self.code not in codes:
@@ -53,7 +53,7 @@ class Ended:
 
 @dataclass
 class Running:
-    """A command that runs."""
+    """A running command."""
 
     process: "subprocess.Popen[bytes]"
     mark: str
@@ -62,7 +62,7 @@ class Running:
     shared: frozenset[str] = field(default_factory=frozenset)
 
     def wait(self) -> Ended:
-        """Wait for it, and look for what it leaves behind; what still runs then is ended."""
+        """Wait for the command, and look for what it leaves behind; processes that still run are killed."""
         try:
             out, err = self.process.communicate(timeout=LONGEST)
             code, left = self.process.returncode, []
@@ -116,7 +116,7 @@ def stepbot(*arguments: str | Path, folder: Path, temporary: Path, **options: Ma
 
 @contextmanager
 def full_disk(folder: Path, size: int) -> Iterator[bool]:
-    """A file system of ``size`` bytes at ``folder``; False where this user may not mount one."""
+    """Mount a file system of ``size`` bytes at ``folder``; returns False without permission to mount."""
     command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
     try:
         mounted = sys.platform == "linux" and subprocess.run(command, capture_output=True, check=False).returncode == 0
@@ -130,7 +130,7 @@ def full_disk(folder: Path, size: int) -> Iterator[bool]:
 
 
 def _ended(mark: str) -> list[str]:
-    """The processes of a trial that do not end in time; they are killed."""
+    """Kill the processes of a trial that do not end in time, and return them."""
     deadline = time.monotonic() + _GONE_AFTER
     while (alive := _processes(mark)) and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -149,7 +149,7 @@ def _processes(mark: str) -> dict[int, str]:
         try:
             if wanted in (path / "environ").read_bytes().split(b"\0"):
                 found[int(path.name)] = (path / "comm").read_text().strip()
-        except OSError:  # it has ended, or belongs to another user
+        except OSError:  # the process has ended, or belongs to another user
             continue
     return found
 
@@ -160,7 +160,7 @@ def _shared_memory() -> frozenset[str]:
 
 
 def _is_open(name: str) -> bool:
-    """Whether some process has a piece of shared memory mapped: then it is that process's, not left over."""
+    """Whether some process has mapped a piece of shared memory, which then is in use."""
     for path in Path("/proc").glob("[0-9]*/maps"):
         try:
             if f"/dev/shm/{name}" in path.read_text():

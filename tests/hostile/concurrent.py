@@ -13,7 +13,7 @@ AT_ONCE = 6
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """All of one version, or some of each; with the geometry known, or not."""
+    """Convert one version six times, or both versions, with the geometry cached or not."""
     version = two_versions(setting.folder / "versions")
     for number in range(setting.count):
         rng = Random(f"concurrent:{setting.seed}:{number}")

@@ -11,7 +11,7 @@ from .command import stepbot
 from .experiment import Experiment, Setting, Trial
 
 _TIMEOUT = "30"
-"""Seconds that an engine may take."""
+"""Time limit [s] of an engine."""
 _SECRET, _NAME, _FOLDER = "@SECRET@", "@NAME@", "@FOLDER@"
 """Placeholders for the path of a file that must not be read, its name, and its folder."""
 _ENTITY = f'[<!ENTITY e SYSTEM "file://{_SECRET}">]'
@@ -46,13 +46,13 @@ def _deep(tag: str, levels: int) -> str:
 
 @dataclass(frozen=True)
 class Case:
-    """A file, with marks where the path of what it must not read goes."""
+    """A file with placeholders for the path that it must not read."""
 
     name: str
     """With the suffix of its format."""
     text: str
     code: str = ""
-    """What must be reported of it; empty where it need not be refused."""
+    """The code to report; empty if the file need not be rejected."""
 
 
 CASES = (
@@ -86,7 +86,7 @@ CASES = (
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Verify each file, with the pipe outside of its folder."""
+    """Verify each file, with the pipe outside its folder."""
     for case in CASES[: setting.count]:
         place = setting.folder / case.name
         folder = place / "given"
@@ -107,7 +107,7 @@ def run(setting: Setting) -> Iterator[Trial]:
 
 @contextmanager
 def _pipes(*paths: Path) -> Iterator[list[Path]]:
-    """Named pipes; the list receives those that a process opens for reading."""
+    """Named pipes, and a list that receives those that a process opens for reading."""
     opened: list[Path] = []
 
     def wait(path: Path) -> None:
@@ -126,7 +126,7 @@ def _pipes(*paths: Path) -> Iterator[list[Path]]:
         seen += opened
     finally:
         for path, thread in zip(paths, threads, strict=True):
-            while thread.is_alive():  # release processes that still wait
+            while thread.is_alive():  # release waiting processes
                 os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))
                 thread.join(0.01)
 

@@ -1,4 +1,4 @@
-"""The disk is full: that of the output, of the cache, or of temporary files, at any moment of a conversion."""
+"""The disk of the output, of the cache, or of temporary files fills up during a conversion."""
 
 import os
 import shutil
@@ -12,11 +12,11 @@ from .robots import Versions, files_in, two_versions
 
 _WHICH = ("output", "cache", "temporary")
 _PAGE = 4096
-"""Bytes that a file system in memory gives out at once."""
+"""Block size [bytes] of a file system in memory."""
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Convert where one folder is a disk with room for nothing, for some files, or just not for all."""
+    """Convert with one folder on a disk with space for nothing, for some files, or for nearly all."""
     version = two_versions(setting.folder / "versions")
     for number in range(setting.count):
         rng = Random(f"disks:{setting.seed}:{number}")
@@ -24,7 +24,7 @@ def run(setting: Setting) -> Iterator[Trial]:
         place = setting.folder / f"trial{number}"
         disk = place / "disk"
         disk.mkdir(parents=True)
-        # A twentieth of the trials and more leave no room at all.
+        # About a twentieth of the trials have no space at all.
         room = max(rng.uniform(-0.05, 1.0), 0.0) * (_needed(version.new) if which == "output" else 400_000)
         size = int(room) + (_needed(version.old) if which == "output" else 2 * _PAGE)
         with full_disk(disk, size) as mounted:
@@ -60,7 +60,7 @@ def _tried(version: Versions, which: str, place: Path, disk: Path) -> tuple[str,
 
 
 def _unfinished(output: Path, cache: Path) -> list[Path]:
-    """What is being written aside."""
+    """Files that are being written."""
     return [*output.glob(".stepbot-*"), *cache.rglob(".new-*")]
 
 

@@ -1,4 +1,4 @@
-"""What an experiment is: one way to harm stepbot, done many times, each time with a verdict."""
+"""An experiment: one kind of hostile input or event, tried many times, each with a verdict."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -7,45 +7,45 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Trial:
-    """One try."""
+    """One trial."""
 
     name: str
-    """From which, and the seed, the same trial is made again."""
+    """Its name, from which, with the seed, the trial is repeated."""
     outcome: str
-    """What came of it, in the words of the page's table."""
+    """The outcome, as in the page's table."""
     faults: tuple[str, ...] = ()
-    """What must not be; empty where all is well."""
+    """The defect found; empty if there is none."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What a run of an experiment is given."""
+    """Settings of a run of an experiment."""
 
     folder: Path
     """An empty folder to work in."""
     seed: int
-    """Of all random choices."""
+    """Seed of all random choices."""
     count: int
-    """How many trials; experiments whose cases are listed try that many of them."""
+    """Number of trials; experiments with a list of cases try that many of them."""
     jobs: int = 1
-    """How many processes to keep busy."""
+    """Number of processes to keep busy."""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """One way to harm stepbot."""
+    """One kind of hostile input or event."""
 
     name: str
-    """For ``--only``."""
+    """Name for ``--only``."""
     title: str
-    """For the page: what is done to stepbot."""
+    """For the page: the input or event."""
     expected: str
-    """For the page: what must come of it."""
+    """For the page: the required outcome."""
     run: Callable[[Setting], Iterator[Trial]]
-    """Tries; yields each trial as it ends."""
+    """Run the trials; yields each as it ends."""
     short: int
-    """Trials of the short form."""
+    """Number of trials of the short form."""
     long: int
-    """Trials of the long form."""
+    """Number of trials of the long form."""
     repaired: tuple[str, ...] = ()
-    """Faults that the experiment found; each is repaired."""
+    """Defects that the experiment found; each is fixed."""

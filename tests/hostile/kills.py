@@ -16,11 +16,11 @@ from .robots import Versions, files_in, two_versions
 _SIGNALS = ("SIGKILL", "SIGTERM", "SIGINT")
 _BATCH = ("stepbot_arm2", "stepbot_four_bar")
 _CODES = {"SIGKILL": (-9,), "SIGTERM": (143, -15), "SIGINT": (130, -2)}
-"""How a command may end: Python is killed by the signal itself before it has a handler for it."""
+"""Accepted exit codes: Python is killed by the signal itself before it has a handler for it."""
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Start, wait for a random time, send the signal, look at what is left, and run again."""
+    """Start, send the signal after a random time, inspect the remains, and run again."""
     versions = {name: two_versions(setting.folder / name, name) for name in _BATCH}
     batch = _batch_files(setting.folder / "batch", versions)
     for number in range(setting.count):
@@ -40,7 +40,7 @@ def _convert(place: Path, versions: dict[str, Versions], sent: str, rng: Random)
     version = versions[_BATCH[0]]
     output, cache = place / "out", place / "cache"
     version.put_old(output)
-    if rng.random() < 0.8:  # without it, the kernel is at work for most of the time
+    if rng.random() < 0.8:  # without it, the kernel runs for most of the time
         shutil.copytree(version.cache, cache)
     command = ("convert", version.folder / "new.robot.yaml", "-o", output, "--cache", cache)
     ended = _ended_by(sent, command, place, rng.uniform(0.0, 1.2 * version.seconds))
@@ -57,11 +57,11 @@ def _convert(place: Path, versions: dict[str, Versions], sent: str, rng: Random)
 
 @dataclass(frozen=True)
 class _Batch:
-    """Robots that are converted together, each in a version of its own."""
+    """Robots that are converted together, each with its own version."""
 
     robots: dict[str, Versions]
     new: dict[str, dict[str, bytes]]
-    """What comes of them: reports name a sidecar by the path that it was given by."""
+    """Expected files: reports name a sidecar by the path given."""
 
 
 def _batch_files(place: Path, versions: dict[str, Versions]) -> _Batch:
@@ -74,7 +74,7 @@ def _batch_files(place: Path, versions: dict[str, Versions]) -> _Batch:
 
 
 def _put_batch(place: Path, versions: dict[str, Versions]) -> tuple[str, ...]:
-    """Put a batch with its old output into a folder; the command that converts it."""
+    """Put a batch with its old output into a folder; returns the command that converts it."""
     for name, version in versions.items():
         source = place / "robots" / name
         source.mkdir(parents=True)
@@ -106,19 +106,19 @@ def _ended_by(sent: str, command: tuple[str | Path, ...], place: Path, seconds: 
     time.sleep(seconds)
     if running.process.poll() is None:
         number = getattr(signal, sent)
-        # A terminal sends Ctrl-C to all processes of the group, `kill` sends a signal to one.
+        # A terminal sends Ctrl-C to all processes of the group, `kill` to one.
         (os.killpg if sent == "SIGINT" else os.kill)(running.process.pid, number)
     return running.wait()
 
 
 def _faults(ended: Ended, sent: str) -> list[str]:
-    """What is wrong before the next run, which may find the temporary files of a run that could not remove them."""
+    """Defects before the next run, which may find temporary files of a run that could not remove them."""
     found = ended.faults((0, *_CODES[sent]))
     return [fault for fault in found if ended.code >= 0 or not fault.startswith("left behind: temporary")]
 
 
 def _left(place: Path) -> list[str]:
-    """What is left after the next run, which uses the same folder for temporary files."""
+    """Remains after the next run, which uses the same folder for temporary files."""
     return [f"another run leaves temporary file {path.name}" for path in (place / "tmp").iterdir()]
 
 

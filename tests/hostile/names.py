@@ -19,7 +19,7 @@ from .command import Ended, stepbot
 from .experiment import Experiment, Setting, Trial
 
 _PLACE = "@PLACE@"
-"""Placeholder for the folder of a trial, where no file may be added."""
+"""Placeholder for the folder of a trial, in which no file may be added."""
 _HEAD = "version: 1\nmaterials: {steel: {density: 7850 kg/m^3}}\ndefaults: {material: steel}\n"
 _RLO, _PDF = "\u202e", "\u202c"
 
@@ -34,7 +34,7 @@ class Case:
     """Whether the STEP contains its bytes unchanged, instead of the directives of ISO 10303-21."""
 
     def placed(self, place: Path) -> "Case":
-        """The same, in the folder of a trial."""
+        """The case with the folder of a trial in place of the placeholder."""
         return replace(self, text=self.text.replace(_PLACE, str(place)))
 
 
@@ -79,13 +79,13 @@ _TERMINAL = (
     "-c",
     "import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))",
 )
-"""Runs a command on a terminal of its own and copies what it prints."""
+"""A command that runs another one on a terminal of its own and copies its output."""
 _OWN_SEQUENCE = re.compile(r"\x1b\[([0-9]{1,2};?)*m|\x1b\[\?25[hl]|\x1b\[[0-9]?[AKJ]|\r")
-"""Colours and progress bar of stepbot itself."""
+"""Colours and progress bar of stepbot."""
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Give all names to parts of one assembly, then each to a robot; look at what is printed and what is written."""
+    """Give all names to parts of one assembly, then each to a robot; inspect output and files."""
     for number in range(setting.count):
         place = setting.folder / f"trial{number}"
         (place / "a" / "b").mkdir(parents=True)
@@ -101,7 +101,7 @@ def run(setting: Setting) -> Iterator[Trial]:
 
 @dataclass
 class _Trial:
-    """Commands that are tried in a folder, and what is wrong with them."""
+    """Commands run in a folder, and the defects found."""
 
     place: Path
     cache: Path
@@ -109,11 +109,11 @@ class _Trial:
 
     @property
     def folder(self) -> Path:
-        """Where they run, and what there is to read."""
+        """The folder with the input."""
         return self.place / "a" / "b"
 
     def run(self, *command: str, codes: tuple[int, ...], on_terminal: bool = False) -> Ended:
-        """Run one."""
+        """Run a command."""
         wrapper = _TERMINAL if on_terminal else ()
         options = ("--cache", self.cache)
         ended = stepbot(*command, *options, folder=self.folder, temporary=self.place / "tmp", wrapper=wrapper)
@@ -123,11 +123,11 @@ class _Trial:
         return ended
 
     def files(self) -> set[str]:
-        """All files, but for temporary ones."""
+        """All files except temporary ones."""
         return {path for path in snapshot(self.place) if not path.startswith("tmp/")}
 
     def look_at_added(self, before: set[str]) -> set[str]:
-        """Look at the files that were not there before; returns those in the output folder."""
+        """Inspect added files; returns those in the output folder."""
         added = self.files() - before
         written = {path.removeprefix("a/b/out/") for path in added if path.startswith("a/b/out/")}
         outside = sorted(path for path in added if not path.startswith("a/b/out/"))
@@ -159,7 +159,7 @@ def _parts(trial: _Trial, cases: Sequence[Case]) -> str:
 
 
 def _robot(trial: _Trial, case: Case) -> str:
-    """Check and convert a robot that is called so, as its links and a material are."""
+    """Check and convert a robot of this name, with a link and a material of the same name."""
     _write_step(trial.folder / "plain.step", (Case("", "part"),))
     name, other = _yaml(case.text), _yaml(f"{case.text.swapcase()}_"[-200:])
     named = (
@@ -182,7 +182,7 @@ def _robot(trial: _Trial, case: Case) -> str:
 
 
 def _raw_controls(shown: str) -> list[str]:
-    """What could steer a terminal, or forge a line of its own."""
+    """Control characters in output that could steer a terminal or forge a line."""
     controls = sorted({f"U+{ord(c):04X}" for c in shown if not c.isprintable() and c != "\n"})
     found = [f"prints {', '.join(controls)} as they are"] if controls else []
     if any(line.startswith("error[SB999]") for line in shown.splitlines()):
@@ -191,7 +191,7 @@ def _raw_controls(shown: str) -> list[str]:
 
 
 def _bad_file_names(paths: set[str]) -> list[str]:
-    """Names that are not those of a file on every system, or that are one file on some."""
+    """Names that are invalid on some system, or that denote one file on some."""
     found, first = [], dict[str, str]()
     for path in sorted(paths):
         other = first.setdefault(path.casefold(), path)
@@ -225,7 +225,7 @@ def _escaped(text: str, is_raw: bool) -> str:
 
 
 def _yaml(text: str) -> str:
-    """A text in double quotes, what is not plain ASCII as an escape."""
+    """A text in double quotes, with escapes for everything except plain ASCII."""
     return '"' + "".join(c if c.isalnum() and c.isascii() else f"\\U{ord(c):08X}" for c in text) + '"'
 
 

@@ -1,4 +1,4 @@
-"""Writes ``docs/reliability.md``: one row per experiment, made anew when that experiment has run."""
+"""Writes ``docs/reliability.md``: one row per experiment, replaced when that experiment has run."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ Each is fixed, and has a regression test of its own.
 
 
 def summary(trials: Sequence[Trial]) -> str:
-    """How many trials ended how."""
+    """Number of trials per outcome."""
     outcomes = Counter(trial.outcome for trial in trials)
     return ", ".join(f"{count:,} {outcome}" for outcome, count in sorted(outcomes.items()))
 
@@ -60,7 +60,7 @@ def write_row(experiment: Experiment, trials: Sequence[Trial], known: Sequence[E
 
 
 def _rows() -> dict[str, str]:
-    """The rows that the page has, by experiment."""
+    """The rows of the page, by experiment."""
     if not PAGE.exists():
         return {}
     lines = PAGE.read_text(encoding="utf-8").splitlines(keepends=True)

@@ -18,14 +18,14 @@ class Versions:
     """A robot before and after an edit of its sidecar."""
 
     folder: Path
-    """Where ``old.robot.yaml``, ``new.robot.yaml`` and their STEP are; both call the robot by one name."""
+    """Folder of ``old.robot.yaml``, ``new.robot.yaml`` and their STEP; both use one robot name."""
     old: dict[str, bytes]
-    """Files of the output, but for the list of what stepbot wrote, which is stamped by each run."""
+    """Files of the output, except stepbot's file list, which each run stamps."""
     new: dict[str, bytes]
     cache: Path
-    """A cache with the geometry of the STEP, and no results derived from it."""
+    """A cache with the geometry of the STEP and no derived results."""
     seconds: float
-    """What a conversion takes, its geometry known."""
+    """Duration [s] of a conversion with cached geometry."""
 
     def put_old(self, output: Path) -> None:
         """Put the files of the old version into a folder."""
@@ -34,7 +34,7 @@ class Versions:
             (output / name).write_bytes(content)
 
     def torn(self, output: Path) -> list[str]:
-        """Files that are neither of the old version nor of the new one; those being written aside."""
+        """Files of neither version, except those that are being written."""
         return [
             f"'{name}' is neither the old file nor the new one"
             for name, content in files_in(output).items()
@@ -45,13 +45,13 @@ class Versions:
 
 
 def files_in(output: Path) -> dict[str, bytes]:
-    """What is in an output folder, hidden files too, but for the list of files and for those being written."""
+    """Files in an output folder, hidden ones too, except the file list and those being written."""
     files = snapshot(output).items()
     return {name: content for name, content in files if name != MANIFEST and not name.startswith(_STAGING)}
 
 
 def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:
-    """Convert both versions of a robot of the library, the new one being heavier."""
+    """Convert both versions of a robot of the library; the new one is heavier."""
     folder.mkdir(parents=True)
     (source,) = (ROOT / "robot_library" / name).glob("*.robot.yaml")
     (step,) = (ROOT / "robot_library" / name).glob("*.step")

@@ -45,7 +45,7 @@ _KEYS = (
 
 
 def dropped(root: Table, rng: Random) -> None:
-    """Keys and values are missing."""
+    """Remove keys and values."""
     for _ in range(rng.choice((1, 1, 2, 5))):
         container, index = _place(root, rng)
         del (container.pairs if isinstance(container, Table) else container.values)[index]
@@ -54,14 +54,14 @@ def dropped(root: Table, rng: Random) -> None:
 
 
 def doubled(root: Table, rng: Random) -> None:
-    """Keys and values come twice, at once or further down."""
+    """Duplicate keys and values, in place or further down."""
     container, index = _place(root, rng)
     values: list[object] = container.pairs if isinstance(container, Table) else container.values  # type: ignore[assignment]
     values.insert(rng.choice((index, index + 1, len(values))), copy.deepcopy(values[index]))
 
 
 def renamed(root: Table, rng: Random) -> None:
-    """Keys are other words: misspelt, in other case, of another place, not even words."""
+    """Rename keys: misspelt, in other case, of another section, or no words at all."""
     tables = [container for container, _ in places(root) if isinstance(container, Table)] or [root]
     for _ in range(rng.choice((1, 1, 3))):
         table = rng.choice(tables)
@@ -73,7 +73,7 @@ def renamed(root: Table, rng: Random) -> None:
 
 
 def retyped(root: Table, rng: Random) -> None:
-    """A value is of another type: a list for a mapping, a text for a number, a mapping for a text."""
+    """Change the type of a value: a list for a mapping, a text for a number, a mapping for a text."""
     container, index = _place(root, rng)
     value = values_of(container)[index]
     changed: tuple[Node, ...] = (
@@ -89,13 +89,13 @@ def retyped(root: Table, rng: Random) -> None:
 
 
 def numbers(root: Table, rng: Random) -> None:
-    """Numbers are huge, tiny, negative, not finite, not numbers."""
+    """Replace numbers by huge, tiny, negative, infinite or non-numeric ones."""
     for container, index in _some(root, rng, _is_number):
         replace_value(container, index, Scalar(rng.choice(_NUMBERS)))
 
 
 def units(root: Table, rng: Random) -> None:
-    """Units are those of another quantity, missing, or invalid."""
+    """Replace units by those of another quantity, none, or invalid ones."""
     for container, index in _some(root, rng, _is_number):
         value = values_of(container)[index]
         assert isinstance(value, Scalar)
@@ -104,7 +104,7 @@ def units(root: Table, rng: Random) -> None:
 
 
 def magnitudes(root: Table, rng: Random) -> None:
-    """Numbers are a power of ten off, or have the other sign; their units are right: what is found may be built."""
+    """Multiply numbers by a power of ten, or change their sign; the units are right, so the result may build."""
     for container, index in _some(root, rng, _is_number):
         value = values_of(container)[index]
         assert isinstance(value, Scalar)
@@ -114,13 +114,13 @@ def magnitudes(root: Table, rng: Random) -> None:
 
 
 def texts(root: Table, rng: Random) -> None:
-    """Texts are empty, reserved, broken, from another alphabet, or code in another language."""
+    """Replace texts by empty, reserved, broken or foreign ones, or by code in another language."""
     for container, index in _some(root, rng, lambda value: isinstance(value, Scalar)):
         replace_value(container, index, Scalar(rng.choice(_TEXTS)))
 
 
 def paths(root: Table, rng: Random) -> None:
-    """Paths and globs match nothing, everything, or take long to match."""
+    """Replace paths by ones that match nothing, everything, or take long to match."""
     if rng.random() < 0.5:
         tables = [value for key, value in root.pairs if key in ("parts", "joint_defaults") and isinstance(value, Table)]
         if tables and tables[0].pairs:
@@ -140,7 +140,7 @@ def paths(root: Table, rng: Random) -> None:
 
 
 def references(root: Table, rng: Random) -> None:
-    """Names stand for another thing that there is: links are their own parents, joints follow each other in circles."""
+    """Redirect names: links become their own parents, joints follow each other in cycles."""
     names = [key for _, section in root.pairs if isinstance(section, Table) for key, _ in section.pairs]
     used = [
         (container, index)
@@ -152,7 +152,7 @@ def references(root: Table, rng: Random) -> None:
 
 
 def grafted(root: Table, rng: Random) -> None:
-    """A piece of the sidecar replaces another piece, which may have contained it."""
+    """Replace a part of the sidecar by another part, which may contain it."""
     source, from_index = _place(root, rng)
     piece = copy.deepcopy(values_of(source)[from_index])
     container, index = _place(root, rng)
@@ -160,7 +160,7 @@ def grafted(root: Table, rng: Random) -> None:
 
 
 def nested(root: Table, rng: Random) -> None:
-    """A value is nested in hundreds of others, or a list has thousands of values."""
+    """Nest a value in hundreds of others, or lengthen a list to thousands of values."""
     container, index = _place(root, rng)
     value = values_of(container)[index]
     depth = rng.choice((3, 16, 22, 30, 200))
@@ -176,7 +176,7 @@ def nested(root: Table, rng: Random) -> None:
 
 
 def aliases(root: Table, rng: Random) -> None:
-    """Anchors, aliases and merges: of something else, of itself, of ever more."""
+    """Add anchors, aliases and merges: of other parts, of themselves, exponentially many."""
     container, index = _place(root, rng)
     anchored = values_of(container)[index]
     if isinstance(anchored, Scalar):
@@ -221,7 +221,7 @@ def _is_number(node: Node) -> bool:
 
 
 def spoiled_text(text: str, rng: Random) -> bytes:
-    """Bytes are wrong, tabs indent, line ends and encodings are those of another system, the end is missing."""
+    """Damage bytes, indent by tabs, change line ends and encodings, or remove the end."""
     data = text.encode()
     cut = rng.randrange(len(data) + 1)
     lines = text.split("\n")
@@ -269,7 +269,7 @@ KINDS = (*TREE_DAMAGE, "text", "mixed")
 
 
 def damaged(base: Table, kind: str, rng: Random) -> bytes:
-    """The bytes of a sidecar with damage of a kind; the tree itself is left alone."""
+    """The bytes of a sidecar with damage of a kind; the tree itself is not changed."""
     root = copy.deepcopy(base)
     if kind == "text":
         return spoiled_text(written(root), rng)

@@ -1,4 +1,4 @@
-"""A mutant of a sidecar, and the sound ones that mutants are made of: those of the robots that come with stepbot."""
+"""A mutant of a sidecar, and the valid ones that mutants are made of: those of the robot library."""
 
 import pickle
 import shutil
@@ -23,7 +23,7 @@ from .sidecar_tree import Table, read_tree
 
 LIBRARY = ROOT / "robot_library"
 SMALL = ("stepbot_arm2", "stepbot_four_bar")
-"""Robots of the short form: quickly read, and with most of the keys between them."""
+"""Robots of the short form: quickly read, and together with most of the keys."""
 Measured = tuple[Assembly, tuple[VolumeProperties | None, ...]]
 _SIDECAR = "base.robot.yaml"
 _ASSEMBLY = "assembly.pickle"
@@ -31,10 +31,10 @@ _ASSEMBLY = "assembly.pickle"
 
 @dataclass(frozen=True)
 class SidecarMutant:
-    """What a damaged sidecar is made from."""
+    """The origin of a damaged sidecar."""
 
     base: str
-    """Folder of the sound one in the library."""
+    """Folder of the valid one in the library."""
     kind: str
     """One of :data:`.sidecar_damage.KINDS`."""
     seed: int
@@ -52,19 +52,19 @@ class SidecarMutant:
         return SidecarMutant(base, kind, int(seed), int(number))
 
     def content(self, bases: Path) -> bytes:
-        """The damaged file; the same bytes wherever and whenever it is made."""
+        """The damaged file; the bytes are deterministic."""
         return damaged(_tree(bases / self.base), self.kind, Random(self.name))
 
 
 def plan(bases: Sequence[str], count: int, seed: int) -> list[SidecarMutant]:
-    """``count`` mutants in which every pair of base and kind comes equally often, in an order that the seed gives."""
+    """``count`` mutants in which every pair of base and kind is equally frequent, in an order given by the seed."""
     pairs = list(product(bases, KINDS))
     Random(seed).shuffle(pairs)
     return [SidecarMutant(*pair, seed, number) for number, pair in zip(range(count), cycle(pairs), strict=False)]
 
 
 def collect(names: Sequence[str], folder: Path) -> None:
-    """Put sound sidecars into folders of their own, each with its assembly as the kernel reads it."""
+    """Put valid sidecars into separate folders, each with its assembly as read by the kernel."""
     for name in names:
         place = folder / name
         place.mkdir(parents=True)
@@ -81,7 +81,7 @@ def collect(names: Sequence[str], folder: Path) -> None:
 
 @cache
 def assembly_of(base: Path) -> Measured:
-    """The assembly of a sound sidecar, and what trimesh measures on its bodies."""
+    """The assembly of a valid sidecar, and trimesh's measures of its bodies."""
     loaded: Measured = pickle.loads((base / _ASSEMBLY).read_bytes())
     return loaded
 

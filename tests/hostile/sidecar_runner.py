@@ -20,15 +20,15 @@ from tests.fuzz.judge import FAILED, Verdict, make_robot, unsound_diagnostics
 from .sidecar_mutant import SidecarMutant, assembly_of
 
 BUILT = 4
-"""One mutant in so many is built, if its check finds no error."""
+"""Every so many mutants one is built, if its check finds no error."""
 LONGEST_CHECK = 10.0
-"""Processor time [s] that a check may take; those of sound sidecars take hundredths."""
+"""Processor time limit [s] of a check; valid sidecars take hundredths."""
 LONGEST = 60.0
-"""Processor time [s] that all of a mutant may take."""
+"""Processor time limit [s] of a mutant."""
 
 
 def try_out(mutant: SidecarMutant, bases: Path, folder: Path) -> Verdict:
-    """Make a mutant, check it, build the robot if planned, and return the outcome."""
+    """Create a mutant, check it, build the robot if planned, and return the outcome."""
     path = folder / "mutant.robot.yaml"
     path.write_bytes(mutant.content(bases))
     found, faults, outcome, began = Diagnostics(), list[str](), FAILED, time.process_time()

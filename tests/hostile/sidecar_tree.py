@@ -42,7 +42,7 @@ Node = Scalar | Listing | Table
 
 
 def read_tree(path: Path) -> Table:
-    """The tree of a sound sidecar."""
+    """The tree of a valid sidecar."""
     root = _node(YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8")))
     assert isinstance(root, Table)
     return root

@@ -1,4 +1,4 @@
-"""Sidecars whose trees are damaged end in a robot, or in errors with place and remedy; nothing raises or hangs."""
+"""Sidecars with damaged trees give a robot, or errors with place and remedy; nothing raises or hangs."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from .sidecar_mutant import LIBRARY, SMALL, collect, plan
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Damage, check, and build a fourth of those that have no error."""
+    """Damage, check, and build a fourth of those without errors."""
     few = setting.count <= 2000
     names = SMALL if few else sorted(path.parent.name for path in LIBRARY.glob("*/*.robot.yaml"))
     bases = setting.folder / "bases"

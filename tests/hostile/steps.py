@@ -13,7 +13,7 @@ from .experiment import Experiment, Setting, Trial
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Read each mutant in a process of its own, and go on to a robot of one link and its files."""
+    """Read each mutant in a separate process, and convert it to a robot of one link."""
     bases = setting.folder / "bases"
     subprocess.run([sys.executable, "-m", "tests.fuzz.bases", str(bases)], cwd=ROOT, check=True)
     mutants = plan(base_files.names(bases), setting.count, setting.seed)

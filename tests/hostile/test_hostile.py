@@ -18,7 +18,7 @@ from .sidecar_tree import read_tree, written
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
-    """No traceback, no hang, nothing left over, nothing half written."""
+    """The short form of each experiment finds no traceback, hang, leftover or incomplete file."""
     chosen = experiment(name)
     trials = list(chosen.run(Setting(tmp_path, seed=1, count=chosen.short)))
     assert len(trials) == chosen.short
@@ -31,7 +31,7 @@ def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
 def test_run_during_which_the_code_changes_does_not_count(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Files of two versions of stepbot may differ, which is no fault of either."""
+    """A run during which stepbot's code changes is not counted, since files of two versions may differ."""
     codes = iter("ab")
     monkeypatch.setattr(runner, "_code", lambda: next(codes))
     monkeypatch.setattr(runner, "trials_of", lambda *given: [Trial("a", "robot", ("differs",))])
@@ -61,14 +61,14 @@ def test_damage_depends_on_the_name_alone_and_changes_the_sidecar() -> None:
 
 
 def test_plan_names_each_mutant() -> None:
-    """Each pair of sidecar and kind comes before any twice, and a name gives its mutant back."""
+    """Each pair of sidecar and kind comes before any twice, and a name gives its mutant."""
     mutants = plan(["a", "b"], 2 * len(KINDS), 3)
     assert len({(mutant.base, mutant.kind) for mutant in mutants}) == 2 * len(KINDS)
     assert [SidecarMutant.named(mutant.name) for mutant in mutants] == mutants
 
 
 def test_page_keeps_rows_of_experiments_that_did_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A row is replaced by the run of its experiment alone; faults are counted."""
+    """A row is replaced only by a run of its experiment; defects are counted."""
     monkeypatch.setattr(page, "PAGE", tmp_path / "reliability.md")
     first, second = (
         Experiment(name, "done", "expected", lambda setting: iter(()), short=1, long=2, repaired=(f"{name} broke",))

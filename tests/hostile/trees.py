@@ -1,4 +1,4 @@
-"""STEP files of a few kilobytes that stand for millions of occurrences: assemblies that share assemblies."""
+"""STEP files of a few kilobytes that expand to millions of occurrences: assemblies that share assemblies."""
 
 import re
 import subprocess
@@ -13,15 +13,15 @@ from .command import stepbot
 from .experiment import Experiment, Setting, Trial
 
 CASES = ((8, 10, True), (30, 2, True), (3, 1100, True), (3, 10, False))
-"""Levels, occurrences per level, whether that is more than stepbot follows."""
+"""Levels, occurrences per level, whether the tree is beyond stepbot's limit."""
 LONGEST = 60.0
-"""Seconds within which too large a tree is refused."""
+"""Seconds within which too large a tree is rejected."""
 MEMORY = "2G"
-"""Memory within which it is."""
+"""Memory within which it is rejected."""
 
 
 def run(setting: Setting) -> Iterator[Trial]:
-    """Inspect each; those that are too large are refused, in bounded time and memory."""
+    """Inspect each tree; those that are too large are rejected in bounded time and memory."""
     for levels, children, is_refused in CASES[: setting.count]:
         name = f"{children}^{levels}"
         place = setting.folder / name

@@ -18,9 +18,9 @@ from .reasons import reason_for_change
 from .siblings import FORMATS, Noticed, trials
 
 WANTED = 0.97
-"""The share of changes that has to be noticed, in all formats together."""
+"""The share of changes that must be detected, over all formats."""
 LIBRARY = ("ur5e", "diff_drive", "2f85", "delta", "quadruped")
-"""Robots with drives, sensors, sites, keyframes, mimics, loops and ball joints."""
+"""Robots with actuators, sensors, sites, keyframes, mimics, loops and ball joints."""
 OF_EACH = 20
 
 _HEAD = """
@@ -42,7 +42,7 @@ Unnoticed changes:
 
 
 def library_builds(names: Sequence[str]) -> dict[str, Callable[[], Robot]]:
-    """What reads robots of the library."""
+    """A function that reads robots of the library."""
     return {name: partial(_build, name) for name in names}
 
 
@@ -53,7 +53,7 @@ def _build(name: str) -> Robot:
 
 
 def share(found: Sequence[Noticed], by: str) -> float:
-    """The share of changes that is noticed ``by_verify`` or ``by_conversion``."""
+    """The share of changes detected ``by_verify`` or ``by_conversion``."""
     return sum(bool(getattr(one, by)) for one in found) / len(found)
 
 
@@ -78,7 +78,7 @@ def section(found: Sequence[Noticed], command: str) -> str:
 
 
 def main() -> int:
-    """Write the section, and report missed shares."""
+    """Write the section, and report shares below the target."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--of-each", type=int, default=OF_EACH, metavar="N")
     parser.add_argument("--robots", nargs="+", default=list(LIBRARY), metavar="NAME")

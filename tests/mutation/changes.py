@@ -1,4 +1,4 @@
-"""Changing one number of a file at a time, and which changes are large enough to be another robot."""
+"""Changes of a single number in a file, and which of them exceed the tolerance."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -17,10 +17,10 @@ from stepbot.verification.tolerances import COLOR, TOLERANCES
 from .removal import kind_of, path_of
 
 PART = 0.01
-"""What is added to a number, as a part of it, where its sign is not turned."""
+"""Relative change of a number, unless its sign is changed."""
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _WHOLE = re.compile(r"(group|contype|conaffinity|count|resolution|width|height|samples)$")
-"""Attributes with whole numbers: changed by one, or in sign."""
+"""Attributes with integers: changed by one, or in sign."""
 _NO_NUMBERS = re.compile(r"(.*@(name|version|filename|file|type|key|class|mesh))$")
 _ANY = TOLERANCES[Quantity.DYNAMICS]
 _POSES, _SHAPES = TOLERANCES[Quantity.POSES].absolute, TOLERANCES[Quantity.MESHES].absolute
@@ -29,7 +29,7 @@ _ANGLE = TOLERANCES[Quantity.AXES].absolute
 
 @dataclass(frozen=True)
 class Slot:
-    """Numbers that stand together in an attribute or an element."""
+    """Numbers of one attribute or element."""
 
     path: str
     kind: str
@@ -45,13 +45,13 @@ class Change:
     """One number of a file, changed."""
 
     path: str
-    """Where it is: tags down from the root, with names where elements have them."""
+    """Place: tags down from the root, with names of elements that have them."""
     kind: str
     """``element`` or ``element@attribute``, with the tag of the element above, for tables."""
     old: str
     new: str
     content: bytes
-    """The file with it."""
+    """The file with the change."""
 
 
 def changes(content: bytes, seed: str) -> Iterator[Change]:
@@ -103,7 +103,7 @@ def _slots(top: Any) -> Iterator[Slot]:
 
 
 def _is_another(top: Any, slot: Slot, words: Sequence[str]) -> bool:
-    """Whether a change is beyond the tolerance of the quantity that the numbers belong to."""
+    """Whether a change is beyond the tolerance of the quantity of the numbers."""
     old, new = ([float(word) for word in side] for side in (slot.words, words))
     off = max(abs(a - b) for a, b in zip(old, new, strict=True))
     kind = slot.kind
@@ -133,7 +133,7 @@ def _is_another(top: Any, slot: Slot, words: Sequence[str]) -> bool:
 
 
 def _length(kind: str) -> float:
-    """How far [m] something may be moved."""
+    """Tolerance of a position [m]."""
     shape = re.search(r"(visual|collision)/(pose|origin)|geom@pos", kind)
     return _SHAPES if shape else _POSES
 
@@ -165,7 +165,7 @@ def _largest_moment(top: Any, slot: Slot) -> float:
 
 
 def _size(top: Any, slot: Slot) -> float:
-    """The size [m] of a link as the tolerance of its centre of mass has it: distance or radius of gyration."""
+    """The size [m] of a link in the tolerance of its centre of mass: distance or radius of gyration."""
     inertial = _inertial(top, slot)
     mass = float(inertial.get("mass") or inertial.findtext("mass") or inertial.find("mass").get("value"))
     text = inertial.get("pos") or inertial.findtext("pose")

@@ -1,4 +1,4 @@
-"""Whether an engine or an independent parser notices that something is missing in a file."""
+"""Whether an engine or an independent parser detects that something is missing in a file."""
 
 import json
 import os
@@ -18,7 +18,7 @@ from stepbot.engines.sdformat_reader import tree as _sdf_tree
 from stepbot.verification.compare import compare
 
 SECONDS = 60.0
-"""An engine that takes longer noticed, too."""
+"""Time limit [s] of an engine; exceeding it counts as detected."""
 CONFIGURATIONS = 3
 GUARDED, UNGUARDED = "+", "-"
 
@@ -30,7 +30,7 @@ def question(request: Request) -> Request:
 
 
 class Judge:
-    """An engine that checks one file after the other. Needs ``fork``."""
+    """An engine that checks one file after the other. Requires ``fork``."""
 
     def __init__(self, engine: str, request: Request, expected: Observation) -> None:
         """Load the engine.
@@ -45,7 +45,7 @@ class Judge:
         self._module.prepare()
         self._request, self._expected = request, expected
         self.reads = True
-        """Whether it is known to read files of the kind."""
+        """Whether it can read files of the kind."""
         self._child = 0
         self._to_child = self._from_child = -1
 
@@ -58,19 +58,19 @@ class Judge:
         self._end()
 
     def look_at(self, file: str) -> str:
-        """What the engine notices in a file; empty where it notices nothing."""
-        # stepbot keeps engines from what they are known to crash on. Whether they do is theirs to show, if they read
-        # the file before something was removed from it.
+        """What the engine detects in a file; empty if nothing."""
+        # stepbot keeps files that crash an engine away from it. Here the engine itself decides, if it read
+        # the file before something was removed.
         return self._asked(file, UNGUARDED if self.reads else GUARDED) or ""
 
     def look_at_right(self, file: str) -> str:
-        """The same for the file as it was written; sets :attr:`reads`."""
+        """The same for the unchanged file; sets :attr:`reads`."""
         answer = self._asked(file, GUARDED)
         self.reads = answer is not None
         return answer or ""
 
     def _asked(self, file: str, how: str) -> str | None:
-        """What the engine notices; None if stepbot is known not to be able to read the file."""
+        """What the engine detects; None if stepbot declares that it cannot read the file."""
         if not self._child:
             self._begin()
         os.write(self._to_child, f"{how}{file}\n".encode())

@@ -20,25 +20,25 @@ CHANGED = "\n## Changed numbers\n"
 """Heading of the section that :mod:`tests.mutation.changed` writes, at the end of the page."""
 
 CORE = {"urdf": ("yourdfpy", "mujoco", "pybullet"), "mjcf": ("mujoco",), "sdf": ("pybullet",)}
-"""Engines of the core install, those first that answer soonest. The readers of stepbot's own do not count."""
+"""Engines of the core install, the fastest first, without stepbot's own readers."""
 ALL = {**CORE, "sdf": ("pybullet", "drake"), "drake.sdf": ("drake",)}
-"""Drake in addition, where PyBullet noticed nothing."""
+"""Drake in addition, if PyBullet detected nothing."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """A format, and who looks at it."""
+    """A format and its judges."""
 
     title: str
     engines: str
     wanted: float
-    """The share that they have to notice."""
+    """The share that they must detect."""
     formats: tuple[str, ...]
     core: bool
-    """Whether the engines of the core install alone count."""
+    """Whether only the engines of the core install count."""
 
     def counted(self, found: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
-        """What this row counts, and whether it was noticed."""
+        """The removals that count for this row, each with whether it was detected."""
         core = [one for one in found if not one.removal.unread and one.format in self.formats]
         return [(one, one.noticed.startswith(CORE[one.format]) if self.core else bool(one.noticed)) for one in core]
 
@@ -83,7 +83,7 @@ _SURVIVORS = """
 
 
 def unread_by_core(found: Sequence[Verdict]) -> list[str]:
-    """Robots whose SDFormat PyBullet does not read at all."""
+    """Robots whose SDFormat PyBullet cannot read."""
     return sorted({one.robot for one in found if one.format == "sdf" and "pybullet" not in one.readers})
 
 
@@ -94,7 +94,7 @@ def counted(row: Row, found: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
 
 
 def share(row: Row, found: Sequence[Verdict]) -> float:
-    """The share of removals that is noticed."""
+    """The share of detected removals."""
     seen = [noticed for _, noticed in counted(row, found)]
     return sum(seen) / len(seen)
 
@@ -123,7 +123,7 @@ def _survivors(row: Row, found: Sequence[Verdict]) -> Iterator[str]:
 
 
 def main() -> int:
-    """Write the page, and report missed shares."""
+    """Write the page, and report shares below the target."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--of-each", type=int, default=None, metavar="N")
     of_each = parser.parse_args().of_each

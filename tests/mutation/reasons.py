@@ -1,4 +1,4 @@
-"""Why some removals and changes in a file are not noticed."""
+"""Why some removals and changes in a file are not detected."""
 
 import re
 
@@ -19,7 +19,7 @@ _PYBULLET = (
         "PyBullet reads a copy without the joint to the world and those that close loops",
     ),
 )
-"""What the engine of the core install alone does not notice in SDFormat: kind of removal, and reason."""
+"""What the core install's engine alone does not detect in SDFormat: kind of removal, and reason."""
 
 _SDFORMAT = (
     (r"inertia/i..", "far below the precision of the largest moment: rounding of a sum of parts"),
@@ -94,7 +94,7 @@ _CHANGES = {
 
 
 def reason_for_change(format_: str, kind: str) -> str:
-    """The reason why a change of a kind of number is not noticed, as in the table."""
+    """The reason why a change of a kind of number is not detected, as in the table."""
     for pattern, reason in _CHANGES[format_]:
         if re.fullmatch(pattern, kind):
             return reason

@@ -12,17 +12,17 @@ UNREAD = {
     "drake.sdf": ("ambient", "plugin", "sensor"),
     "mjcf": (),
 }
-"""Blocks that no engine reads, by format: counted apart."""
+"""Blocks that no engine reads, by format; counted separately."""
 
 
 @dataclass(frozen=True)
 class Removal:
-    """One thing less than in a file."""
+    """A removal from a file."""
 
     path: str
-    """Where it was: tags down from the root, with names where elements have them."""
+    """Place: tags down from the root, with names of elements that have them."""
     kind: str
-    """What it was: ``element`` or ``element@attribute``, with the tag of the element above, for tables."""
+    """Kind: ``element`` or ``element@attribute``, with the tag of the element above, for tables."""
     unread: bool
     """Whether it is in a block that no engine reads."""
     content: bytes
@@ -30,7 +30,7 @@ class Removal:
 
 
 def removals(content: bytes, written_in: str) -> Iterator[Removal]:
-    """Each element but the root, with all that is in it, and each attribute, one at a time, in file order."""
+    """Each element except the root, with its content, and each attribute, one at a time, in file order."""
     count = sum(1 for _ in _elements(etree.fromstring(content)))
     for index in range(count):
         for attribute in (None, *_elements_at(content, index).attrib):
@@ -54,7 +54,7 @@ def _elements(top: Any) -> Iterator[Any]:
 
 
 def _elements_at(content: bytes, index: int) -> Any:
-    """The element with a number, of a tree of its own that may be changed."""
+    """The element with a number, in a separate tree that may be changed."""
     return list(_elements(etree.fromstring(content)))[index]
 
 
@@ -63,13 +63,13 @@ def _tag(element: Any) -> str:
 
 
 def kind_of(element: Any) -> str:
-    """The tag of an element behind that of the element above."""
+    """The tag of an element after that of the element above."""
     above = element.getparent()
     return _tag(element) if above is None else f"{_tag(above)}/{_tag(element)}"
 
 
 def path_of(element: Any) -> str:
-    """Tags down from the root, with names where elements have them."""
+    """Tags down from the root, with names of elements that have them."""
     steps = []
     for one in (element, *element.iterancestors()):
         name = one.get("name") or one.get("class") or ""

@@ -33,15 +33,15 @@ FORMATS = ("urdf", "sdf", "mjcf")
 
 @dataclass(frozen=True)
 class Noticed:
-    """What became of one change."""
+    """The outcome of a change."""
 
     robot: str
     format: str
     change: Change
     by_verify: str
-    """What `stepbot verify` reports of the three files; empty where nothing."""
+    """What `stepbot verify` reports about the three files; empty if nothing."""
     by_conversion: str
-    """What the verification of a conversion reports of the one file; empty where nothing."""
+    """What the verification of a conversion reports about the changed file; empty if nothing."""
 
 
 def trials(robots: Mapping[str, Callable[[], Robot]], folder: Path, of_each: int) -> Iterator[Noticed]:
@@ -70,7 +70,7 @@ def trials(robots: Mapping[str, Callable[[], Robot]], folder: Path, of_each: int
 
 
 def _in_a_fork(siblings: "Siblings", written_in: str, beside: Path) -> tuple[str, str]:
-    """What verification and conversion report of a changed file."""
+    """What verification and conversion report about a changed file."""
     answers, mine = os.pipe()
     child = os.fork()
     if child == 0:
@@ -99,7 +99,7 @@ class Siblings:
         self._known: dict[str, Observation] = {}
 
     def by_verify(self, changed: Mapping[str, Path]) -> str:
-        """The first error that `stepbot verify` reports for the files, with some replaced; empty if there is none."""
+        """The first error of `stepbot verify` for the files, with some replaced; empty if there is none."""
         formats = {changed.get(name, path): name for name, path in self.files.items()}
         found = Diagnostics()
         asked = ask(formats, Probe(self._probed), count=CONFIGURATIONS, seconds=0.0)
@@ -112,7 +112,7 @@ class Siblings:
         return next((f"{one.code}: {one.message[:200]}" for one in found if one.severity == "error"), "")
 
     def by_conversion(self, written_in: str, path: Path) -> str:
-        """The first difference that an engine or a parser sees between a file and the robot that was to be written."""
+        """The first difference that an engine or parser reports between a file and the converted robot."""
         request = replace(self._asked[written_in], file=str(path))
         for engine in engines_for(written_in):
             outcome = self._outcome(path.as_posix(), engine, request)

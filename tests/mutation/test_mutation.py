@@ -1,4 +1,4 @@
-"""Independent engines notice the removal of any element or attribute of a written file."""
+"""Independent engines detect the removal of any element or attribute of a written file."""
 
 import os
 from collections import Counter
@@ -27,7 +27,7 @@ SLICE = ("two_link_arm",)
 OF_EACH = 12
 OF_EACH_CHANGED = 8
 OF_EACH_LONG = 4
-"""Of each file; all of them, some 14,000, take hours: `make mutation`."""
+"""Removals per file; all of them, some 14,000, take hours: `make mutation`."""
 
 XML = b"""<?xml version="1.0"?>
 <!-- a comment is no element -->
@@ -36,7 +36,7 @@ XML = b"""<?xml version="1.0"?>
 
 
 def test_everything_is_removed_once() -> None:
-    """Every element but the root with its content, and every attribute; blocks that no engine reads are marked."""
+    """Every element except the root is removed with its content, and every attribute; unread blocks are marked."""
     found = {one.path: one for one in removals(XML, "urdf")}
     assert list(found) == [
         "robot[r]@name",
@@ -57,7 +57,7 @@ def test_everything_is_removed_once() -> None:
 @pytest.mark.pybullet
 @pytest.mark.mujoco
 def test_a_slice_is_noticed(tmp_path: Path) -> None:
-    """Some removals from each file of an arm; every unnoticed one has a reason."""
+    """Some removals from each file of an arm are detected, or have a documented reason."""
     for engines in CORE.values():
         for engine in engines:
             skip_without(engine)
@@ -90,7 +90,7 @@ def test_what_changes_nothing_is_not_noticed(tmp_path: Path) -> None:
 
 @pytest.mark.mujoco
 def test_a_file_that_is_flawed_from_the_start_is_no_trial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Else everything would count as noticed."""
+    """A file with defects before any removal is rejected, since every removal would count as detected."""
     skip_without("mujoco")
     monkeypatch.setattr("tests.mutation.judge.Judge.look_at_right", lambda judge, file: "sees another robot")
     with pytest.raises(Flawed, match=r"one_link\.xml: mujoco: sees another robot"):
@@ -99,7 +99,7 @@ def test_a_file_that_is_flawed_from_the_start_is_no_trial(tmp_path: Path, monkey
 
 @pytest.mark.long
 def test_everything_is_noticed(tmp_path: Path) -> None:
-    """Many removals from every file reach the shares that are wanted, and all survivors have a reason."""
+    """Many removals from every file reach the required shares, and all undetected ones have a reason."""
     for engine in ("pybullet", "mujoco", "yourdfpy", "drake"):
         skip_without(engine)
     found = list(verdicts(ROBOTS, ALL, tmp_path, OF_EACH_LONG))
@@ -108,7 +108,7 @@ def test_everything_is_noticed(tmp_path: Path) -> None:
 
 
 def test_changes_are_beyond_the_tolerance() -> None:
-    """Zeros, directions that only change their length, and what the tolerance of the quantity takes in are left out."""
+    """Zeros, lengths of directions, and changes within the tolerance are omitted."""
     text = (
         b'<robot name="r"><link name="a"><inertial><origin xyz="0.1 1e-12 0"/><mass value="2"/>'
         b'<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="1e-11" ixz="1e-3" iyz="0"/></inertial></link>'
@@ -128,7 +128,7 @@ def test_changes_are_beyond_the_tolerance() -> None:
 @pytest.mark.pybullet
 @pytest.mark.mujoco
 def test_changed_numbers_are_noticed(tmp_path: Path) -> None:
-    """One number in one of three files, by `verify` and by the conversion: at least 97 %, and a reason for the rest."""
+    """`verify` and the conversion detect at least 97 % of changed numbers, with a reason for the rest."""
     for engine in ("yourdfpy", "mujoco", "pybullet"):
         skip_without(engine)
     robots = {"equipped": equipped, "two_link_arm": ROBOTS["two_link_arm"]}
@@ -139,7 +139,7 @@ def test_changed_numbers_are_noticed(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_changed_numbers_of_the_library_are_noticed(tmp_path: Path) -> None:
-    """Three hundred of them, in robots with sensors, keyframes, mimics, loops and ball joints."""
+    """Three hundred changes are detected in robots with sensors, keyframes, mimics, loops and ball joints."""
     for engine in ("yourdfpy", "mujoco", "pybullet"):
         skip_without(engine)
     found = list(trials(library_builds(LIBRARY), tmp_path, OF_EACH_OF_LIBRARY))
@@ -148,14 +148,14 @@ def test_changed_numbers_of_the_library_are_noticed(tmp_path: Path) -> None:
 
 
 def _assert_noticed(found: Sequence[Noticed]) -> None:
-    assert section(found, "command")  # every survivor has a reason
+    assert section(found, "command")  # every undetected change has a reason
     for by in ("by_verify", "by_conversion"):
         lost = [f"{one.format}: {one.change.path} {one.change.old}" for one in found if not getattr(one, by)]
         assert 1.0 - len(lost) / len(found) >= WANTED, lost
 
 
 def test_the_page_is_there() -> None:
-    """With a line for every row."""
+    """The page has a line for every row."""
     text = PAGE.read_text(encoding="utf-8")
     for row in ROWS:
         assert f"| {row.title} | {row.engines} | " in text

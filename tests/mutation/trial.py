@@ -1,4 +1,4 @@
-"""Robots with one removal in a file: which engines notice it."""
+"""Robots with one removal in a file: which engines detect it."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -15,19 +15,19 @@ from .removal import Removal, removals
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of one removal."""
+    """The outcome of a removal."""
 
     robot: str
     format: str
     removal: Removal
     noticed: str
-    """Which engine noticed what; empty if none did."""
+    """Which engine detected what; empty if none did."""
     readers: tuple[str, ...]
-    """The engines that read the file as it was written."""
+    """The engines that read the unchanged file."""
 
 
 class Flawed(Exception):
-    """An engine finds fault with the file as it was written, so that its word on a removal means nothing."""
+    """An engine reports a defect in the unchanged file, so that its reports on removals mean nothing."""
 
 
 def verdicts(
@@ -79,7 +79,7 @@ def _drawn(all_: list[Removal], of_each: int | None, seed: str) -> list[Removal]
 
 
 def _noticed(judges: Iterable[Judge], file: Path) -> str:
-    """The first judge that notices something, and what."""
+    """The first judge that detects the removal, and its report."""
     for judge in judges:
         answer = judge.look_at(str(file))
         if answer:
