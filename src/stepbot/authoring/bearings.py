@@ -6,6 +6,7 @@ from stepbot.robot.model import JointKind
 
 from .evidence import Evidence, Hinge
 from .names import Role
+from .part import Part
 from .relations import Relation, Via
 from .survey import Survey
 
@@ -23,7 +24,7 @@ class _Seat:
 def bearing_evidence(survey: Survey, found: Evidence) -> None:
     """Add the evidence of all bearings."""
     for i, part in survey.parts.items():
-        if Role.BEARING in part.roles and i not in survey.small:
+        if _is_bearing(part) and i not in survey.small:
             _say(survey, i, found)
 
 
@@ -34,13 +35,19 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         return
     found.weld(0.93, bearing, held.part, "bearing in its seat")
     turning = [x for x in _turning(survey, bearing, held, inner) if x != held.part]
-    turning = [x for x in turning if Role.BEARING not in survey.parts[x].roles]
+    turning = [x for x in turning if not _is_bearing(survey.parts[x])]
     if turning:
         a, b = sorted((held.part, turning[0]))
         axis = held.relation.axis
         assert axis is not None
-        why = f"the bearing '{survey.parts[bearing].path}' is between them"
-        found.hinge(Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=True))
+        path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
+        why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
+        review = "" if is_named else "not named as a bearing"
+        found.hinge(Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review))
+
+
+def _is_bearing(part: Part) -> bool:
+    return part.role == Role.BEARING or Role.BEARING in part.roles
 
 
 def _seats(survey: Survey, bearing: int) -> tuple[list[_Seat], list[_Seat]]:

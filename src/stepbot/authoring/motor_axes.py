@@ -71,8 +71,10 @@ class OutputAxes:
                         break
                 else:
                     of_case.append((local, [ballot]))
+        named = {survey.parts[motor.case].definition for motor in motors if motor.is_named}
         best = {
-            definition: max(of_case, key=lambda vote: exact_sum(weight for weight, _ in vote[1]))
+            # A motor by its use has the output that it was found by, the widest.
+            definition: max(of_case, key=_weight if definition in named else _width)
             for definition, of_case in votes.items()
             if of_case
         }
@@ -81,22 +83,33 @@ class OutputAxes:
         }
 
 
+def _weight(vote: tuple[Axis, list[tuple[int, float]]]) -> float:
+    return exact_sum(weight for weight, _ in vote[1])
+
+
+def _width(vote: tuple[Axis, list[tuple[int, float]]]) -> float:
+    return round(max(far for _, far in vote[1]), 6)
+
+
 def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
-    """Unnamed output parts of a motor: small turned parts that touch the case about one axis only."""
+    """Unnamed output parts of a motor: small turned parts that touch its housing about one axis only."""
     if motor.outputs or len(motor.parts) < 2:
         return []
-    case = survey.parts[motor.case]
+    volume = survey.parts[motor.case].volume
     found = []
     for i in motor.parts:
-        r = survey.relation(i, motor.case)
-        if i == motor.case or i in survey.small or r is None or r.via not in (Via.FACE, Via.PIN, Via.BOLT):
-            continue
         part = survey.parts[i]
-        if r.axis is None or part.volume > _MOST_OUTPUT_VOLUME * case.volume or not part.is_balanced(r.axis):
+        if i == motor.case or i in survey.small or part.volume > _MOST_OUTPUT_VOLUME * volume:
+            continue
+        touching = [r for j in motor.parts if survey.parts[j].volume > part.volume and (r := survey.relation(i, j))]
+        if not touching or any(r.via not in (Via.FACE, Via.PIN, Via.BOLT) for r in touching):
+            continue
+        axis = max(touching, key=lambda r: r.radius).axis
+        if axis is None or not part.is_balanced(axis):
             continue
         fastened = any(s.other(i) not in motor.parts for s in survey.near[i])
-        if fastened or part.volume > _LEAST_OUTPUT_VOLUME * case.volume:
-            found.append((not fastened, -r.radius, i))
+        if fastened or part.volume > _LEAST_OUTPUT_VOLUME * volume:
+            found.append((not fastened, -max(r.radius for r in touching), i))
     return [i for _, _, i in sorted(found)][:2]
 
 

@@ -1,6 +1,7 @@
 """Finds motors: one part, or a subassembly of case, output and screws; by name, else by the use of equal parts."""
 
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,21 @@ _LEAST = 5e-3
 """Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
 _SAME_AXIS = 5e-5
 """Distance [m] up to which axes of equal parts agree."""
+
+
+_AROUND = 1.6
+"""Ratio of the sizes of a subassembly and of a part in it, up to which it is a motor and this its case."""
+_AS_WIDE = 0.95
+"""Ratio of radii from which two axes of a part are used alike."""
+
+
+@dataclass(eq=False)
+class _Vote:
+    """An axis in the frame of a definition, and which of its occurrences touch something about it."""
+
+    axis: Axis
+    radius: float
+    voters: set[int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,11 +100,31 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
     for i, part in survey.parts.items():
         if not part.is_small and part.volume > _LEAST * survey.volume and _fill(survey, i) > _BLOCK:
             equal[part.definition].append(i)
-    motors = []
-    for members in equal.values():
-        if len(members) >= 2 and _is_used_like_motors(survey, members):
-            motors += [Motor(survey.parts[i].name or survey.parts[i].path, (i,), i, is_named=False) for i in members]
-    return motors
+    cases = [i for members in equal.values() if _is_used_like_motors(survey, members) for i in members]
+    motors: dict[tuple[int, ...], Motor] = {}
+    for i in sorted(cases, key=lambda i: (-survey.parts[i].volume, i)):
+        members = _around_case(survey, i, cases)
+        if not any(i in known for known in motors):
+            motors[members] = Motor(survey.parts[i].name or survey.parts[i].path, members, i, is_named=False)
+    return list(motors.values())
+
+
+def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, ...]:
+    """The parts of the highest subassembly that is hardly larger than a motor's case, around each equal case."""
+    found: tuple[int, ...] = (case,)
+    if not survey.sources.tree:
+        return found
+    assembly = survey.assembly
+    nodes = [i for i in cases if survey.parts[i].definition == survey.parts[case].definition]
+    mine = nodes.index(case)
+    while True:
+        nodes = [assembly.components[node].parent for node in nodes]
+        inside = [tuple(i for i in assembly.subtree(node) if i in survey.parts) for node in nodes if node > 0]
+        if len(set(inside)) < len(nodes) or len({len(parts) for parts in inside}) > 1:
+            return found
+        if survey.size_of(inside[mine]) > _AROUND * survey.parts[case].size:
+            return found
+        found = inside[mine]
 
 
 def _fill(survey: Survey, part: int) -> float:
@@ -101,23 +137,28 @@ def _fill(survey: Survey, part: int) -> float:
 
 
 def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
-    votes: list[tuple[Axis, set[int]]] = []
+    """Whether most members turn something about one axis of their definition, and are held off it."""
+    votes: list[_Vote] = []
     held = 0
     for i in members:
         X = survey.scene.component(i).X_WC.inverse()
         others = [
             (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
         ]
-        on = [r.axis for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
+        on = [r for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
         off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
         held += off and bool(on)
-        for axis in on:
-            local = Axis(X.apply(axis.point), X.turn(axis.d))
-            for vote, voters in votes:
-                if vote.same(local, _SAME_AXIS):
-                    voters.add(i)
+        for r in on:
+            assert r.axis is not None
+            local, radius = Axis(X.apply(r.axis.point), X.turn(r.axis.d)), max(r.radius, r.ring_radius)
+            for vote in votes:
+                if vote.axis.same(local, _SAME_AXIS):
+                    vote.voters.add(i)
+                    vote.radius = max(vote.radius, radius)
                     break
             else:
-                votes.append((local, {i}))
-    most = max((len(voters) for _, voters in votes), default=0)
-    return most >= 2 and held >= 2 and 2 * most >= len(members)
+                votes.append(_Vote(local, radius, {i}))
+    common = [vote.radius for vote in votes if len(vote.voters) >= max(2, 0.5 * len(members))]
+    # A motor has one output. Several axes of one radius are those of screws.
+    widest = max(common, default=0.0)
+    return held >= 2 and sum(radius > _AS_WIDE * widest for radius in common) == 1

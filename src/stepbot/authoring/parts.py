@@ -8,6 +8,7 @@ import numpy as np
 from stepbot.geometry.spatial import turn_inertia
 from stepbot.step.assembly import Component
 
+from .bearing_sizes import is_bearing
 from .contacts import Contacts
 from .names import Role, is_spoken, roles
 from .part import Part
@@ -24,7 +25,10 @@ def read_parts(scene: Scene, found: Contacts, *, use_names: bool) -> dict[int, P
     parts = {}
     for index in scene.parts:
         part = _part(scene, index, use_names=use_names)
-        if part.role is None and is_screw(part, [found.lines[n] for n in lines_of[index]], scene.body(index).faces):
+        lines = [found.lines[n] for n in lines_of[index]]
+        if part.role is None and is_bearing(part, lines):
+            part = replace(part, role=Role.BEARING)
+        elif part.role is None and is_screw(part, lines, scene.body(index).faces):
             part = replace(part, role=Role.FASTENER)
         parts[index] = part
     return parts
