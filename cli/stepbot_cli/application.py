@@ -20,6 +20,7 @@ COMMANDS = (
     "convert",
     "batch",
     "inspect",
+    "view",
     "check",
     "lock",
     "uptodate",

@@ -33,13 +33,13 @@ def wheel(built: Path) -> zipfile.ZipFile:
 
 
 def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
-    """The wheel has every module of both source roots, type markers, robots and metadata; no tests and no caches."""
+    """The wheel has every module of both source roots, page, type markers, robots, metadata; no tests, no caches."""
     packages = [ROOT / "src" / "stepbot", ROOT / "cli" / "stepbot_cli"]
     modules = {
         file.relative_to(package.parent).as_posix()
         for package in packages
         for file in package.rglob("*")
-        if file.suffix in (".py", ".toml") or file.name == "py.typed"
+        if file.suffix in (".py", ".toml", ".html", ".css", ".js") or file.name == "py.typed"
     }
     content = {name for name in wheel.namelist() if ".dist-info/" not in name}
     data = ("stepbot/robots/", "stepbot/schemas/")

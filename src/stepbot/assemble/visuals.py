@@ -29,7 +29,8 @@ def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Place
         if not len(assembly.bodies[component.body].mesh.faces):
             continue
         groups = assets.by_color(component.body, component, part.material.color, default)
-        found += [(group, part.X_LC) for group in groups]
+        found += [(group, part.X_LC, component.path) for group in groups]
     return tuple(
-        Visual(f"{link}_visual_{i}", group.geometry, X_LG, group.rgba) for i, (group, X_LG) in enumerate(found, start=1)
+        Visual(f"{link}_visual_{i}", group.geometry, X_LG, group.rgba, path)
+        for i, (group, X_LG, path) in enumerate(found, start=1)
     )

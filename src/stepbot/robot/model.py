@@ -119,6 +119,8 @@ class Visual:
     X_LG: Pose = IDENTITY
     """Pose of the geometry in the link."""
     rgba: Rgba = (0.8, 0.8, 0.8, 1.0)
+    component: str = ""
+    """Path of the component that it shows; empty without an assembly."""
 
 
 @dataclass(frozen=True)

@@ -161,4 +161,13 @@ CODES = (
         "The sidecar was not changed.",
         "Write the new paths yourself; the help lists them.",
     ),
+    Code(
+        "SB019",
+        "error",
+        "port not available",
+        "`stepbot view` could not use the port that `--port` names: another program uses it, or the system does not allow it.",
+        "The page could not be served.",
+        "Leave out `--port` to use any free port, or name another one above 1023.",
+        could_not_run=True,
+    ),
 )

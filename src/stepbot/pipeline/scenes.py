@@ -1,0 +1,118 @@
+"""What the page shows: the robot of a sidecar, or a plain STEP file with the joints that inference finds."""
+
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from stepbot.assemble import UNREVISED, build_robot
+from stepbot.authoring.draft import Draft
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.step_names import step_stem
+from stepbot.robot.validity import check_robot
+from stepbot.step.assembly import Assembly
+from stepbot.viewing.connections import evidence_of_rows
+from stepbot.viewing.guesses import evidence_of_draft, robot_of_assembly, robot_of_draft
+from stepbot.viewing.scene import scene_document
+
+from .conversion import Options
+from .drafting import draft_step
+from .loading import Loading
+from .locking import compared_with_lock
+from .sidecars import load, named_step, what_to_read
+
+SIDECAR_SUFFIXES = (".yaml", ".yml")
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A scene and what it was made from."""
+
+    diagnostics: Diagnostics
+    scene: dict[str, Any] | None = None
+    """None if nothing can be drawn."""
+    assembly: Assembly | None = None
+    """The STEP file, if it could be read."""
+    sidecar: Path | None = None
+    files: tuple[Path, ...] = ()
+    """The files that were read: the sidecar, the STEP and those that it refers to."""
+
+
+def show(target: Path, options: Options) -> Shown:
+    """The scene of a sidecar or a STEP file, without verification; writes nothing.
+
+    A sidecar with errors has the scene of its STEP file, if that can be read: all parts, and no joints.
+    """
+    if target.suffix.lower() in SIDECAR_SUFFIXES:
+        return _show_sidecar(target, options)
+    found = Diagnostics()
+    if not target.exists():
+        found.add("SB001", "file not found", Span(target.as_posix()))
+        return Shown(found)
+    return _show_step(target, options, found)
+
+
+def guessed(shown: Shown, step: Path, options: Options) -> Shown:
+    """The same STEP file with the links and joints that `stepbot init` would draft."""
+    assembly, drafting = shown.assembly, draft_step(step, options)
+    if assembly is None or drafting.draft is None:
+        return shown
+    return replace(shown, scene=_scene_of_draft(assembly, drafting.draft, shown.diagnostics))
+
+
+def _scene_of_draft(assembly: Assembly, draft: Draft, found: Diagnostics) -> dict[str, Any]:
+    robot = robot_of_draft(assembly, draft)
+    return scene_document(robot, evidence=evidence_of_draft(draft), assembly=assembly, found=found)
+
+
+def _show_step(step: Path, options: Options, found: Diagnostics) -> Shown:
+    try:
+        with closing(Loading(step, what_to_read(None, options), options, found)) as loading:
+            assembly = loading.assembly(found)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return Shown(found, files=(step,))
+    return _parts_alone(assembly, step_stem(step.name), found, None, _files(step, assembly))
+
+
+def _parts_alone(
+    assembly: Assembly, name: str, found: Diagnostics, sidecar: Path | None, files: tuple[Path, ...]
+) -> Shown:
+    scene = scene_document(robot_of_assembly(assembly, name), assembly=assembly, found=found)
+    return Shown(found, scene, assembly, sidecar, files)
+
+
+def _files(step: Path, assembly: Assembly) -> tuple[Path, ...]:
+    return (step, *(step.parent / name for name in assembly.external_files))
+
+
+def _show_sidecar(path: Path, options: Options) -> Shown:
+    found = Diagnostics()
+    assembly: Assembly | None = None
+    files: tuple[Path, ...] = (path,)
+    try:
+        sidecar = load(path, options, found)
+        step = options.step or named_step(sidecar, found)
+        files = (path, step)
+        with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
+            assembly = loading.assembly(found)
+            files = (path, *_files(step, assembly))
+            measures = partial(loading.measures, found)
+            compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
+            revised = UNREVISED if compared is None else compared.rebinding.revised
+            built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
+            found.raise_if_errors()
+            assert built is not None  # a missing robot always has an error
+            robot = share_meshes(built.robot)
+            check_robot(robot, found, sidecar.span(), assembly.unit)
+            found.raise_if_errors()
+            built.double_counting.report(options.timeout)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        if assembly is None:
+            return Shown(found, sidecar=path, files=files)
+        return _parts_alone(assembly, step_stem(assembly.source), found, path, files)
+    scene = scene_document(robot, evidence=evidence_of_rows(built.joint_table), assembly=assembly, found=found)
+    return Shown(found, scene, assembly, path, files)

@@ -1,0 +1,118 @@
+"""What one page shows and asks: a scene, its verification, faces that were clicked."""
+
+import threading
+from pathlib import Path
+from typing import Any
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.jobs.incremental import produce
+from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.scenes import Shown, guessed, show
+from stepbot.viewing.faces import clicked_face
+from stepbot.viewing.findings import diagnostic_documents, proof_document
+from stepbot.viewing.page import page_html
+from stepbot.viewing.scene import scene_text
+
+from .local_server import LocalServer, Refused
+
+Json = dict[str, Any]
+
+
+class Session:
+    """A target and its page."""
+
+    def __init__(self, target: Path, options: Options, *, port: int = 0) -> None:
+        """Bind the port; :meth:`load` shows the target.
+
+        Args:
+            target: What to show.
+            options: Limits and cache; formats and engines for verification.
+            port: The port; 0 for any free one.
+
+        Raises:
+            OSError: The port cannot be used.
+        """
+        self.target, self._options = target, options
+        self._lock = threading.Lock()
+        self._scene = b"null"
+        self._shown: Shown | None = None
+        self._revision = 0
+        answers = {"face": self._face}
+        self.server = LocalServer(self._page, lambda: self._scene, answers, port)
+
+    def load(self) -> Shown:
+        """Read the target and show it; after errors the page keeps the last robot, if there was one."""
+        shown = show(self.target, self._options)
+        if shown.scene is None or (shown.diagnostics.has_errors and self._shown is not None):
+            self.server.tell("findings", {"diagnostics": diagnostic_documents(shown.diagnostics)})
+            return shown
+        self._set(shown)
+        return shown
+
+    def guess(self) -> None:
+        """Show the joints that inference finds in a plain STEP file; nothing for other targets."""
+        shown = self._shown
+        if shown is not None and shown.sidecar is None and shown.assembly is not None:
+            self.server.tell("busy", {"text": "looking for joints"})
+            self._set(guessed(shown, self.target, self._options))
+
+    def _set(self, shown: Shown) -> None:
+        with self._lock:
+            self._shown = shown
+            self._scene = scene_text(shown.scene or {}).encode("utf-8", "backslashreplace")
+            self._revision += 1
+        for event in ("findings", "proof", "busy"):
+            self.server.forget(event)
+        self.server.tell("scene", {"revision": self._revision})
+
+    def prove(self) -> Conversion | None:
+        """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""
+        shown = self._shown
+        if shown is None or shown.sidecar is None or shown.diagnostics.has_errors:
+            return None
+        documents = diagnostic_documents(shown.diagnostics)
+        self.server.tell("proof", {"proof": None, "diagnostics": documents, "proving": True})
+        conversion = produce(shown.sidecar, self._options)
+        if shown is self._shown:
+            self._tell_proof(conversion)
+        return conversion
+
+    def _tell_proof(self, conversion: Conversion) -> None:
+        found: Diagnostics = conversion.diagnostics
+        proof = None if conversion.report is None else proof_document(conversion.report)
+        self.server.tell("proof", {"proof": proof, "diagnostics": diagnostic_documents(found), "proving": False})
+
+    def close(self) -> None:
+        """End the server."""
+        self.server.close()
+
+    def _page(self) -> str:
+        return page_html(self.target.name, None, modules=("live",), connect="'self'")
+
+    def _face(self, question: Json) -> Json:
+        """The axis of a clicked face: ``{component, triangle}``."""
+        shown = self._shown
+        if shown is None or shown.assembly is None:
+            return {}
+        assembly = shown.assembly
+        index = next((one.index for one in assembly.components if one.path == question.get("component")), None)
+        triangle = _triangle(question.get("triangle"))
+        if index is None or assembly.components[index].body < 0 or triangle is None:
+            raise Refused("no such face")
+        face = clicked_face(assembly, index, triangle)
+        if face is None:
+            return {"why": "This face has no axis."}
+        line = {"component": question["component"], "point": face.point, "direction": face.direction}
+        return {"kind": face.kind, "radius": face.radius, "origin": face.origin, "line": line}
+
+
+def _triangle(value: object) -> list[list[float]] | None:
+    """Three corners of three numbers; None for anything else."""
+    if not isinstance(value, list) or len(value) != 3:
+        return None
+    for corner in value:
+        if not isinstance(corner, list) or len(corner) != 3:
+            return None
+        if not all(isinstance(x, int | float) and not isinstance(x, bool) for x in corner):
+            return None
+    return value

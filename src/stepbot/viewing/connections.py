@@ -1,0 +1,81 @@
+"""Joints and closures as a person reviews them: type, limits, evidence, and a mark where the evidence is weak."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from stepbot.report.joint_words import evidence_words, rival_words
+from stepbot.robot.joint_table import JointRow
+from stepbot.robot.kinematics import MOVING
+from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
+from stepbot.robot.multi_dof import unfolded
+
+from .motion import bound
+
+Json = dict[str, Any]
+
+_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+
+
+def connection_documents(robot: Robot, evidence: Mapping[str, Json]) -> list[Json]:
+    """Every joint, then every closure, each with its evidence by name."""
+    chain = {joint.child: joint for joint in unfolded(robot).joints}
+    joints = [_joint(joint, _coordinates(joint, chain), evidence) for joint in robot.joints]
+    return [*joints, *(_closure(closure, evidence) for closure in robot.closures)]
+
+
+def evidence_of_rows(rows: Iterable[JointRow]) -> dict[str, Json]:
+    """The evidence of each row of a joint table: in words, why it is weak, the other lines."""
+    return {
+        row.name: {
+            "evidence": evidence_words(row.evidence),
+            "doubt": row.evidence.doubt,
+            "others": [rival_words(one) for one in row.evidence.rivals],
+        }
+        for row in rows
+    }
+
+
+def _coordinates(joint: Joint, chain: Mapping[str, Joint]) -> list[str]:
+    """Names of the moving joints of one degree of freedom between the links of a joint, from the parent on."""
+    names: list[str] = []
+    link = joint.child
+    while link != joint.parent:
+        step = chain[link]
+        names[:0] = [step.name] if step.kind in MOVING else []
+        link = step.parent
+    return names
+
+
+def _joint(joint: Joint, coordinates: list[str], evidence: Mapping[str, Json]) -> Json:
+    limit, mimic = joint.limit, joint.mimic
+    return {
+        "name": joint.name,
+        "kind": joint.kind.value,
+        "parent": joint.parent,
+        "child": joint.child,
+        "closes": False,
+        "axis": None if joint.kind in _WITHOUT_AXIS else list(joint.axis),
+        "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
+        "coordinates": coordinates,
+        "limits": {name: bound(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")},
+        "mimic": None if mimic is None else [mimic.joint, mimic.multiplier, mimic.offset],
+        "pitch": joint.pitch if joint.kind is JointKind.SCREW else None,
+        **evidence.get(joint.name, _UNKNOWN),
+    }
+
+
+def _closure(closure: LoopClosure, evidence: Mapping[str, Json]) -> Json:
+    return {
+        "name": closure.name,
+        "kind": closure.kind.value,
+        "parent": closure.link_a,
+        "child": closure.link_b,
+        "closes": True,
+        "axis": None if closure.kind in _WITHOUT_AXIS else list(closure.axis),
+        "coordinates": [],
+        **evidence.get(closure.name, _UNKNOWN),
+    }
+
+
+_UNKNOWN: Json = {"evidence": "", "doubt": "", "others": []}
+"""Of a joint whose place is stated, not found."""

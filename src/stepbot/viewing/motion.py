@@ -1,0 +1,85 @@
+"""What the page needs to move a robot: its tree with joints of one degree of freedom, its loops, its driven joints.
+
+The page solves forward kinematics and loops itself, by the methods of :mod:`stepbot.robot`.
+"""
+
+from math import isfinite
+from typing import Any
+
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.closures import CLOSED_ANGLE, LARGEST_JUMP, LARGEST_STEP, RANK_TOLERANCE, Loops, driven_joints
+from stepbot.robot.kinematics import (
+    MOVING,
+    advance,
+    independent_joints,
+    leader_range,
+    mimic_relation,
+)
+from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
+from stepbot.robot.multi_dof import unfolded
+
+Json = dict[str, Any]
+
+
+def motion_document(robot: Robot) -> Json:
+    """Links and joints of the unfolded tree, closures, and the joints that a slider drives."""
+    chain = unfolded(robot)
+    driven = driven_joints(robot) if robot.closures else tuple(joint.name for joint in independent_joints(robot))
+    loops = Loops(robot)
+    return {
+        "links": [link.name for link in chain.links],
+        "joints": [_joint(chain, joint) for joint in chain.joints],
+        "closures": [closure_document(closure) for closure in robot.closures],
+        "driven": [{"name": name, "range": list(leader_range(robot, name))} for name in driven],
+        "solver": {
+            "closed_distance": loops.closed_distance,
+            "closed_angle": CLOSED_ANGLE,
+            "rank": RANK_TOLERANCE,
+            "step": LARGEST_STEP,
+            "jump": LARGEST_JUMP,
+        },
+    }
+
+
+def pose_numbers(X: Pose) -> list[float]:
+    """The rotation by rows, then the position [m]: twelve numbers."""
+    return [*(value for row in X.rotation for value in row), *X.position]
+
+
+def bound(value: float) -> float | None:
+    """A bound; null for none."""
+    return value if isfinite(value) else None
+
+
+def closure_document(closure: LoopClosure) -> Json:
+    """A closure with its frames."""
+    return {
+        "name": closure.name,
+        "kind": closure.kind.value,
+        "a": closure.link_a,
+        "X_AF": pose_numbers(closure.X_AF),
+        "b": closure.link_b,
+        "X_BF": pose_numbers(closure.X_BF),
+        "axis": list(closure.axis),
+    }
+
+
+def _joint(robot: Robot, joint: Joint) -> Json:
+    moves = joint.kind in MOVING
+    leader, multiplier, offset = mimic_relation(robot, joint.name) if moves else ("", 0.0, 0.0)
+    return {
+        "name": joint.name,
+        "parent": joint.parent,
+        "child": joint.child,
+        "X": pose_numbers(joint.X_PC),
+        "axis": list(joint.axis),
+        "turn": float(moves and joint.kind is not JointKind.PRISMATIC),
+        "advance": advance(joint),
+        "moves": moves,
+        "leader": leader,
+        "multiplier": multiplier,
+        "offset": offset,
+        "lower": bound(joint.limit.lower),
+        "upper": bound(joint.limit.upper),
+        "drawn": joint.drawn_position,
+    }

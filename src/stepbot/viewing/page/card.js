@@ -1,0 +1,78 @@
+// The card of what is selected: a part, a link, a joint.
+
+import { copyable, element, pairs } from "./dom.js";
+import { mass, millimetres, short, shown, unitOf, vector } from "./numbers.js";
+import { position } from "./vectors.js";
+
+export function card(state, node, extras = () => []) {
+  const update = () => {
+    const { selection } = state;
+    node.hidden = !selection;
+    if (!selection) return;
+    const content = selection.connection ? connectionCard(state, selection) : partCard(state, selection);
+    node.replaceChildren(element("button.close", { type: "button", "aria-label": "close", onclick: () => state.select(null) }, "×"), ...content, ...extras(selection));
+  };
+  state.listen((what) => {
+    if (what === "selection" || what === "scene") update();
+  });
+}
+
+function partCard(state, selection) {
+  const link = state.link.get(selection.link);
+  const component = state.scene.components.find((one) => one.path === selection.component);
+  const { mass: body } = link;
+  const source = link.sources.find((one) => one.component === selection.component);
+  const lines = [element("h2", {}, selection.component || `link ${link.name}`)];
+  if (selection.component) {
+    lines.push(copyable(component?.quoted ?? selection.component, { id: "path" }));
+    lines.push(pairs([
+      ["link", link.name],
+      ["product", component?.product],
+      ["material", component?.material],
+      ["mass", source?.mass ? mass(source.mass) : null],
+      ["from", source?.origin],
+      ["density", source?.density ? `${short(source.density)} kg/m³` : null],
+    ]));
+    return lines;
+  }
+  lines.push(pairs([
+    ["mass", body.mass > 0 ? mass(body.mass) : "none"],
+    ["centre of mass", body.mass > 0 ? vector(body.com) : null],
+    ["inertia", body.mass > 0 ? inertia(body.inertia) : null],
+    ["parts", String(link.components.length || "")],
+    ["collision", count(link.collisions.length, "shape")],
+  ]));
+  return lines;
+}
+
+const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+
+function inertia(I) {
+  const entries = [["xx", I[0][0]], ["yy", I[1][1]], ["zz", I[2][2]], ["xy", I[0][1]], ["xz", I[0][2]], ["yz", I[1][2]]];
+  return element("span.number", {}, `${entries.map(([name, value]) => `${name} ${short(value, 3)}`).join("  ")} kg m²`);
+}
+
+function connectionCard(state, selection) {
+  const one = state.find(selection);
+  const joints = one.coordinates.map((name) => state.tree.joints[state.tree.column.get(name)]);
+  const range = (joint) => (joint.lower === null && joint.upper === null ? "no limits" : [joint.lower, joint.upper].map((end) => (end === null ? "–" : `${short(shown(joint, end))} ${unitOf(joint)}`)).join(" to "));
+  const closure = one.closes ? state.scene.motion.closures.findIndex(({ name }) => name === one.name) : -1;
+  const gap = closure < 0 ? null : millimetres(state.loops.gaps(state.X)[closure].distance);
+  return [
+    element("h2", {}, one.name),
+    one.doubt ? element("p.warn", {}, `Review: ${one.doubt}`) : null,
+    pairs([
+      ["type", one.kind + (one.closes ? " closure" : "")],
+      ["links", `${one.parent} → ${one.child}`],
+      ["at", vector(position(state.pose(one.child)))],
+      ["axis", one.axis ? `[${one.axis.map((value) => short(value)).join(", ")}]` : null],
+      ["range", joints.map(range).join("; ")],
+      ["velocity", one.limits?.velocity ? `${short(one.limits.velocity)} ${joints[0]?.turn ? "rad/s" : "m/s"}` : null],
+      ["effort", one.limits?.effort ? `${short(one.limits.effort)} ${joints[0]?.turn ? "N m" : "N"}` : null],
+      ["follows", one.mimic ? `${short(one.mimic[1])} × ${one.mimic[0]}` : null],
+      ["found by", one.evidence],
+      ["gap", gap],
+    ]),
+    ...(one.others.length ? [element("details", {}, element("summary", {}, `${one.others.length} other lines`), element("ul", {}, one.others.map((text) => element("li", {}, text))))] : []),
+  ].filter(Boolean);
+}

@@ -1,0 +1,76 @@
+// A page with a server behind it: takes new scenes as they come, asks about faces, says when the server has ended.
+
+import { byId, copyable, element } from "./dom.js";
+import { app } from "./main.js";
+import { millimetres } from "./numbers.js";
+
+const { state } = app;
+let revision = -1;
+
+function status(tone, text) {
+  Object.assign(byId("live"), { className: tone, textContent: text });
+}
+
+export async function ask(name, content) {
+  const answer = await fetch(`ask/${name}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(content) });
+  if (!answer.ok) throw new Error(await answer.text());
+  return answer.json();
+}
+
+async function take(newer) {
+  if (newer === revision) return;
+  const answer = await fetch("scene");
+  const scene = await answer.json();
+  revision = newer;
+  state.load(scene);
+}
+
+function connect() {
+  const events = new EventSource("events");
+  // One after the other: a scene is fetched before what follows it is shown.
+  let last = Promise.resolve();
+  const on = (name, act) => events.addEventListener(name, (event) => {
+    last = last.then(() => act(JSON.parse(event.data))).catch((error) => status("bad", error.message));
+  });
+  on("scene", async ({ revision: newer }) => {
+    await take(newer);
+    status("good", "live");
+  });
+  on("busy", ({ text }) => status("busy", text));
+  on("proof", ({ proof, diagnostics, proving }) => {
+    Object.assign(state.scene, { proof, diagnostics });
+    state.proving = proving;
+    state.tell("proof");
+  });
+  on("findings", ({ diagnostics }) => {
+    Object.assign(state.scene, { diagnostics });
+    state.tell("proof");
+    status("bad", "errors; this is the last good robot");
+  });
+  events.onerror = () => status("bad", "the server has ended");
+}
+
+// What the axis of a clicked face is called in a sidecar.
+state.listen(async (what) => {
+  const { selection } = state;
+  if (what !== "selection" || !selection?.triangle || !selection.component || selection.face) return;
+  selection.face = {};
+  try {
+    const face = await ask("face", { component: selection.component, triangle: selection.triangle });
+    if (state.selection === selection) state.select({ ...selection, face, line: face.line });
+  } catch (error) {
+    status("bad", error.message);
+  }
+});
+
+export function faceCard(selection) {
+  const { face } = selection;
+  if (!selection.triangle || !face) return [];
+  if (!face.origin) return face.why ? [element("p.quiet", {}, face.why)] : [];
+  const words = `${face.kind} face${face.radius ? `, radius ${millimetres(face.radius)}` : ""}`;
+  return [element("p.quiet", {}, `${words}. Its axis:`), copyable(`origin: ${face.origin}`, { id: "origin" })];
+}
+
+app.extras.push(faceCard);
+status("busy", "loading");
+connect();

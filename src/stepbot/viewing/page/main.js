@@ -1,0 +1,110 @@
+// Puts the page together.
+
+import { card } from "./card.js";
+import { byId, element } from "./dom.js";
+import { findingsPanel } from "./findings.js";
+import { jointsPanel } from "./joints.js";
+import { mass } from "./numbers.js";
+import { partsPanel } from "./parts.js";
+import { proofPanel } from "./proof.js";
+import { State } from "./state.js";
+import { View } from "./view.js";
+
+const CHIPS = [
+  ["joints", "Joints"], ["names", "Names"], ["frames", "Frames"], ["masses", "Masses"],
+  ["collisions", "Collision"], ["byLink", "Colour by link"],
+];
+const DIRECTIONS = [["Front", 0, 0], ["Side", -Math.PI / 2, 0], ["Top", -Math.PI / 2, Math.PI / 2]];
+
+function toolbar(state, view) {
+  const chips = CHIPS.map(([name, label]) => {
+    const chip = element("button.chip", { type: "button", "data-show": name, onclick: () => state.set(name, !state.show[name]) }, label);
+    state.listen(() => chip.setAttribute("aria-pressed", String(state.show[name])));
+    return chip;
+  });
+  const looks = DIRECTIONS.map(([label, azimuth, elevation]) => element("button.chip", { type: "button", onclick: () => {
+    view.camera.look(azimuth, Math.min(elevation, 1.5533));
+    view.fit();
+  } }, label));
+  byId("toolbar").append(...chips, element("span.space"), element("button.chip", { type: "button", id: "fit", onclick: () => view.fit() }, "Fit"), ...looks);
+}
+
+function tabs(state, panels) {
+  const buttons = panels.map(([id, label, section]) => {
+    section.id = id;
+    section.setAttribute("role", "tabpanel");
+    const count = element("span.count");
+    const button = element("button", { type: "button", role: "tab", "aria-controls": id, onclick: () => open(id) }, label, count);
+    byId("tabs").append(button);
+    byId("sections").append(section);
+    return { id, button, section, count };
+  });
+  const open = (chosen) => {
+    for (const { id, button, section } of buttons) {
+      button.setAttribute("aria-selected", String(id === chosen));
+      section.hidden = id !== chosen;
+    }
+  };
+  state.listen((what) => {
+    if (what !== "scene" && what !== "proof") return;
+    for (const { id, count } of buttons) Object.assign(count, badge(state, id));
+  });
+  open("joints");
+}
+
+function badge({ scene }, id) {
+  if (id === "joints") {
+    const doubts = scene.connections.filter((one) => one.doubt).length;
+    return { textContent: doubts ? `? ${doubts}` : "", className: "count warn" };
+  }
+  if (id === "findings") {
+    const errors = scene.diagnostics.filter((one) => one.severity === "error").length;
+    return { textContent: String(scene.diagnostics.length || ""), className: errors ? "count bad" : "count" };
+  }
+  const failed = scene.proof?.rows.filter((row) => row.status === "failed").length ?? 0;
+  return id === "proof" && failed ? { textContent: String(failed), className: "count bad" } : { textContent: "", className: "count" };
+}
+
+function title(state) {
+  const { scene } = state;
+  const of = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+  const freedom = scene.motion.driven.length;
+  byId("name").textContent = scene.name;
+  byId("facts").textContent = [
+    scene.source, of(scene.links.length, "link"), `${freedom} ${freedom === 1 ? "degree" : "degrees"} of freedom`,
+    scene.total.mass > 0 ? mass(scene.total.mass) : "",
+  ].filter(Boolean).join(" · ");
+}
+
+function start() {
+  const state = new State();
+  let view;
+  try {
+    view = new View(state, byId("canvas"), byId("tags"));
+  } catch (error) {
+    byId("trouble").textContent = `The robot cannot be drawn: ${error.message}.`;
+    byId("trouble").hidden = false;
+    throw error;
+  }
+  toolbar(state, view);
+  const extras = [];
+  card(state, byId("card"), (selection) => extras.flatMap((extra) => extra(selection)));
+  tabs(state, [
+    ["joints", "Joints", jointsPanel(state)], ["parts", "Parts", partsPanel(state)],
+    ["proof", "Verification", proofPanel(state)], ["findings", "Findings", findingsPanel(state)],
+  ]);
+  state.listen((what) => {
+    if (what === "scene") title(state);
+  });
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape") state.select(null);
+    if (event.key === "f" && !(event.target instanceof HTMLInputElement)) view.fit();
+  });
+  // For tests, and for people at the console.
+  globalThis.stepbot = { state, view };
+  const text = byId("scene").textContent.trim();
+  if (text) state.load(JSON.parse(text));
+  return { state, view, extras };
+}
+
+export const app = start();

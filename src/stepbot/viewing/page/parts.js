@@ -1,0 +1,65 @@
+// The tree of links and their components.
+
+import { element } from "./dom.js";
+import { mass } from "./numbers.js";
+import { css, linkColor } from "./state.js";
+
+export function partsPanel(state) {
+  const section = element("section");
+  const update = () => section.replaceChildren(element("h3", {}, "Links"), element("ul", {}, state.scene.links.map((link) => linkEntry(state, link))), ...rest(state));
+  state.listen((what) => {
+    if (what !== "motion") update();
+  });
+  return section;
+}
+
+function linkEntry(state, link) {
+  const { index } = state.link.get(link.name);
+  const chosen = state.selection?.link === link.name && !state.selection.component;
+  const hidden = state.hidden.has(link.name);
+  const weight = link.mass.mass > 0 ? mass(link.mass.mass) : "";
+  const color = state.show.byLink ? linkColor(index) : (link.visuals[0]?.color ?? linkColor(index));
+  const dot = element("span.dot");
+  dot.style.background = css(color);
+  return element("li", {},
+    element("div.line", {},
+      element("button.row" + (chosen ? ".chosen" : ""), { type: "button", "data-link": link.name, onclick: () => state.select({ link: link.name }) },
+        dot, element("span.label", {}, link.name), element("span.value.number", {}, weight)),
+      element("button.eye", { type: "button", "aria-pressed": String(hidden), title: hidden ? "show" : "hide", onclick: () => state.toggle(link.name) }, hidden ? "○" : "●"),
+    ),
+    link.components.length ? componentList(state, link) : null,
+  );
+}
+
+function componentList(state, link) {
+  const open = state.selection?.link === link.name && Boolean(state.selection.component);
+  const rows = () => link.components.map((path) => componentRow(state, link.name, path));
+  const list = element("ul.branch", {}, open ? rows() : []);
+  const label = link.components.length === 1 ? "1 part" : `${link.components.length} parts`;
+  const opened = (event) => event.target.open && !list.children.length && list.append(...rows());
+  return element("details.branch", { open, ontoggle: opened }, element("summary", {}, label), list);
+}
+
+function componentRow(state, link, path) {
+  const chosen = state.selection?.component === path || state.selection?.picked?.includes(path);
+  return element("li", {}, element("button.row" + (chosen ? ".chosen" : ""), {
+    type: "button", title: path, "data-component": path,
+    onclick: (event) => state.select({ link, component: path, add: event.ctrlKey || event.metaKey }),
+  }, element("span.label", {}, path)));
+}
+
+// Components that no link has, frames and sensors.
+function rest(state) {
+  const { components, frames, sensors, actuators } = state.scene;
+  const left = components.filter((one) => one.has_body && !one.link);
+  const list = (title, entries) => (entries.length ? [element("h3", {}, title), element("ul", {}, entries)] : []);
+  const place = (one) => element("li", {}, element("button.row", { type: "button", onclick: () => state.select({ link: one.link }) },
+    element("span.label", {}, one.name), element("span.value", {}, [one.kind?.replace("_", " ") ?? "", one.joint || one.link].filter(Boolean).join(" · "))));
+  return [
+    ...list("In no link", left.map((one) => element("li.row", { title: one.path }, element("span.label.quiet", {}, one.path)))),
+    ...list("Frames", frames.map(place)),
+    ...list("Sensors", sensors.map(place)),
+    ...list("Actuators", actuators.map((one) => element("li", {}, element("button.row", { type: "button", onclick: () => state.select({ connection: one.joint }) },
+      element("span.label", {}, one.name), element("span.value", {}, `${one.kind} · ${one.joint}`))))),
+  ];
+}

@@ -1,0 +1,147 @@
+// Triangles of shapes: decoded meshes, primitives, normals that keep sharp edges sharp, and those edges as lines.
+
+const SMOOTH = Math.cos((32 * Math.PI) / 180);
+const ROUND = 40;
+
+function bytes(text) {
+  const raw = atob(text);
+  const data = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) data[i] = raw.charCodeAt(i);
+  return data.buffer;
+}
+
+// Vertices [m] and indices of a packed mesh.
+export function unpacked(mesh) {
+  const steps = new Uint16Array(bytes(mesh.vertices));
+  const vertices = new Float32Array(steps.length);
+  for (let i = 0; i < steps.length; i++) vertices[i] = mesh.low[i % 3] + (mesh.size[i % 3] * steps[i]) / 65535;
+  const buffer = bytes(mesh.faces);
+  return { vertices, faces: mesh.wide ? new Uint32Array(buffer) : new Uint16Array(buffer) };
+}
+
+// The same for a shape of the scene.
+export function meshOf(shape, meshes) {
+  if (shape.shape === "mesh") return meshes[shape.mesh];
+  if (shape.shape === "box") return box(shape.size);
+  if (shape.shape === "sphere") return revolved(arc(shape.radius, 0, -90, 90));
+  if (shape.shape === "cylinder") {
+    const half = shape.length / 2;
+    return revolved([[0, -half], [shape.radius, -half], [shape.radius, half], [0, half]]);
+  }
+  const half = shape.length / 2;
+  return revolved([...arc(shape.radius, -half, -90, 0), ...arc(shape.radius, half, 0, 90)]);
+}
+
+function arc(radius, height, from, to) {
+  const steps = Math.max(2, Math.round((ROUND / 360) * (to - from)));
+  return Array.from({ length: steps + 1 }, (_, i) => {
+    const angle = ((from + ((to - from) * i) / steps) * Math.PI) / 180;
+    return [Math.abs(angle) === Math.PI / 2 ? 0 : radius * Math.cos(angle), height + radius * Math.sin(angle)];
+  });
+}
+
+function box(size) {
+  const [x, y, z] = size.map((length) => length / 2);
+  const vertices = [];
+  for (let i = 0; i < 8; i++) vertices.push(i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z);
+  const faces = [0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5];
+  return { vertices: new Float32Array(vertices), faces: new Uint16Array(faces) };
+}
+
+// The solid that a profile of [radius, height] points sweeps around z.
+function revolved(profile) {
+  const vertices = [];
+  const faces = [];
+  const rings = profile.map(([radius, height]) => {
+    const count = radius ? ROUND : 1;
+    const first = vertices.length / 3;
+    for (let i = 0; i < count; i++) {
+      const angle = (2 * Math.PI * i) / ROUND;
+      vertices.push(radius * Math.cos(angle), radius * Math.sin(angle), height);
+    }
+    return (i) => first + (count === 1 ? 0 : i % ROUND);
+  });
+  for (let ring = 0; ring + 1 < rings.length; ring++) {
+    const [below, above] = [rings[ring], rings[ring + 1]];
+    for (let i = 0; i < ROUND; i++) {
+      if (below(i) !== below(i + 1)) faces.push(below(i), below(i + 1), above(i + 1));
+      if (above(i) !== above(i + 1)) faces.push(below(i), above(i + 1), above(i));
+    }
+  }
+  return { vertices: new Float32Array(vertices), faces: new Uint16Array(faces) };
+}
+
+// What the graphics card draws: positions and normals of every corner, and sharp edges as pairs of points.
+export function drawable({ vertices, faces }) {
+  const count = faces.length / 3;
+  const { normals, weights } = faceNormals(vertices, faces);
+  const around = neighbours(faces, vertices.length / 3);
+  const positions = new Float32Array(9 * count);
+  const smooth = new Float32Array(9 * count);
+  for (let corner = 0; corner < faces.length; corner++) {
+    const [vertex, face] = [faces[corner], Math.floor(corner / 3)];
+    let [x, y, z] = [0, 0, 0];
+    for (let k = around.start[vertex]; k < around.start[vertex + 1]; k++) {
+      const other = around.faces[k];
+      if (cosine(normals, face, other) < SMOOTH) continue;
+      x += normals[3 * other] * weights[other];
+      y += normals[3 * other + 1] * weights[other];
+      z += normals[3 * other + 2] * weights[other];
+    }
+    const length = Math.hypot(x, y, z) || 1;
+    for (let i = 0; i < 3; i++) positions[3 * corner + i] = vertices[3 * vertex + i];
+    smooth[3 * corner] = x / length;
+    smooth[3 * corner + 1] = y / length;
+    smooth[3 * corner + 2] = z / length;
+  }
+  return { positions, normals: smooth, edges: sharpEdges(vertices, faces, normals) };
+}
+
+function cosine(normals, a, b) {
+  const [i, j] = [3 * a, 3 * b];
+  return normals[i] * normals[j] + normals[i + 1] * normals[j + 1] + normals[i + 2] * normals[j + 2];
+}
+
+// Unit normals, and areas as weights.
+function faceNormals(vertices, faces) {
+  const normals = new Float32Array(faces.length);
+  const weights = new Float32Array(faces.length / 3);
+  for (let face = 0; face < weights.length; face++) {
+    const [a, b, c] = [3 * faces[3 * face], 3 * faces[3 * face + 1], 3 * faces[3 * face + 2]];
+    const [ux, uy, uz] = [vertices[b] - vertices[a], vertices[b + 1] - vertices[a + 1], vertices[b + 2] - vertices[a + 2]];
+    const [vx, vy, vz] = [vertices[c] - vertices[a], vertices[c + 1] - vertices[a + 1], vertices[c + 2] - vertices[a + 2]];
+    const n = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+    const length = Math.hypot(...n);
+    weights[face] = length;
+    for (let i = 0; i < 3; i++) normals[3 * face + i] = n[i] / (length || 1);
+  }
+  return { normals, weights };
+}
+
+// For each vertex the faces around it, as one list with the start of each vertex.
+function neighbours(faces, count) {
+  const start = new Uint32Array(count + 1);
+  for (const vertex of faces) start[vertex + 1]++;
+  for (let i = 0; i < count; i++) start[i + 1] += start[i];
+  const next = start.slice();
+  const list = new Uint32Array(faces.length);
+  for (let corner = 0; corner < faces.length; corner++) list[next[faces[corner]]++] = Math.floor(corner / 3);
+  return { start, faces: list };
+}
+
+function sharpEdges(vertices, faces, normals) {
+  const count = vertices.length / 3;
+  const first = new Map();
+  const ends = [];
+  for (let corner = 0; corner < faces.length; corner++) {
+    const face = Math.floor(corner / 3);
+    const [a, b] = [faces[corner], faces[3 * face + ((corner + 1) % 3)]];
+    const key = Math.min(a, b) * count + Math.max(a, b);
+    const other = first.get(key);
+    if (other === undefined) first.set(key, face);
+    else if (cosine(normals, face, other) < SMOOTH) ends.push(a, b);
+  }
+  const edges = new Float32Array(3 * ends.length);
+  ends.forEach((vertex, i) => edges.set(vertices.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
+  return edges;
+}

@@ -1,0 +1,108 @@
+// What the page shows: the scene, a configuration, what is selected, what is visible. Panels and view listen.
+
+import { Loops } from "./loops.js";
+import { Tree } from "./tree.js";
+
+export class State {
+  constructor() {
+    this.listeners = [];
+    this.show = { joints: true, names: false, frames: false, masses: false, collisions: false, visuals: true, sensors: true, byLink: false };
+    this.hidden = new Set();
+    this.selection = null;
+    this.tab = "joints";
+  }
+
+  // Show a scene; joints of the same name keep their positions where the new robot allows it.
+  load(scene) {
+    const former = this.scene ? this.q() : {};
+    const same = this.scene && this.scene.name === scene.name;
+    this.scene = scene;
+    this.tree = new Tree(scene.motion);
+    this.loops = new Loops(this.tree, scene.motion);
+    this.link = new Map(scene.links.map((link, i) => [link.name, { ...link, index: i }]));
+    this.note = "";
+    this.drawn = this.loops.closed(this.tree.drawn()) ?? this.tree.drawn();
+    this.settle(this.drawn);
+    if (same) this.restore(former);
+    if (this.selection && !this.find(this.selection)) this.selection = null;
+    this.tell("scene");
+  }
+
+  restore(former) {
+    const targets = this.scene.motion.driven
+      .filter(({ name }) => name in former)
+      .map(({ name, range: [low, high] }) => [this.tree.row.get(name), Math.min(Math.max(former[name], low), high)]);
+    if (targets.length) this.settle(this.loops.move(this.u, targets).u);
+  }
+
+  settle(u) {
+    this.u = u;
+    this.positions = this.tree.follow(u);
+    this.X = this.tree.frames(this.positions);
+  }
+
+  // Move one driven joint, as far as limits and loops allow.
+  drive(name, value) {
+    const { u, why } = this.loops.move(this.u, [[this.tree.row.get(name), value]]);
+    this.note = why;
+    this.settle(u);
+    this.tell("motion");
+  }
+
+  reset() {
+    this.note = "";
+    this.settle(this.drawn);
+    this.tell("motion");
+  }
+
+  // Positions of all moving joints by name.
+  q() {
+    return Object.fromEntries(this.tree.joints.map((joint, i) => [joint.name, this.positions[i]]));
+  }
+
+  pose(link) {
+    return this.X[this.tree.linkIndex.get(link)];
+  }
+
+  // selection: { link, component, triangle, point, X } or { connection }.
+  select(selection) {
+    this.selection = selection;
+    this.tell("selection");
+  }
+
+  find(selection) {
+    if (selection.connection) return this.scene.connections.find((one) => one.name === selection.connection);
+    return this.link.get(selection.link);
+  }
+
+  set(name, value) {
+    this.show[name] = value;
+    this.tell("show");
+  }
+
+  toggle(link) {
+    if (!this.hidden.delete(link)) this.hidden.add(link);
+    this.tell("show");
+  }
+
+  listen(heard) {
+    this.listeners.push(heard);
+  }
+
+  tell(what) {
+    this.listeners.forEach((heard) => heard(what));
+  }
+}
+
+// A colour for each link, far from that of its neighbours in the list.
+export function linkColor(index) {
+  const hue = (index * 137.508 + 212) % 360;
+  const [s, l] = [0.46, 0.6];
+  const channel = (n) => {
+    const k = (n + hue / 30) % 12;
+    return l - s * Math.min(l, 1 - l) * Math.max(-1, Math.min(k - 3, 9 - k, 1));
+  };
+  return [channel(0), channel(8), channel(4), 1];
+}
+
+export const css = (color) => `rgb(${color.slice(0, 3).map((c) => Math.round(255 * c)).join(" ")})`;

@@ -1,0 +1,241 @@
+// The canvas: draws the state, finds what is under the pointer, places names.
+
+import { Camera, steer } from "./camera.js";
+import { element } from "./dom.js";
+import { ellipsoid, frame, ground, joint as jointGlyph, ring } from "./glyphs.js";
+import { boxOf, pick } from "./picking.js";
+import { Renderer } from "./renderer.js";
+import { drawable, meshOf, unpacked } from "./shapes.js";
+import { linkColor } from "./state.js";
+import { add, apply, minus, norm, position, scaled, times, turn } from "./vectors.js";
+
+const AXIS = [0.95, 0.55, 0.1, 1];
+const PASSIVE = [0.55, 0.58, 0.64, 0.9];
+const DOUBT = [0.85, 0.2, 0.5, 1];
+const FRAME_SHARE = 0.12;
+
+export class View {
+  constructor(state, canvas, tags) {
+    this.state = state;
+    this.canvas = canvas;
+    this.tags = tags;
+    this.camera = new Camera();
+    this.renderer = new Renderer(canvas);
+    this.items = [];
+    steer(canvas, this.camera, { changed: () => this.request(), clicked: (event) => this.click(event) });
+    new ResizeObserver(() => this.request()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.request());
+    state.listen((what) => {
+      if (what === "scene") this.load();
+      this.request();
+    });
+  }
+
+  // Take the shapes of a new scene; the camera stays where it is, unless it is the first one.
+  load() {
+    const { scene } = this.state;
+    this.items.forEach(({ mesh }) => this.renderer.release(mesh));
+    const meshes = scene.meshes.map(unpacked);
+    this.uploaded = new Map();
+    this.items = scene.links.flatMap((link, index) => [
+      ...link.visuals.map((shape) => this.item(shape, meshes, { link: link.name, index, kind: "visual" })),
+      ...link.collisions.map((shape) => this.item(shape, meshes, { link: link.name, index, kind: "collision" })),
+    ]);
+    this.radius = this.extent().radius;
+    if (!this.fitted && this.items.length) this.fit();
+  }
+
+  item(shape, meshes, place) {
+    const key = shape.shape === "mesh" ? shape.mesh : JSON.stringify({ ...shape, X: null, color: null, component: null });
+    if (!this.uploaded.has(key)) {
+      const geometry = meshOf(shape, meshes);
+      this.uploaded.set(key, { geometry: { ...geometry, ...boxOf(geometry.vertices) }, mesh: this.renderer.upload(drawable(geometry)) });
+    }
+    return { ...this.uploaded.get(key), ...place, X_LG: shape.X, rgba: shape.color, component: shape.component ?? "" };
+  }
+
+  extent() {
+    const low = [Infinity, Infinity, Infinity];
+    const high = [-Infinity, -Infinity, -Infinity];
+    for (const item of this.items) {
+      const X = times(this.state.pose(item.link), item.X_LG);
+      for (let corner = 0; corner < 8; corner++) {
+        const at = apply(X, [0, 1, 2].map((i) => ((corner >> i) & 1 ? item.geometry.high[i] : item.geometry.low[i])));
+        at.forEach((value, i) => {
+          low[i] = Math.min(low[i], value);
+          high[i] = Math.max(high[i], value);
+        });
+      }
+    }
+    if (!this.items.length) return { center: [0, 0, 0], radius: 0.5, low: [0, 0, 0] };
+    return { center: scaled(add(low, high), 0.5), radius: norm(minus(high, low)) / 2, low };
+  }
+
+  fit() {
+    const { center, radius } = this.extent();
+    this.camera.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+    this.camera.fit(center, radius);
+    this.fitted = true;
+    this.request();
+  }
+
+  request() {
+    this.pending ??= requestAnimationFrame(() => {
+      this.pending = null;
+      this.draw();
+    });
+  }
+
+  visible() {
+    const { show, hidden } = this.state;
+    return this.items.filter((item) => !hidden.has(item.link) && show[item.kind === "visual" ? "visuals" : "collisions"]);
+  }
+
+  draw() {
+    const { state, camera } = this;
+    if (!state.scene) return;
+    const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+    const ink = dark ? 1 : 0;
+    const drawn = this.visible().map((item) => ({
+      mesh: item.mesh,
+      X: times(state.pose(item.link), item.X_LG),
+      color: this.color(item),
+      glow: this.glow(item),
+      edge: item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : undefined,
+    }));
+    const { center, low } = this.extent();
+    const floor = ground(center, this.radius, low[2], [ink, ink, ink, dark ? 0.1 : 0.13]);
+    this.renderer.draw(camera, drawn, { below: floor, above: this.lines() }, dark ? [0, 0, 0, 0.45] : [0.05, 0.08, 0.14, 0.42]);
+    this.placeTags();
+  }
+
+  color(item) {
+    if (item.kind === "collision") return [0.98, 0.6, 0.2, 0.28];
+    const { show, selection } = this.state;
+    const base = show.byLink || !item.rgba ? linkColor(item.index) : item.rgba;
+    const covered = show.collisions || show.masses || (selection?.connection && !this.ends().includes(item.link));
+    return covered ? [...base.slice(0, 3), Math.min(base[3], 0.45)] : base;
+  }
+
+  ends() {
+    const one = this.state.find(this.state.selection);
+    return [one.parent, one.child];
+  }
+
+  glow(item) {
+    const { selection } = this.state;
+    if (!selection || item.kind === "collision") return null;
+    if (selection.picked?.includes(item.component) && item.component) return [0.25, 0.55, 1, 0.75];
+    if (selection.connection) return this.ends()[1] === item.link ? [0.25, 0.55, 1, 0.35] : null;
+    if (selection.link !== item.link) return null;
+    return selection.component && selection.component === item.component ? [0.25, 0.55, 1, 0.7] : [0.25, 0.55, 1, 0.3];
+  }
+
+  lines() {
+    const { state, radius } = this;
+    const { show, scene } = state;
+    const size = FRAME_SHARE * radius;
+    const lines = [];
+    if (show.joints) lines.push(...this.jointLines(size));
+    if (show.frames) {
+      for (const link of scene.links) lines.push(...frame(state.pose(link.name), 0.6 * size));
+      for (const one of scene.frames) lines.push(...frame(times(state.pose(one.link), one.X), size));
+    }
+    if (show.sensors) {
+      for (const one of scene.sensors.filter((sensor) => sensor.placed)) {
+        lines.push(...frame(times(state.pose(one.link), one.X), 0.7 * size));
+      }
+    }
+    if (show.masses) {
+      for (const link of scene.links.filter((one) => one.mass.ellipsoid && !state.hidden.has(one.name))) {
+        lines.push(...ellipsoid(state.pose(link.name), link.mass, [...linkColor(state.link.get(link.name).index).slice(0, 3), 1]));
+      }
+    }
+    if (state.selection?.line) lines.push(...this.axisLine(state.selection.line));
+    return lines;
+  }
+
+  // The axis of a clicked face, given in the frame of the component's shape.
+  axisLine({ component, point, direction }) {
+    const item = this.items.find((one) => one.component === component);
+    if (!item) return [];
+    const X = times(this.state.pose(item.link), item.X_LG);
+    const [p, d] = [apply(X, point), turn(X, direction)];
+    const reach = 0.7 * this.radius;
+    return [[add(p, scaled(d, -reach)), add(p, scaled(d, reach)), [0.15, 0.45, 1, 1]]];
+  }
+
+  jointLines(size) {
+    const { state } = this;
+    const lines = [];
+    for (const one of state.scene.connections) {
+      const chosen = state.selection?.connection === one.name;
+      const color = one.doubt ? DOUBT : AXIS;
+      for (const name of one.coordinates) {
+        const column = state.tree.column.get(name);
+        const joint = state.tree.joints[column];
+        const passive = joint.leader !== name || !state.loops.driven.has(state.tree.row.get(name));
+        const tint = passive && !chosen && !one.doubt ? PASSIVE : color;
+        const scale = (chosen ? 1.5 : 1) * (one.coordinates.length > 1 ? 0.45 : 1) * size;
+        lines.push(...jointGlyph(state.pose(joint.child), joint, state.positions[column], scale, tint));
+      }
+      if (one.closes || one.doubt) lines.push(...ring(this.place(one), 0.28 * size, this.camera, color));
+    }
+    return lines;
+  }
+
+  // Where a joint or closure is.
+  place(one) {
+    const { state } = this;
+    if (!one.closes) return position(state.pose(one.child));
+    const closure = state.scene.motion.closures.find(({ name }) => name === one.name);
+    return position(times(state.pose(closure.a), closure.X_AF));
+  }
+
+  placeTags() {
+    const { state } = this;
+    const { show, scene } = state;
+    const wanted = [];
+    for (const one of scene.connections) {
+      const chosen = state.selection?.connection === one.name;
+      if (!(show.joints && (one.doubt || chosen)) && !show.names) continue;
+      const text = one.doubt ? `? ${one.name}` : one.name;
+      wanted.push({ text, at: this.place(one), doubt: one.doubt, chosen: () => state.select({ connection: one.name }) });
+    }
+    if (show.frames || show.names) {
+      for (const one of scene.frames) wanted.push({ text: one.name, at: position(times(state.pose(one.link), one.X)) });
+      for (const one of scene.sensors.filter((sensor) => sensor.placed)) {
+        wanted.push({ text: one.name, at: position(times(state.pose(one.link), one.X)) });
+      }
+    }
+    while (this.tags.children.length > wanted.length) this.tags.lastChild.remove();
+    wanted.forEach((tag, i) => this.placeTag(tag, this.tags.children[i]));
+  }
+
+  placeTag({ text, at, doubt, chosen }, existing) {
+    const tag = existing ?? this.tags.appendChild(element("span.tag"));
+    const { x, y, depth } = this.camera.project(at);
+    tag.textContent = text;
+    tag.className = doubt ? "tag doubt" : "tag";
+    tag.title = doubt ?? "";
+    tag.onclick = chosen ?? null;
+    tag.hidden = depth <= 0;
+    tag.style.transform = `translate(${(x * this.canvas.clientWidth + 9).toFixed(1)}px, ${(y * this.canvas.clientHeight - 9).toFixed(1)}px)`;
+  }
+
+  // What is at a place of the window: a hit of picking.js with the link and the component, or null.
+  hit(clientX, clientY) {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const ray = this.camera.ray((clientX - left) / width, (clientY - top) / height);
+    const items = this.visible().map((item) => ({ ...item, X: times(this.state.pose(item.link), item.X_LG) }));
+    const hit = pick(ray, items);
+    if (!hit) return null;
+    const { link, component, kind } = hit.item;
+    return { link, component, kind, point: hit.point, triangle: hit.triangle };
+  }
+
+  click(event) {
+    const hit = this.hit(event.clientX, event.clientY);
+    this.state.select(hit && { ...hit, add: event.ctrlKey || event.metaKey });
+  }
+}

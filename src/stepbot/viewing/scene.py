@@ -1,0 +1,150 @@
+"""A robot as one JSON document: everything that the page draws and lists.
+
+Lengths in metres, angles in radians, masses in kilograms; a pose is twelve numbers, the rotation by rows and then the
+position; shapes, frames and inertia are in the frame of their link. Numbers that do not exist are null.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from stepbot.diagnostics import Diagnostic
+from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.report.record import Report
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, Link, MeshRef, Robot, Sphere
+from stepbot.robot.sensors import PLACED, Sensor
+from stepbot.step.assembly import Assembly
+
+from .components import component_documents
+from .connections import connection_documents
+from .findings import diagnostic_documents, proof_document
+from .motion import motion_document, pose_numbers
+from .packing import packed
+
+Json = dict[str, Any]
+
+VERSION = 1
+"""Version of the document; page and document come from one stepbot, so it only guards against a mix-up."""
+
+
+def scene_document(
+    robot: Robot,
+    *,
+    evidence: Mapping[str, Json] | None = None,
+    assembly: Assembly | None = None,
+    report: Report | None = None,
+    found: Iterable[Diagnostic] = (),
+) -> Json:
+    """The scene of a robot.
+
+    Args:
+        robot: The robot; its visuals are drawn.
+        evidence: For each joint and closure, how it was found (:func:`.connections.evidence_of_rows`).
+        assembly: The STEP file that it was built from, for the tree of components.
+        report: Results of verification, if it has run.
+        found: Diagnostics.
+    """
+    poses = link_poses(robot, initial_configuration(robot))
+    index = {asset.name: number for number, asset in enumerate(robot.meshes)}
+    total = combined(link.mass_properties.moved(poses[link.name]) for link in robot.links)
+    return {
+        "version": VERSION,
+        "name": robot.name,
+        "source": robot.source,
+        "base": robot.base.value,
+        "total": _mass(total),
+        "meshes": [packed(asset.mesh) for asset in robot.meshes],
+        "links": [_link(link, index) for link in robot.links],
+        "connections": connection_documents(robot, evidence or {}),
+        "motion": motion_document(robot),
+        "frames": [
+            {"name": one.name, "link": one.link, "X": pose_numbers(one.X_LF), "source": one.source}
+            for one in robot.frames
+        ],
+        "sensors": [_sensor(sensor) for sensor in robot.sensors],
+        "actuators": [
+            {"name": one.name, "joint": one.joint, "kind": one.kind.value, "kp": one.kp, "kv": one.kv}
+            for one in robot.actuators
+        ],
+        "components": [] if assembly is None else component_documents(assembly, robot),
+        "proof": None if report is None else proof_document(report),
+        "diagnostics": diagnostic_documents(found),
+    }
+
+
+def scene_text(scene: Json) -> str:
+    """The scene as JSON, without spaces; not yet safe within HTML."""
+    return json.dumps(scene, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def _link(link: Link, index: dict[str, int]) -> Json:
+    return {
+        "name": link.name,
+        "components": list(link.components),
+        "mass": _mass(link.mass_properties),
+        "visuals": [
+            {
+                **_geometry(one.geometry, index),
+                "X": pose_numbers(one.X_LG),
+                "color": list(one.rgba),
+                "component": one.component,
+            }
+            for one in link.visuals
+        ],
+        "collisions": [{**_geometry(one.geometry, index), "X": pose_numbers(one.X_LG)} for one in link.collisions],
+        "sources": [
+            {"component": one.component, "mass": one.mass, "density": one.density, "origin": one.origin}
+            for one in link.masses
+        ],
+    }
+
+
+def _geometry(geometry: Geometry, index: dict[str, int]) -> Json:
+    match geometry:
+        case MeshRef(name):
+            return {"shape": "mesh", "mesh": index[name]}
+        case Box(size):
+            return {"shape": "box", "size": list(size)}
+        case Cylinder(radius, length):
+            return {"shape": "cylinder", "radius": radius, "length": length}
+        case Capsule(radius, length):
+            return {"shape": "capsule", "radius": radius, "length": length}
+        case Sphere(radius):
+            return {"shape": "sphere", "radius": radius}
+
+
+def _mass(body: MassProperties) -> Json:
+    """Mass, centre of mass, inertia, and the solid ellipsoid of the same mass and inertia; null where there is none."""
+    return {
+        "mass": body.mass,
+        "com": list(body.com),
+        "inertia": [list(row) for row in body.inertia],
+        "ellipsoid": _ellipsoid(body),
+    }
+
+
+def _ellipsoid(body: MassProperties) -> Json | None:
+    """Rotation by rows, its columns the principal axes, and semi-axes [m]: I_x = m (b^2 + c^2) / 5."""
+    if body.mass <= 0.0:
+        return None
+    moments, axes = np.linalg.eigh(np.array(body.inertia))
+    squares = 2.5 / body.mass * (moments.sum() - 2.0 * moments)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    return {"R": axes.ravel().tolist(), "radii": np.sqrt(np.maximum(squares, 0.0)).tolist()}
+
+
+def _sensor(sensor: Sensor) -> Json:
+    return {
+        "name": sensor.name,
+        "kind": sensor.kind.value,
+        "link": sensor.link,
+        "joint": sensor.joint,
+        "placed": sensor.kind in PLACED,
+        "X": pose_numbers(sensor.X_LS),
+        "fov": sensor.view.fov,
+        "rate": sensor.rate,
+    }

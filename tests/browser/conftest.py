@@ -1,0 +1,89 @@
+"""The page in headless Chromium."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stepbot.pipeline.conversion import Options
+from stepbot.runtime.cache import Cache
+from stepbot.serving.session import Session
+
+from .page import Page
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+DRIVER = shutil.which("chromedriver")
+ABSENT = "no page is tested: needs Chromium, ChromeDriver (Debian: chromium-driver) and `pip install stepbot[browser]`"
+_FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """One process has the browser."""
+    for item in items:
+        if item.path.parent == Path(__file__).parent:
+            item.add_marker(pytest.mark.xdist_group("browser"))
+            item.add_marker("browser")
+
+
+@pytest.fixture(scope="session")
+def driver() -> Iterator[Any]:
+    """Chromium, for all tests."""
+    try:
+        from selenium import webdriver
+        from selenium.webdriver.chrome.service import Service
+    except ImportError:
+        pytest.skip(ABSENT)
+    if CHROMIUM is None or DRIVER is None:
+        pytest.skip(ABSENT)
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in _FLAGS:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    browser = webdriver.Chrome(options=options, service=Service(DRIVER))
+    browser.set_script_timeout(60)
+    yield browser
+    browser.quit()
+
+
+@pytest.fixture
+def page(driver: Any) -> Iterator[Page]:
+    """An empty tab of 1280 by 800 pixels; a test fails if the page reports an error to the console."""
+    page = Page(driver)
+    page.resize(1280, 800)
+    driver.get("about:blank")
+    driver.get_log("browser")
+    yield page
+    errors = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+    unexpected = [message for message in errors if not any(part in message for part in page.expected_errors)]
+    assert not unexpected
+
+
+@pytest.fixture
+def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[Path], Session]]:
+    """Serves targets until the end of the test."""
+    running: list[Session] = []
+    cache = Cache(tmp_path_factory.getbasetemp() / "browser_cache")
+
+    def serve(target: Path) -> Session:
+        session = Session(target, Options(output=Path(), cache=cache))
+        running.append(session)
+        session.load()
+        session.server.start()
+        return session
+
+    yield serve
+    for session in running:
+        session.close()

@@ -1,0 +1,108 @@
+"""What a person does in the page, and what the page says."""
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from stepbot.viewing.page import page_html
+
+PATIENCE = 20.0
+"""Seconds that a page may take to show something; no test measures speed with it."""
+
+
+class Page:
+    """A tab with the page."""
+
+    def __init__(self, driver: Any) -> None:
+        self.driver = driver
+        self.expected_errors: list[str] = []
+        """Parts of messages on the console that the test causes."""
+
+    def open(self, url: str) -> None:
+        """Open a page and wait for its robot."""
+        self.driver.get(url)
+        self.wait("return globalThis.stepbot?.state.scene != null")
+
+    def open_file(self, folder: Path, scene: Mapping[str, Any]) -> None:
+        """Write a page without a server, and open it."""
+        path = folder / "page.html"
+        path.write_text(page_html(scene["name"], dict(scene)), encoding="utf-8")
+        self.open(path.as_uri())
+
+    def load(self, scene: Mapping[str, Any]) -> None:
+        """Show another robot in an open page."""
+        self.run("stepbot.state.load(arguments[0])", scene)
+
+    def run(self, script: str, *arguments: Any) -> Any:
+        """The result of a script."""
+        return self.driver.execute_script(script, *arguments)
+
+    def wait(self, script: str, *arguments: Any) -> Any:
+        """The first true result of a script."""
+        return self.until(lambda: self.run(script, *arguments), script)
+
+    def until(self, condition: Callable[[], Any], what: str) -> Any:
+        """The first true result of a function."""
+        end = time.monotonic() + PATIENCE
+        while not (found := condition()):
+            assert time.monotonic() < end, f"did not become true: {what}"
+            time.sleep(0.02)
+        return found
+
+    def resize(self, width: int, height: int) -> None:
+        """Size of the visible page."""
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+    def element(self, selector: str) -> Any:
+        """The first element of a CSS selector."""
+        return self.driver.find_element("css selector", selector)
+
+    def text(self, selector: str) -> str:
+        """Its text."""
+        return str(self.element(selector).text)
+
+    def tab(self, name: str) -> None:
+        """Open a panel."""
+        self.element(f"[role=tab][aria-controls={name}]").click()
+
+    def slide(self, name: str, value: float) -> None:
+        """Drag a slider to a value, in its unit: degrees or millimetres."""
+        self.run(
+            "const bar = document.querySelector(`[data-slider='${arguments[0]}']`);"
+            "bar.value = arguments[1]; bar.dispatchEvent(new Event('input'));",
+            name,
+            value,
+        )
+
+    def positions(self) -> dict[str, float]:
+        """Positions of all moving joints [rad], [m]."""
+        return dict(self.run("return stepbot.state.q()"))
+
+    def poses(self) -> dict[str, list[float]]:
+        """For each link twelve numbers: the rotation by rows, the position [m]."""
+        script = "const {state} = stepbot; return state.scene.links.map(link => [link.name, state.pose(link.name)])"
+        return dict(self.run(script))
+
+    def pixel_of(self, link: str, component: str = "") -> tuple[float, float]:
+        """A place of the window where a link, or one of its components, can be clicked."""
+        place = self.run(
+            """const {view} = stepbot; const box = view.canvas.getBoundingClientRect();
+            for (let y = 70; y < box.height; y += 6) for (let x = 4; x < box.width; x += 6) {
+              const at = [box.left + x, box.top + y];
+              if (document.elementFromPoint(...at) !== view.canvas) continue;
+              const hit = view.hit(...at);
+              if (hit && hit.link === arguments[0] && (!arguments[1] || hit.component === arguments[1])) return at;
+            } return null;""",
+            link,
+            component,
+        )
+        assert place is not None, f"{link} {component} cannot be seen"
+        return place[0], place[1]
+
+    def click(self, at: tuple[float, float], *, with_control: bool = False) -> None:
+        """Press and release the mouse at a place of the window."""
+        mouse = {"x": at[0], "y": at[1], "button": "left", "clickCount": 1, "modifiers": 2 if with_control else 0}
+        for kind in ("mousePressed", "mouseReleased"):
+            self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": kind, **mouse})

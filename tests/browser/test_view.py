@@ -1,0 +1,207 @@
+"""``stepbot view`` as a person uses it: look, click, copy, move; tabs, reloads, a server that ends."""
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stepbot.serving.session import Session
+from stepbot.viewing.scene import scene_document
+from tests.robots import ROBOTS
+
+from .page import Page
+
+Serve = Callable[[Path], Session]
+EVIL = "<img src=x onerror=\"document.title='owned'\"></script><script>document.title='owned'</script>"
+
+FACE_KNOWN = "return Object.keys(stepbot.state.selection?.face ?? {}).length > 0"
+"""The server has answered about the clicked face."""
+
+
+@pytest.fixture
+def four_bar(session: Serve, robot_library: Path) -> Session:
+    """The four-bar linkage of the library, served."""
+    return session(robot_library / "stepbot_four_bar" / "four_bar.robot.yaml")
+
+
+def test_click_a_part_and_copy_its_path(page: Page, four_bar: Session) -> None:
+    """A click on a part shows its path as a sidecar writes it, its mass and its link."""
+    page.open(four_bar.server.url)
+    component = next(one for one in page.run("return stepbot.state.link.get('crank').components"))
+    page.click(page.pixel_of("crank", component))
+    page.wait(FACE_KNOWN)
+    assert page.text("#path") == f'"{component}"'
+    assert "crank" in page.text("#card")
+    page.run("navigator.clipboard.writeText = text => { globalThis.copied = text; return Promise.resolve(); }")
+    page.element("#card .copy button").click()
+    assert page.run("return copied") == f'"{component}"'
+    page.element("#card .close").click()
+    assert not page.element("#card").is_displayed()
+
+
+def test_click_a_bore_to_get_its_origin(page: Page, four_bar: Session) -> None:
+    """A click on a cylinder shows the `origin` of its axis, and on a flat face that it has none."""
+    page.open(four_bar.server.url)
+    shown = four_bar.load()
+    page.wait("return stepbot.state.scene != null")
+    assert shown.assembly is not None
+    # A triangle of a cylinder of the crank, and one of its flat sides, wherever they are on the screen.
+    crank = next(one for one in shown.assembly.components if "crank" in one.path and one.body >= 0)
+    body = shown.assembly.bodies[crank.body]
+    corners = body.mesh.vertices[body.mesh.faces]
+    origins = {}
+    for triangle in corners[:: max(1, len(corners) // 40)].tolist():
+        page.run(
+            "stepbot.state.select({link: 'crank', component: arguments[0], triangle: arguments[1]})",
+            crank.path,
+            triangle,
+        )
+        page.wait("return Boolean(stepbot.state.selection.face && Object.keys(stepbot.state.selection.face).length)")
+        face = page.run("return stepbot.state.selection.face")
+        origins[face.get("origin")] = page.text("#card")
+    assert "This face has no axis." in origins.pop(None)
+    assert origins
+    for origin, card in origins.items():
+        assert f"origin: {origin}" in card
+        assert origin.startswith(f'{{axis_of: "{crank.path}"')
+
+
+def test_joints_of_the_sidecar_are_listed_with_their_evidence(page: Page, four_bar: Session) -> None:
+    """The evidence for an axis is on the card of its joint; the loop shows its gap."""
+    page.open(four_bar.server.url)
+    page.element("[data-joint=crank_turn] .head button").click()
+    card = page.text("#card")
+    assert "ground → crank" in card
+    assert "shaft of radius" in card
+    page.element("[data-joint=rocker_pin] .head button").click()
+    assert "closure" in page.text("#card")
+    assert "gap" in page.text("#card")
+
+
+def test_links_can_be_hidden(page: Page, four_bar: Session) -> None:
+    """A hidden link cannot be clicked; chips show collision shapes."""
+    page.open(four_bar.server.url)
+    at = page.pixel_of("coupler")
+    page.tab("parts")
+    page.run("document.querySelector('[data-link=coupler]').parentElement.querySelector('.eye').click()")
+    hit = page.run("return stepbot.view.hit(...arguments)", *at)
+    assert hit is None or hit["link"] != "coupler"
+    page.element("[data-show=collisions]").click()
+    assert page.run("return stepbot.view.visible().some(item => item.kind === 'collision')")
+
+
+def test_verification_appears(page: Page, four_bar: Session) -> None:
+    """The table is beside the robot as soon as engines have read the files."""
+    page.open(four_bar.server.url)
+    assert four_bar.prove() is not None
+    page.tab("proof")
+    page.wait("return document.querySelectorAll('#proof tr[data-status=passed]').length > 2")
+    assert "four_bar.xml mujoco" in page.text("#proof")
+    assert not page.driver.find_elements("css selector", "#proof tr[data-status=failed]")
+
+
+def test_second_tab_and_reload(page: Page, four_bar: Session) -> None:
+    """Two tabs show the same robot and move independently; a reload starts as drawn."""
+    page.open(four_bar.server.url)
+    first = page.driver.current_window_handle
+    page.slide("crank_turn", 30.0)
+    moved = page.positions()
+    page.driver.switch_to.new_window("tab")
+    page.open(four_bar.server.url)
+    assert page.positions() != moved
+    page.driver.close()
+    page.driver.switch_to.window(first)
+    assert page.positions() == moved
+    page.driver.refresh()
+    page.wait("return globalThis.stepbot?.state.scene != null")
+    assert page.positions()["crank_turn"] == 0.0
+    assert page.text("#live") == "live"
+
+
+def test_page_outlives_its_server(page: Page, four_bar: Session) -> None:
+    """When the server ends the page says so, and its joints still move."""
+    page.expected_errors = ["ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED_ENCODING", "ERR_EMPTY_RESPONSE"]
+    page.open(four_bar.server.url)
+    four_bar.server.close()
+    page.wait("return document.querySelector('#live').textContent === 'the server has ended'")
+    page.slide("crank_turn", 20.0)
+    assert page.positions()["crank_turn"] == pytest.approx(0.349, abs=1e-3)
+
+
+def test_names_cannot_become_markup(page: Page, tmp_path: Path) -> None:
+    """Names of links, joints, parts and files that hold HTML are shown as they are, in every panel."""
+    text = json.dumps(scene_document(ROBOTS["equipped"]()))
+    names = {one["name"] for part in ("links", "connections", "frames", "sensors") for one in json.loads(text)[part]}
+    for name in names:
+        text = text.replace(json.dumps(name), json.dumps(name + EVIL))
+    scene = json.loads(text)
+    scene.update(name=EVIL, source=EVIL)
+    scene["diagnostics"] = [
+        {"code": "SB301", "severity": "error", "message": EVIL, "file": EVIL, "line": 1, "help": [EVIL], "notes": []}
+    ]
+    scene["proof"] = {
+        "rows": [
+            {"file": EVIL, "engine": EVIL, "version": EVIL, "against": "model", "status": "failed", "compared": [EVIL]}
+            | {"worst": None, "why": EVIL}
+        ],
+        "overlaps": [{"links": [scene["links"][0]["name"]] * 2, "depth": 0.1}],
+        "own_parsers": [],
+    }
+    page.open_file(tmp_path, scene)
+    page.run("stepbot.state.set('names', true); stepbot.state.set('frames', true)")
+    for connection in scene["connections"]:
+        page.run("stepbot.state.select({connection: arguments[0]})", connection["name"])
+    page.run("stepbot.state.select({link: arguments[0], component: arguments[1]})", scene["links"][0]["name"], EVIL)
+    for panel in ("parts", "proof", "findings", "joints"):
+        page.tab(panel)
+    assert page.run("return document.querySelectorAll('img, script').length") == 2
+    assert page.driver.title == EVIL
+    assert EVIL in page.text("#name")
+
+
+def test_nothing_is_loaded_from_elsewhere(page: Page, four_bar: Session) -> None:
+    """Every request of the page goes to its own server, below its token."""
+    page.open(four_bar.server.url)
+    page.wait("return document.querySelector('#live').textContent === 'live'")
+    loaded = page.run("return performance.getEntriesByType('resource').map(entry => entry.name)")
+    assert loaded
+    assert all(name.startswith(four_bar.server.url) for name in loaded)
+
+
+def test_command(page: Page, robot_library: Path, tmp_path: Path) -> None:
+    """The command prints the address, serves until Ctrl-C, ends with exit code 0, and writes nothing."""
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    command = [sys.executable, "-m", "stepbot", "view", str(sidecar), "--no-open", "--no-verify", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=tmp_path) as running:
+        assert running.stdout is not None
+        lines = []
+        while not lines or lines[-1] != "}\n":
+            lines.append(running.stdout.readline())
+        document: dict[str, Any] = json.loads("".join(lines))
+        page.expected_errors = ["ERR_"]
+        page.open(document["url"])
+        assert page.text("#name") == "arm2"
+        running.send_signal(signal.SIGINT)
+        assert running.wait(timeout=30) == 0
+    page.wait("return document.querySelector('#live').textContent === 'the server has ended'")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (400, 800)])
+def test_layout_fits_the_window(page: Page, tmp_path: Path, size: tuple[int, int]) -> None:
+    """Nothing is wider than the window, and the robot keeps a good part of it."""
+    page.resize(*size)
+    page.open_file(tmp_path, scene_document(ROBOTS["equipped"]()))
+    assert page.run("return document.documentElement.scrollWidth") <= size[0]
+    box = page.run("const {width, height} = stepbot.view.canvas.getBoundingClientRect(); return [width, height]")
+    assert box[0] >= min(size[0], 700)
+    assert box[1] >= 260
+    for panel in ("joints", "parts", "proof", "findings"):
+        page.tab(panel)
+        wide = "return [...document.querySelectorAll('#sections *')].filter(e => e.scrollWidth > innerWidth).length"
+        assert page.run(wide) == 0
