@@ -21,6 +21,7 @@ COMMANDS = (
     "batch",
     "inspect",
     "view",
+    "render",
     "check",
     "lock",
     "uptodate",

@@ -11,7 +11,7 @@ from .diagnostic_text import printable
 from .terminal import show_diagnostics, write_error, write_json
 
 _OURS = ("stepbot", "stepbot_cli")
-_EXTRAS = {"dask": "dask", "distributed": "dask"}
+_EXTRAS = {"dask": "dask", "distributed": "dask", "embreex": "render", "PIL": "render", "scipy": "render"}
 """Packages that are installed with an extra of stepbot, and its name."""
 
 

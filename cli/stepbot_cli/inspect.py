@@ -8,15 +8,22 @@ import click
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
+from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
+    from stepbot.diagnostics import Diagnostics
+    from stepbot.pictures.picture import Picture
     from stepbot.pipeline.conversion import Options
     from stepbot.pipeline.stages import Inspection
+    from stepbot.step.assembly import Assembly
 
     from .inspection_rows import Choice
+
+_APART = 0.8
+"""How far the parts of an exploded view move, relative to their distance from the middle of what they belong to."""
 
 
 @click.command(
@@ -43,6 +50,13 @@ if TYPE_CHECKING:
     help="List components that match a path or glob at any depth, such as '*screw*'.",
 )
 @click.option("--unfold", is_flag=True, help="List repeated occurrences individually.")
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    callback=checked_picture_name,
+    help="Write an exploded view as a PNG file; the listed components have labels.",
+)
 @reading_options
 @json_option
 @display_options
@@ -54,6 +68,7 @@ def command(
     depth: int | None,
     glob: str,
     unfold: bool,
+    picture: Path | None,
     as_json: bool,
     display: Display,
 ) -> int:
@@ -62,25 +77,59 @@ def command(
     Sizes are those of bounding boxes along the assembly axes. Without --features, repeated occurrences within a
     subassembly are listed as one line with a count. --json always includes all components.
 
+    --picture draws all parts apart, each with its name; equal parts share one. Needs `pip install 'stepbot[render]'`.
+
     If STEP is a sidecar, the STEP file of the sidecar is shown, and --between also accepts link names.
     """
     from stepbot.pipeline.stages import inspect
 
     from .inspection_rows import Choice
 
-    with progress_bar(("read",)) as progress:
+    if picture is not None:
+        require_packages()
+    drawn: Picture | None = None
+    with progress_bar(("read", "render")) as progress:
         progress("read")
         inspection = inspect(step, options)
-    found = inspection.diagnostics
+        found = inspection.diagnostics
+        if picture is not None and inspection.assembly is not None:
+            progress("render")
+            drawn = _exploded_view(inspection.assembly, Choice(depth, glob, folded=False), not unfold, picture, found)
     say_trouble(options.cache, found)
     if as_json:
-        write_json({**_document(inspection, between, features), "diagnostics": found, "exit_code": found.exit_code})
+        document = _document(inspection, between, features)
+        if picture is not None:
+            document["picture"] = None if drawn is None else picture.as_posix()
+        write_json({**document, "diagnostics": found, "exit_code": found.exit_code})
     else:
         show_diagnostics(found, display)
         if inspection.assembly is not None:
             choice = Choice(depth, glob, folded=not (unfold or features))
             write_result(_text(inspection, between, choice, features))
+        if picture is not None and drawn is not None:
+            write_result("\n".join(picture_lines(picture, drawn, labels=True)))
     return found.exit_code
+
+
+def _exploded_view(
+    assembly: "Assembly", choice: "Choice", folded: bool, path: Path, found: "Diagnostics"
+) -> "Picture | None":
+    """Draw and write the exploded view; None after an error."""
+    from stepbot.diagnostics import Span
+    from stepbot.pictures.picture import NothingToDraw, Sheet, draw
+    from stepbot.pipeline.picturing import assembly_subject, part_labels
+
+    from .inspection_rows import listed
+
+    indices = [row.component.index for row in listed(assembly, choice).rows]
+    labels = part_labels(assembly, indices, folded=folded)
+    try:
+        picture = draw(assembly_subject(assembly, labels, apart=_APART), Sheet(labels=True))
+    except NothingToDraw as error:
+        found.add("SB020", str(error), Span(assembly.source))
+        return None
+    write_picture(path, picture, found)
+    return None if found.has_errors else picture
 
 
 def _document(inspection: "Inspection", between: tuple[str, str] | None, features: bool) -> dict[str, Any]:

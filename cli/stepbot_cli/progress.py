@@ -19,12 +19,15 @@ STAGES = {
     "write": "writing the formats",
     "verify": "verifying in the engines",
     "save": "saving the files",
+    "render": "rendering the picture",
 }
-"""Stages of a conversion, in order, and the text of the bar."""
+"""Stages, and the text of the bar."""
+CONVERSION = ("read", "build", "write", "verify", "save")
+"""Stages of a conversion, in order."""
 
 
 @contextmanager
-def progress_bar(stages: Sequence[str] = tuple(STAGES)) -> Iterator[Callable[[str], None]]:
+def progress_bar(stages: Sequence[str] = CONVERSION) -> Iterator[Callable[[str], None]]:
     """Yield a function to call at the start of each stage, where Ctrl-C takes effect at the latest.
 
     Args:

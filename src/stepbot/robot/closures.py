@@ -262,7 +262,7 @@ def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str,
     start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     _, J = loops.constraints(start)
     in_loops = [name for i, name in enumerate(loops.tree.independent) if name in driven and J[:, i].any()]
-    walked = [_walk(loops, start, free, target) for target in _targets(robot, in_loops, seed)]
+    walked = [walk(loops, start, free, target) for target in _targets(robot, in_loops, seed)]
     walked = [way for way in walked if way]
     total = sum(len(way) for way in walked)
     ways = []
@@ -289,7 +289,7 @@ def _targets(robot: Robot, driven: Sequence[str], seed: int) -> list[dict[str, f
     return targets
 
 
-def _walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, float]) -> list[Array]:
+def walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, float]) -> list[Array]:
     """Closed configurations on the driven joints' straight path from ``start`` to ``target``, as far as possible.
 
     If a step fails, a shorter one is tried, so that the path ends close to the end of the range.

@@ -170,4 +170,12 @@ CODES = (
         "Leave out `--port` to use any free port, or name another one above 1023.",
         could_not_run=True,
     ),
+    Code(
+        "SB020",
+        "error",
+        "nothing to draw",
+        "No link of the robot has a visual, or no component of the STEP file has a surface.",
+        "The picture would be empty; it was not written.",
+        "Look at the contents of the STEP file with `stepbot inspect`. In the sidecar, `visual: false` hides links and parts.",
+    ),
 )

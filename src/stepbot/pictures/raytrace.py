@@ -1,7 +1,7 @@
 """A ray tracer for triangles: soft shadows, light from the whole sky, a floor that fades into the background.
 
-It needs no window and no graphics card: Embree intersects rays with triangles, shading is done here. The same machine
-renders the same picture each time; on others the noise differs, so no test compares pixels.
+It needs no window and no graphics card: Embree intersects rays with triangles, shading is done here. The noise of soft
+light has fixed seeds: the same processor, numpy and Embree render the same picture each time; on others it may differ.
 """
 
 from collections.abc import Iterator
@@ -11,10 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from stepbot.geometry.spatial import Array
+
+from .camera import Camera
+from .camera import unit_vectors as _unit
 
 PAPER = np.array((0.93, 0.93, 0.94))
 """Linear colour of floor and background."""
+BACKGROUND = -1
+"""Triangle of a pixel that shows none."""
 SUN = np.array((-0.45, -0.62, 0.85))
 """Towards the key light, seen from a camera that looks along +y."""
 _SUN_SPREAD = 0.16
@@ -38,31 +43,34 @@ class Scene:
     colors: Array
     """Linear colour of each triangle, shape (m, 3)."""
     floor: float
-    """Height [m] of the floor."""
+    """Height [m] of the floor; ``-inf`` for none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Camera:
-    """A perspective camera, z up."""
+class Renderer:
+    """A scene as one camera sees it."""
 
-    position: Array
-    """[m]."""
-    target: Array
-    """[m]; in the middle of the picture."""
-    tangent: float
-    """Tangent of half the vertical field of view."""
+    def __init__(self, scene: Scene, camera: Camera) -> None:
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
 
+        embree = EmbreeScene()
+        TriangleMesh(embree, scene.vertices.astype(np.float32), scene.triangles)
+        self._camera = camera
+        self._caster = _Caster(scene, embree, camera)
 
-def render(scene: Scene, camera: Camera, width: int, height: int, samples: int) -> NDArray[np.uint8]:
-    """A picture, shape (height, width, 3), sRGB, with ``samples`` squared rays per pixel."""
-    from embreex.mesh_construction import TriangleMesh
-    from embreex.rtcore_scene import EmbreeScene
+    def picture(self, samples: int) -> NDArray[np.uint8]:
+        """The picture, shape (height, width, 3), sRGB; ``samples`` squared rays for each pixel."""
+        rows = [self._caster.rows(first, last, samples) for first, last in _bands(self._camera.height)]
+        return _encoded(np.concatenate(rows))
 
-    embree = EmbreeScene()
-    TriangleMesh(embree, scene.vertices.astype(np.float32), scene.triangles)
-    caster = _Caster(scene, embree, camera)
-    rows = [caster.rows(first, last, width, height, samples) for first, last in _bands(height)]
-    return _encoded(np.concatenate(rows))
+    def triangles(self) -> NDArray[np.int32]:
+        """The triangle that is visible in the middle of each pixel, shape (height, width); else ``BACKGROUND``."""
+        rows = [self._caster.visible(first, last) for first, last in _bands(self._camera.height)]
+        return np.concatenate(rows)
+
+    def hides(self, points: Array, slack: float) -> NDArray[np.bool_]:
+        """Whether a surface is between the camera and each of points (n, 3), nearer by more than ``slack`` [m]."""
+        return self._caster.hides(points, slack)
 
 
 def _bands(height: int) -> Iterator[tuple[int, int]]:
@@ -80,41 +88,53 @@ class _Caster:
         self._normals = corner_normals(scene)
         self._first = corners[:, 0]
         self._edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        forward = _unit(camera.target - camera.position)
-        right = _unit(np.cross(forward, (0.0, 0.0, 1.0)))
-        self._axes = right, np.cross(right, forward), forward
         x, y, z = SUN
-        level = _unit(np.array((forward[0], forward[1], 0.0)))
+        right, _, _ = camera.axes
+        level = np.cross((0.0, 0.0, 1.0), right)
         self._sun = _unit(x * right + y * level + z * np.array((0.0, 0.0, 1.0)))
 
-    def rows(self, first: int, last: int, width: int, height: int, samples: int) -> Array:
+    def rows(self, first: int, last: int, samples: int) -> Array:
         """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
+        width = self._camera.width
         total = np.zeros((last - first, width, 3))
         # Each pixel shifts the same low-discrepancy points by its own offset (Cranley, Patterson 1976).
         shifts = np.random.default_rng(first).random(((last - first) * width, 4))
         for number in range(samples**2):
-            directions = self._directions(first, last, width, height, _spread(number, 2))
+            directions = self._camera.directions(first, last, _spread(number, 2))
             total += self._shade(directions, (shifts + _spread(number, 4)) % 1.0).reshape(total.shape)
         return total / samples**2
 
-    def _directions(self, first: int, last: int, width: int, height: int, within: Array) -> Array:
-        """Directions through one point within each pixel, shape (pixels, 3)."""
-        x = np.arange(width)[None, :] + within[0]
-        y = np.arange(first, last)[:, None] + within[1]
-        right, up, forward = self._axes
-        u = (2 * x - width) / height * self._camera.tangent
-        v = (height - 2 * y) / height * self._camera.tangent
-        return _unit(forward + u[..., None] * right + v[..., None] * up).reshape(-1, 3)
+    def visible(self, first: int, last: int) -> NDArray[np.int32]:
+        """The triangle in the middle of each pixel of the rows, shape (last - first, width)."""
+        directions = self._camera.directions(first, last, np.array((0.5, 0.5)))
+        visible: NDArray[np.int32] = self._cast(self._eyes(directions), directions).reshape(last - first, -1)
+        return visible
+
+    def hides(self, points: Array, slack: float) -> NDArray[np.bool_]:
+        """Whether a surface is nearer to the camera than each point, by more than ``slack`` [m]."""
+        away = points - self._camera.position
+        directions = _unit(away)
+        met = self._cast(self._eyes(directions), directions)
+        hidden = np.zeros(len(points), dtype=bool)
+        hit = np.flatnonzero(met >= 0)
+        if hit.size:
+            surface, _ = self._where(met[hit], directions[hit])
+            nearer = np.linalg.norm(surface - self._camera.position, axis=1)
+            hidden[hit] = nearer < np.linalg.norm(away[hit], axis=1) - slack
+        return hidden
+
+    def _eyes(self, directions: Array) -> Array:
+        eyes: Array = np.broadcast_to(self._camera.position, directions.shape)
+        return eyes
 
     def _shade(self, directions: Array, random: Array) -> Array:
         """Linear colours seen by rays from the camera, shape (n, 3); ``random`` has four numbers for each ray."""
         colors = np.broadcast_to(PAPER, directions.shape).copy()
-        origins = np.broadcast_to(self._camera.position, directions.shape)
-        met = self._cast(origins, directions)
+        met = self._cast(self._eyes(directions), directions)
         hit = np.flatnonzero(met >= 0)
         if hit.size:
             colors[hit] = self._surface(met[hit], directions[hit], random[hit])
-        down = np.flatnonzero((met < 0) & (directions[:, 2] < -1e-6))
+        down = np.flatnonzero((met < 0) & (directions[:, 2] < -1e-6) & np.isfinite(self._scene.floor))
         if down.size:
             colors[down] = self._floor(directions[down], random[down])
         return colors
@@ -133,7 +153,8 @@ class _Caster:
         shine = np.clip(np.einsum("ij,ij->i", normals, half), 0.0, 1.0) ** _GLOSS_POWER * _GLOSS * (facing > 0.0)
         colors = self._scene.colors[triangles]
         rim = 0.10 * (1.0 + np.einsum("ij,ij->i", normals, directions)).clip(0.0, 1.0) ** 4
-        return colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None]
+        shaded: Array = colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None]
+        return shaded
 
     def _floor(self, directions: Array, random: Array) -> Array:
         """Linear colours of the floor: the background's, darker in shadows."""
@@ -177,14 +198,13 @@ class _Caster:
         free = np.zeros(len(points))
         index = np.flatnonzero(wanted)
         if index.size:
-            free[index] = self._cast(points[index], directions[index]) < 0
+            free[index] = self._cast(points[index], directions[index], "OCCLUDED") < 0
         return free
 
-    def _cast(self, origins: Array, directions: Array) -> NDArray[np.int32]:
-        """The first triangle that each ray hits, -1 for none."""
-        met: NDArray[np.int32] = self._embree.run(
-            np.ascontiguousarray(origins, dtype=np.float32), np.ascontiguousarray(directions, dtype=np.float32)
-        )
+    def _cast(self, origins: Array, directions: Array, query: str = "INTERSECT") -> NDArray[np.int32]:
+        """The first triangle that each ray hits, -1 for none; for ``OCCLUDED`` 0 for any triangle, which is faster."""
+        starts, along = (np.ascontiguousarray(vectors, dtype=np.float32) for vectors in (origins, directions))
+        met: NDArray[np.int32] = self._embree.run(starts, along, query=query)
         return met
 
     def _where(self, triangles: NDArray[np.int32], directions: Array) -> tuple[Array, Array]:
@@ -201,7 +221,7 @@ class _Caster:
 
 
 def corner_normals(scene: Scene, crease: float = 0.8) -> Array:
-    """A normal for each corner of each triangle, shape (m, 3, 3), averaged except at edges of a lower cosine."""
+    """A normal for each corner of each triangle, shape (m, 3, 3): averaged except at edges of a lower cosine."""
     from scipy.sparse import csr_matrix
 
     corners = scene.vertices[scene.triangles]
@@ -235,11 +255,6 @@ def _beside(normals: Array) -> tuple[Array, Array]:
     b = normals[:, 0] * normals[:, 1] * a
     first = np.stack((1.0 + sign * normals[:, 0] ** 2 * a, sign * b, -sign * normals[:, 0]), axis=1)
     return first, np.stack((b, sign + normals[:, 1] ** 2 * a, -normals[:, 1]), axis=1)
-
-
-def _unit(vectors: Array) -> Array:
-    unit: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
-    return unit
 
 
 def linear(srgb: Array) -> Array:

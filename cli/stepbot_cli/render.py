@@ -1,0 +1,207 @@
+"""``stepbot render``: a picture of a robot or a STEP file."""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .caching import say_trouble
+from .command import Command, display_options, json_option
+from .joint_positions import joint_option, position_words, read_positions
+from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
+from .progress import progress_bar
+from .reading import reading_options
+from .terminal import Display, show_diagnostics, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.pictures.camera import View
+    from stepbot.pictures.picture import Picture, Sheet
+    from stepbot.pictures.scene import Subject
+    from stepbot.pipeline.conversion import Options
+
+_SIZE = re.compile(r"(\d{2,4})x(\d{2,4})")
+_VIEWS = ("corner", "iso", "front", "left", "back", "right", "top", "bottom")
+_SIDECARS = (".yaml", ".yml")
+
+
+def _size(context: click.Context, option: click.Parameter, text: str) -> tuple[int, int]:  # noqa: ARG001
+    match = _SIZE.fullmatch(text)
+    if match is None:
+        raise click.BadParameter(f"'{text}' is not a size such as 1200x900")
+    return int(match[1]), int(match[2])
+
+
+def _view(context: click.Context, option: click.Parameter, text: str) -> "View":  # noqa: ARG001
+    from stepbot.diagnostics import did_you_mean
+    from stepbot.pictures.camera import VIEWS, View
+
+    if text in VIEWS:
+        return VIEWS[text]
+    try:
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        remedy = (
+            "".join(did_you_mean(text, VIEWS)) or f"choose from {', '.join(VIEWS)}, or azimuth,elevation in degrees"
+        )
+        raise click.BadParameter(f"unknown view '{text}'; {remedy}") from None
+    if not (abs(azimuth) <= 360.0 and abs(elevation) <= 90.0):
+        raise click.BadParameter(f"'{text}': the azimuth is up to 360, the elevation up to 90 degrees")
+    return View(azimuth, elevation)
+
+
+@click.command(
+    cls=Command,
+    short_help="Draw a robot or a STEP file.",
+    epilog="Example: stepbot render arm.robot.yaml --joint elbow=30deg --labels -o arm.png",
+)
+@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    callback=checked_picture_name,
+    help="PNG file to write.  [default: name of TARGET, in the current folder]",
+)
+@joint_option
+@click.option(
+    "--view",
+    default="corner",
+    show_default=True,
+    metavar="VIEW",
+    callback=_view,
+    help=f"{', '.join(_VIEWS)}, or AZIMUTH,ELEVATION in degrees; the front is +x.",
+)
+@click.option("--labels", is_flag=True, help="Name links and joints, or components, and draw the axes of joints.")
+@click.option(
+    "--size", default="1200x900", show_default=True, metavar="WxH", callback=_size, help="Width and height in pixels."
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 16),
+    default=3,
+    show_default=True,
+    metavar="N",
+    help="N x N rays for each pixel; more give less noise.",
+)
+@reading_options
+@json_option
+@display_options
+def command(
+    options: "Options",
+    target: Path,
+    output: Path | None,
+    joints: tuple[str, ...],
+    view: "View",
+    labels: bool,
+    size: tuple[int, int],
+    samples: int,
+    as_json: bool,
+    display: Display,
+) -> int:
+    """Draw TARGET, the robot of a sidecar or the assembly of a STEP file, without a window.
+
+    Needs the packages of `pip install 'stepbot[render]'`. Links and parts are drawn opaque, with their meshes as
+    converted. In a STEP file, --labels names the children of the root; for an exploded view of all parts, see
+    `stepbot inspect --picture`.
+    """
+    from stepbot.pictures.picture import NothingToDraw, Sheet, draw
+
+    require_packages()
+    path = output or Path(target.name.removesuffix(target.suffix).removesuffix(".robot") + ".png")
+    sheet = Sheet(*size, samples=samples, view=view, labels=labels)
+    found, picture = Diagnostics(), None
+    with progress_bar(("read", "build", "render")) as progress:
+        subject, positions = _subject(target, options, joints, found, progress)
+        progress("render")
+        try:
+            picture = draw(subject, sheet) if subject is not None else None
+        except NothingToDraw as error:
+            found.add("SB020", str(error), Span(target.as_posix()), help=["see `stepbot inspect` for what it contains"])
+    if picture is not None:
+        write_picture(path, picture, found)
+    return _report(path, sheet, picture, positions, found, options, as_json=as_json, display=display)
+
+
+def _subject(
+    target: Path, options: "Options", joints: tuple[str, ...], found: Diagnostics, progress: Any
+) -> tuple["Subject | None", dict[str, str]]:
+    """What to draw, and the positions of the joints in words; None after errors."""
+    from stepbot.robot.step_names import is_step_name
+
+    if target.suffix.lower() in _SIDECARS:
+        return _robot_subject(target, options, joints, found, progress)
+    if not is_step_name(target.name):
+        raise click.BadParameter(
+            f"'{target.name}' is neither a sidecar (.yaml) nor a STEP file; for a URDF, SDFormat or MJCF file, draft a "
+            "sidecar from it with `stepbot init`",
+            param_hint="TARGET",
+        )
+    if joints:
+        raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint="--joint")
+    from stepbot.pipeline.picturing import assembly_subject, part_labels
+    from stepbot.pipeline.stages import inspect
+
+    progress("read")
+    inspection = inspect(target, options)
+    found.extend(inspection.diagnostics)
+    assembly = inspection.assembly
+    if assembly is None:
+        return None, {}
+    return assembly_subject(assembly, part_labels(assembly, assembly.children[0], folded=True)), {}
+
+
+def _robot_subject(
+    sidecar: Path, options: "Options", joints: tuple[str, ...], found: Diagnostics, progress: Any
+) -> tuple["Subject | None", dict[str, str]]:
+    from stepbot.pipeline.picturing import robot_of, robot_subject
+    from stepbot.robot.posing import NotReached, coordinates, posed
+
+    built = robot_of(sidecar, options, progress)
+    found.extend(built.diagnostics)
+    if built.robot is None:
+        return None, {}
+    names = coordinates(built.robot)
+    given = read_positions(built.robot, joints)
+    try:
+        q = posed(built.robot, given)
+    except NotReached as error:
+        ends = ", ".join(f"{name}={position_words(names[name], value)}" for name, value in error.reached.items())
+        raise click.BadParameter(
+            f"the loops or the limits of other joints stop the mechanism on its way there, at {ends}",
+            param_hint="--joint",
+        ) from None
+    return robot_subject(built.robot, q), {name: position_words(names[name], value) for name, value in q.items()}
+
+
+def _report(
+    path: Path,
+    sheet: "Sheet",
+    picture: "Picture | None",
+    positions: dict[str, str],
+    found: Diagnostics,
+    options: "Options",
+    *,
+    as_json: bool,
+    display: Display,
+) -> int:
+    say_trouble(options.cache, found)
+    written = picture is not None and not found.has_errors
+    if as_json:
+        document = {
+            "file": path.as_posix() if written else None,
+            "size": [sheet.width, sheet.height],
+            "positions": positions,
+            "places": {} if picture is None else {name: list(place) for name, place in picture.places.items()},
+            "hidden": [] if picture is None else list(picture.hidden),
+            "unlabelled": [] if picture is None else list(picture.unlabelled),
+        }
+        write_json({**document, "diagnostics": found, "exit_code": found.exit_code})
+        return found.exit_code
+    show_diagnostics(found, display)
+    if picture is not None and written and not display.quiet:
+        write_result("\n".join(picture_lines(path, picture, sheet.labels)))
+    return found.exit_code

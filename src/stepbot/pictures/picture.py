@@ -1,0 +1,195 @@
+"""A picture of a subject, with or without labels, as the bytes of a PNG file."""
+
+import io
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+
+from .anchors import Place, anchors, extent
+from .camera import VIEWS, Camera, View, camera_of
+from .drawing import Color, Drawing
+from .layout import Columns, Placed, Wanted, placed
+from .marks import COLOR as AXIS_COLOR
+from .marks import draw_axis
+from .raytrace import Renderer
+from .scene import OwnedScene, Subject, scene_of
+
+PACKAGES = ("embreex", "PIL", "scipy")
+"""What drawing imports, in addition to stepbot's own dependencies."""
+_LINK_COLOR: Color = (38, 42, 48)
+_LEADER: Color = (84, 88, 95)
+_GAP = 14.0
+"""Between a label and its leader line, and between labels and the picture's edge [px]."""
+_WIDEST_COLUMN = 0.24
+"""Share of the picture's width that a column of labels may take."""
+
+
+class NothingToDraw(ValueError):
+    """The subject has no surface."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The form of a picture."""
+
+    width: int = 1200
+    """[px]."""
+    height: int = 900
+    """[px]."""
+    samples: int = 3
+    """Square root of the number of rays for each pixel."""
+    view: View = VIEWS["corner"]
+    labels: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A drawn picture."""
+
+    pixels: NDArray[np.uint8]
+    """Shape (height, width, 3), sRGB."""
+    hidden: tuple[str, ...] = ()
+    """Names whose shapes are not visible in it."""
+    places: dict[str, Place] = field(default_factory=dict)
+    """Where each visible name is in it [px]."""
+    unlabelled: tuple[str, ...] = ()
+    """Names that have no label because there is no room for all."""
+
+
+def draw(subject: Subject, sheet: Sheet) -> Picture:
+    """Draw a subject.
+
+    Raises:
+        NothingToDraw: No shape of the subject has a surface.
+        ModuleNotFoundError: A package of the extra ``render`` is missing.
+    """
+    owned = scene_of(subject, sheet.view)
+    if owned is None:
+        raise NothingToDraw("nothing to draw: no visible part has a surface")
+    room = 1.0 - 2.0 * _column_share(subject, sheet) if sheet.labels else 1.0
+    camera = camera_of(owned.scene.vertices, sheet.view, sheet.width, sheet.height, room)
+    renderer = Renderer(owned.scene, camera)
+    triangles = renderer.triangles()
+    visible = np.where(triangles >= 0, owned.owners[triangles], -1)
+    found = anchors(visible)
+    pixels = renderer.picture(sheet.samples)
+    unlabelled: tuple[str, ...] = ()
+    if sheet.labels:
+        drawing = Drawing(pixels, _text_size(sheet))
+        size = float(np.linalg.norm(np.ptp(owned.scene.vertices, axis=0)))
+        for axis in subject.axes:
+            draw_axis(drawing, renderer, camera, axis, size)
+        unlabelled = _label(drawing, subject, owned, camera, sheet, visible, found)
+        pixels = drawing.done()
+    drawn = set(owned.owners.tolist())
+    hidden = tuple(name for owner, name in enumerate(subject.names) if owner in drawn and owner not in found)
+    return Picture(pixels, hidden, {subject.names[owner]: place for owner, place in found.items()}, unlabelled)
+
+
+def png_bytes(pixels: NDArray[np.uint8], texts: dict[str, str] | None = None) -> bytes:
+    """A PNG file of a picture, shape (height, width, 3), with text chunks."""
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    for keyword, text in (texts or {}).items():
+        info.add_text(keyword, text)
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG", pnginfo=info, optimize=True)
+    return file.getvalue()
+
+
+def _label(
+    drawing: Drawing,
+    subject: Subject,
+    owned: OwnedScene,
+    camera: Camera,
+    sheet: Sheet,
+    visible: NDArray[np.int32],
+    found: dict[int, Place],
+) -> tuple[str, ...]:
+    """Add the labels; returns the names for which there is no room."""
+    wanted = _wanted(subject, owned, camera, found)
+    size = _text_size(sheet)
+    left, _, right, _ = extent(visible)
+    column = _column_share(subject, sheet) * sheet.width
+    columns = Columns(
+        min(left - _GAP, max(column, _GAP)),
+        max(right + _GAP, sheet.width - max(column, _GAP)),
+        top=size,
+        bottom=sheet.height - size,
+        pitch=1.45 * size,
+    )
+    kept = _most_important(wanted, columns.capacity, visible, found, subject)
+    for label in placed(kept, columns):
+        _draw_label(drawing, label, columns, size, sheet.width)
+    texts = {label.text for label in kept}
+    return tuple(label.text for label in wanted if label.text not in texts)
+
+
+def _wanted(subject: Subject, owned: OwnedScene, camera: Camera, found: dict[int, Place]) -> list[Wanted]:
+    labels = []
+    for owner in dict.fromkeys(owned.owners.tolist()):
+        if owner in found:
+            labels.append(Wanted(subject.names[owner], found[owner]))
+            continue
+        points = owned.scene.vertices[np.unique(owned.scene.triangles[owned.owners == owner])]
+        labels.append(Wanted(subject.names[owner], _place(camera, _middle(points)), hidden=True))
+    labels += [Wanted(axis.name, _place(camera, np.array(axis.point)), kind="joint") for axis in subject.axes]
+    return labels
+
+
+def _most_important(
+    labels: list[Wanted], most: int, visible: NDArray[np.int32], found: dict[int, Place], subject: Subject
+) -> list[Wanted]:
+    """Up to ``most`` labels: joints first, then names by visible area."""
+    if len(labels) <= most:
+        return labels
+    areas = np.bincount(visible[visible >= 0].ravel(), minlength=len(subject.names))
+    area_of = {subject.names[owner]: int(areas[owner]) for owner in found}
+    ranked = sorted(labels, key=lambda label: (label.kind != "joint", -area_of.get(label.text, 0), label.text))
+    kept = set(map(id, ranked[:most]))
+    return [label for label in labels if id(label) in kept]
+
+
+def _draw_label(drawing: Drawing, label: Placed, columns: Columns, size: float, width: int) -> None:
+    wanted, joint = label.label, label.label.kind == "joint"
+    x = columns.left if label.on_left else columns.right
+    outward = -1.0 if label.on_left else 1.0
+    color = AXIS_COLOR if joint else _LINK_COLOR
+    line_color = AXIS_COLOR if joint else _LEADER
+    start = (x, label.y)
+    if wanted.hidden:
+        drawing.dashes(start, wanted.anchor, line_color, 1.2, 4.0)
+    else:
+        drawing.line([start, wanted.anchor], line_color, 1.2)
+    drawing.dot(wanted.anchor, 0.16 * size, color, filled=not wanted.hidden)
+    inset = 0.4 * size
+    room = (x if label.on_left else width - x) - inset - 0.4 * _GAP
+    text = drawing.shortened(wanted.text, room)
+    drawing.text((x + outward * inset, label.y), text, color, anchor="rm" if label.on_left else "lm")
+
+
+def _column_share(subject: Subject, sheet: Sheet) -> float:
+    """Share of the picture's width that a column of labels takes."""
+    drawing = Drawing(np.zeros((1, 1, 3), dtype=np.uint8), _text_size(sheet))
+    names = [*subject.names, *(axis.name for axis in subject.axes)]
+    widest = max((drawing.width_of(name) for name in names), default=0.0)
+    return min(_WIDEST_COLUMN, (widest + 2 * _GAP + 0.4 * _text_size(sheet)) / sheet.width)
+
+
+def _text_size(sheet: Sheet) -> int:
+    return max(11, round(sheet.height / 46))
+
+
+def _place(camera: Camera, point: Array) -> Place:
+    ((x, y),) = camera.project(point).tolist()
+    return x, y
+
+
+def _middle(points: Array) -> Array:
+    middle: Array = (points.min(axis=0) + points.max(axis=0)) / 2
+    return middle

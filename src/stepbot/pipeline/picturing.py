@@ -1,0 +1,171 @@
+"""What a picture of a sidecar's robot or of a STEP file shows."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
+from stepbot.pictures.colors import distinct_color
+from stepbot.pictures.exploding import exploded
+from stepbot.pictures.scene import Axis, Shape, Subject
+from stepbot.robot.kinematics import Configuration, link_poses
+from stepbot.robot.model import JointKind, MeshRef, Rgba, Robot
+from stepbot.step.assembly import Assembly, Body, Component
+from stepbot.step.structure.paths import nearest_claim, plain_name
+
+from .conversion import Options
+from .stages import produce
+
+GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
+_UNNAMED = re.compile(r"body(#\d+)?")
+"""Segments of components whose names say nothing."""
+_SLIDING = {JointKind.PRISMATIC, JointKind.SCREW, JointKind.CYLINDRICAL}
+_TURNING = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.SCREW, JointKind.CYLINDRICAL, JointKind.UNIVERSAL}
+
+
+@dataclass(frozen=True)
+class BuiltRobot:
+    """The robot of a sidecar."""
+
+    diagnostics: Diagnostics
+    robot: Robot | None
+    """None after errors."""
+
+
+def robot_of(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> BuiltRobot:
+    """The robot that a sidecar describes, without writing or verifying files."""
+    conversion = produce(sidecar, replace(options, formats=(), verify=False), progress)
+    return BuiltRobot(conversion.diagnostics, conversion.robot)
+
+
+def robot_subject(robot: Robot, q: Configuration) -> Subject:
+    """The visuals of a robot's links at a complete configuration, and the axes of its joints.
+
+    Args:
+        robot: The robot.
+        q: Positions [rad] or [m].
+    """
+    poses = link_poses(robot, q)
+    shapes = [
+        Shape(robot.mesh_by_name[visual.geometry.name].mesh, poses[link.name] @ visual.X_LG, _rgb(visual.rgba), owner)
+        for owner, link in enumerate(robot.links)
+        for visual in link.visuals
+        if isinstance(visual.geometry, MeshRef)
+    ]
+    return Subject(tuple(shapes), tuple(link.name for link in robot.links), tuple(_axes(robot, poses)))
+
+
+def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:
+    """The axes of all joints and closures that have one, in the world."""
+    for joint in robot.joints:
+        if joint.kind in _TURNING | _SLIDING:  # the axis keeps its direction in the parent, its point in the child
+            axis_W = (poses[joint.parent] @ joint.X_PC).turn(joint.axis)
+            yield _axis(joint.name, joint.kind, poses[joint.child].position, axis_W)
+    for closure in robot.closures:
+        if closure.kind in _TURNING | _SLIDING:
+            X_WF = poses[closure.link_a] @ closure.X_AF
+            yield _axis(closure.name, closure.kind, X_WF.position, X_WF.turn(closure.axis))
+
+
+def _axis(name: str, kind: JointKind, point: Vector3, direction: Array) -> Axis:
+    return Axis(name, point, vector3(direction), kind in _TURNING, kind in _SLIDING)
+
+
+@dataclass(frozen=True)
+class Label:
+    """A name for components of an assembly."""
+
+    text: str
+    components: tuple[int, ...]
+    """Indices of equal components."""
+
+
+def part_labels(assembly: Assembly, chosen: Iterable[int], *, folded: bool) -> list[Label]:
+    """Labels for components.
+
+    Args:
+        assembly: The assembly.
+        chosen: Indices of the components to name; bodies without a name of their own are left to their part.
+        folded: Whether occurrences of one part share a label, anywhere in the assembly.
+    """
+    groups: dict[tuple[object, ...], list[Component]] = {}
+    for index in chosen:
+        component = assembly.components[index]
+        if component.parent >= 0 and not _UNNAMED.fullmatch(component.segment):
+            same = folded and component.definition >= 0
+            key = (component.definition, component.product) if same else (index,)
+            groups.setdefault(key, []).append(component)
+    return [Label(_label_text(group), tuple(one.index for one in group)) for group in groups.values()]
+
+
+def _label_text(group: Sequence[Component]) -> str:
+    first = group[0]
+    if len(group) == 1:
+        return first.segment
+    return f"{plain_name(first.product) or first.segment} x{len(group)}"
+
+
+def assembly_subject(assembly: Assembly, labels: Sequence[Label], apart: float = 0.0) -> Subject:
+    """The bodies of an assembly where they are, or apart from each other.
+
+    An assembly of a single colour is drawn with a colour for each label.
+
+    Args:
+        assembly: The assembly.
+        labels: Names of components; a body belongs to the nearest labelled component above it, else to the root.
+        apart: How far to move labelled components, relative to their distance from the middle of what they belong to.
+    """
+    rest = len(labels)
+    owners = nearest_claim(assembly.components, ((label.components, i) for i, label in enumerate(labels)), rest)
+    units = {index for label in labels for index in label.components if not _labelled_below(assembly, index, owners)}
+    moves = exploded(_boxes(assembly), [c.parent for c in assembly.components], units, apart)
+    drawn = [c for c in assembly.components if c.body >= 0 and len(assembly.bodies[c.body].mesh.faces)]
+    own = {c.index: _body_colors(assembly.bodies[c.body], c) for c in drawn}
+    plain = len({tuple(color) for colors in own.values() for color in np.unique(colors, axis=0).tolist()}) <= 1
+    shapes = [
+        Shape(
+            assembly.bodies[c.body].mesh,
+            Pose.of(c.X_WC.R, c.X_WC.p + moves[c.index]),
+            distinct_color(owners[c.index]) if plain and owners[c.index] != rest else own[c.index],
+            owners[c.index],
+        )
+        for c in drawn
+    ]
+    return Subject(tuple(shapes), (*(label.text for label in labels), assembly.source))
+
+
+def _labelled_below(assembly: Assembly, index: int, owners: Sequence[int]) -> bool:
+    return any(owners[below] != owners[index] for below in assembly.subtree(index))
+
+
+def _boxes(assembly: Assembly) -> Array:
+    """Bounding boxes of all subtrees, shape (n, 2, 3) [m]; NaN for those without geometry."""
+    boxes = np.full((len(assembly.components), 2, 3), np.nan)
+    for component in reversed(assembly.components):
+        if component.body >= 0 and len(assembly.bodies[component.body].mesh.vertices):
+            points = component.X_WC.apply(assembly.bodies[component.body].mesh.vertices)
+            _join(boxes, component.index, np.stack((points.min(axis=0), points.max(axis=0))))
+        if component.parent >= 0:
+            _join(boxes, component.parent, boxes[component.index])
+    return boxes
+
+
+def _join(boxes: Array, index: int, box: Array) -> None:
+    boxes[index, 0] = np.fmin(boxes[index, 0], box[0])
+    boxes[index, 1] = np.fmax(boxes[index, 1], box[1])
+
+
+def _body_colors(body: Body, component: Component) -> Array:
+    """sRGB of each face of a body in an occurrence, shape (m, 3)."""
+    colors = np.array([_rgb(color or component.color or GREY) for color in body.colors] or [_rgb(GREY)])
+    used = body.face_colors if len(body.colors) else np.zeros(len(body.mesh.faces), dtype=int)
+    picked: Array = colors[used]
+    return picked
+
+
+def _rgb(rgba: Rgba) -> Array:
+    return np.array(rgba[:3])
