@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from .clusters import Clusters
 from .draft import CHOSEN
-from .evidence import Evidence, Fate, Hinge, Weld
+from .evidence import Evidence, Fate, Hinge, Rank, Weld
 from .motors import Motor
 from .names import Role
 from .part import box_gap
@@ -43,14 +43,15 @@ class Decision:
 
 def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decision:
     """Apply the evidence, then assign motors, surfaces and fasteners that it leaves unconnected."""
-    made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small]))
+    stated = {i for e in (*evidence.welds, *evidence.hinges) if e.rank == Rank.STATED for i in (e.a, e.b)}
+    made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small or i in stated]))
     for one in evidence.ranked():
         take(made, one)
     _homeless_motors(made, motors)
-    for i in sorted(survey.small):
+    for i in sorted(survey.small - stated):
         made.clusters.add(i)
     surfaces = _join_surfaces(made)
-    for i in sorted(survey.small - surfaces):
+    for i in sorted(survey.small - surfaces - stated):
         host = _tightest_host(survey, i)
         if host is not None:
             made.clusters.join(host, i)

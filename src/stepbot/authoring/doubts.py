@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from stepbot.robot.model import JointKind
 
-from .loops import Arc, loop_motions
+from .evidence import Rank
+from .loops import Arc, locked_arcs, loop_motions
 from .structure import Structure
 
 
@@ -16,14 +17,16 @@ def note_doubts(arcs: Sequence[Arc], structure: Structure, *, has_drives: bool) 
         structure: Subassemblies that look like links.
         has_drives: Whether there is any motor: without one, the assembly may not be a mechanism.
     """
-    motions = loop_motions(arcs)
+    motions, locked = loop_motions(arcs), locked_arcs(arcs)
     for k, arc in enumerate(arcs):
         h, motion = arc.hinge, motions.get(k)
-        if h.review or h.drives or h.by_role or h.type == JointKind.FIXED:
+        if h.review or h.drives or h.by_role or h.rank == Rank.STATED or h.type == JointKind.FIXED:
             continue
         if not structure.are_across(h.a, h.b):
             h.review = "inferred from its shape only"
         elif arc.could_slide and (motion is None or motion.slides):
             h.review = "could also be prismatic"
+        elif k in locked:
+            h.review = "the loop that it is in cannot move"
         elif not has_drives and not any(arc.is_closure for arc in arcs):
             h.review = "no motor found: the assembly may not be a mechanism"

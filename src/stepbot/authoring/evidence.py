@@ -5,7 +5,7 @@ offered as a comment.
 """
 
 from dataclasses import dataclass, field
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 
 from stepbot.robot.model import JointKind
 
@@ -27,6 +27,16 @@ class Fate(StrEnum):
     """Duplicates other evidence."""
 
 
+class Rank(IntEnum):
+    """What comes first, whatever the scores."""
+
+    FOUND = 0
+    NEEDED = 1
+    """Without it a loop of joints could not move."""
+    STATED = 2
+    """By the user; nothing overrides it."""
+
+
 @dataclass(eq=False)
 class Weld:
     """Evidence that two parts move as one."""
@@ -36,6 +46,7 @@ class Weld:
     b: int
     why: str
     holds_motor: bool = False
+    rank: Rank = Rank.FOUND
     fate: Fate = Fate.OPEN
 
 
@@ -57,6 +68,7 @@ class Hinge:
     """Whether it is confirmed by a part with that purpose, such as a bearing."""
     review: str = ""
     """What to review, whatever the score."""
+    rank: Rank = Rank.FOUND
     fate: Fate = Fate.OPEN
 
 
@@ -76,9 +88,9 @@ class Evidence:
         self.hinges.append(hinge)
 
     def ranked(self) -> list[Weld | Hinge]:
-        """Everything, the strongest first; at equal scores welds first."""
+        """Everything, by rank, the strongest first; at equal scores welds first."""
         both: list[Weld | Hinge] = [*self.welds, *self.hinges]
-        return sorted(both, key=lambda e: (-round(e.score, 6), isinstance(e, Hinge), e.a, e.b))
+        return sorted(both, key=lambda e: (-e.rank, -round(e.score, 6), isinstance(e, Hinge), e.a, e.b))
 
     def weaker_hinges(self, least: float) -> list[Hinge]:
         """Joints that are too weak to be drafted, the strongest first."""

@@ -1,5 +1,6 @@
 """Infers links, joints and closures from an assembly, to draft a sidecar."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stepbot.step.assembly import Assembly
@@ -9,8 +10,10 @@ from .decision import Decision, adopt, decide
 from .doubts import note_doubts
 from .draft import CHOSEN
 from .evidence import Evidence, Hinge
+from .facts import NO_FACTS, Facts, fact_evidence
 from .guides import cross_evidence, guide_evidence
-from .loops import Arc, spanning_tree
+from .locked import JointKey, missing_joints, promote
+from .loops import Arc, locked_arcs, spanning_tree
 from .loose_ends import LooseEnds
 from .mechanism import Mechanism
 from .motor_evidence import motor_evidence
@@ -41,11 +44,35 @@ class Inferred:
     """Reasons for guessed assignments of parts."""
 
 
-def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Inferred:
+def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> Inferred:
     """Infer links and joints; ``assembly`` must be read with its faces (``ReadOptions.faces``)."""
-    survey = Survey(assembly, sources)
+    return infer_from(Survey(assembly, sources), facts)
+
+
+def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
+    """Infer links and joints.
+
+    Raises:
+        KeyError: A fact is about a path that is not that of a part.
+    """
+    found = _infer(survey, facts, ())
+    needed: list[JointKey] = []
+    while locked := locked_arcs(found.arcs):
+        for key in missing_joints(found.arcs, found.offered, found.links, locked):
+            tried = _infer(survey, facts, (*needed, key))
+            if len(locked_arcs(tried.arcs)) < len(locked):
+                needed.append(key)
+                found = tried
+                break
+        else:
+            break
+    return found
+
+
+def _infer(survey: Survey, facts: Facts, needed: Sequence[JointKey]) -> Inferred:
     motors = find_motors(survey)
     evidence = Evidence()
+    fact_evidence(survey, facts, evidence)
     body_welds(survey, [motor.parts for motor in motors], evidence)
     motor_evidence(survey, motors, evidence)
     structure = Structure(survey, evidence.mechanisms)
@@ -55,15 +82,17 @@ def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES) -> Infer
     bearing_evidence(survey, evidence)
     guide_evidence(survey, evidence)
     several_axes(structure, evidence)
+    promote(evidence, needed)
     made = decide(survey, motors, evidence)
     tie_by_seams(made)
     adopt(made, structure)
-    return _arranged(made, structure, motors)
+    return _arranged(made, structure, motors, facts)
 
 
-def _arranged(made: Decision, structure: Structure, motors: list[Motor]) -> Inferred:
+def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
     mechanism = Mechanism(made, structure)
-    root = find_root(made, structure, mechanism.joints, motors)
+    stated = [i for i, part in made.survey.parts.items() if part.path == facts.root]
+    root = made.clusters.find(stated[0]) if stated else find_root(made, structure, mechanism.joints, motors)
     slide_in_struts(mechanism.joints)
     stop_spinning_rods(mechanism.joints, root)
     LooseEnds(made, mechanism, structure).tie(root)

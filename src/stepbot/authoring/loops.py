@@ -17,6 +17,8 @@ from .mechanism import Link
 _METRES = 10.0
 """Twists are in decimetres, so that rotations and translations have similar magnitudes."""
 _NULL = 1e-6
+_INACCURATE = 1e-3
+"""Tolerance of singular values for axes that are drawn inaccurately: 0.1 mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,31 +84,50 @@ class Motion:
 
 
 def loop_motions(arcs: Sequence[Arc]) -> dict[int, Motion]:
-    """For each cylindrical arc in a loop, by its index: its mobility.
+    """For each cylindrical arc in a loop, by its index: its mobility, at the drawn configuration.
 
-    Computed from the null space of all loop equations at the drawn configuration.
+    The others only turn: otherwise a rod on two parallel pins could slide along both, which moves nothing else.
+    """
+    found = {}
+    for k in sorted({k for cycle in _cycles(arcs) for k in cycle if arcs[k].could_slide}):
+        mobile = _mobility(arcs, _NULL, sliding=k)
+        found[k] = Motion((k, "turn") in mobile, (k, "slide") in mobile)
+    return found
+
+
+def locked_arcs(arcs: Sequence[Arc]) -> set[int]:
+    """Indices of the arcs that their loops do not let move, by more than inaccurate axes allow."""
+    in_loops = {k for cycle in _cycles(arcs) for k in cycle}
+    return in_loops - {k for k, _ in _mobility(arcs, _INACCURATE)}
+
+
+def _mobility(arcs: Sequence[Arc], tolerance: float, sliding: int = -1) -> set[tuple[int, str]]:
+    """The possible motions of arcs in loops, each by the arc's index and its kind; only one cylindrical arc slides.
+
+    Computed from the null space of all loop equations.
     """
     columns: list[Array] = []
     owners: list[tuple[int, str]] = []
     for k, arc in enumerate(arcs):
-        for what, twist in _twists(arc):
+        for what, twist in _twists(arc, slides=k == sliding):
             columns.append(twist)
             owners.append((k, what))
-    above = {arc.child: (arc.parent, k) for k, arc in enumerate(arcs) if not arc.is_closure}
-    cycles = [_cycle(arc, k, above) for k, arc in enumerate(arcs) if arc.is_closure]
+    cycles = _cycles(arcs)
     if not cycles or not columns:
-        return {}
+        return set()
     twists = np.array(columns).T
     rows = [twists * np.array([signs.get(k, 0.0) for k, _ in owners]) for signs in cycles]
     _, values, basis = np.linalg.svd(np.concatenate(rows), full_matrices=True)
-    free = basis[int((values > _NULL * max(1.0, float(values[0]))).sum()) :]
-    moves = np.linalg.norm(free, axis=0) > _NULL if len(free) else np.zeros(len(owners), dtype=bool)
-    in_loop = {k for signs in cycles for k in signs}
-    found: dict[int, dict[str, bool]] = defaultdict(dict)
-    for column, (k, what) in enumerate(owners):
-        if k in in_loop and arcs[k].could_slide:
-            found[k][what] = bool(moves[column])
-    return {k: Motion(of["turn"], of["slide"]) for k, of in found.items()}
+    free = basis[int((values > tolerance * max(1.0, float(values[0]))).sum()) :]
+    moves = np.linalg.norm(free, axis=0) > tolerance if len(free) else np.zeros(len(owners), dtype=bool)
+    in_loops = {k for signs in cycles for k in signs}
+    return {owner for owner, mobile in zip(owners, moves, strict=True) if mobile and owner[0] in in_loops}
+
+
+def _cycles(arcs: Sequence[Arc]) -> list[dict[int, float]]:
+    """The loop of each closure."""
+    above = {arc.child: (arc.parent, k) for k, arc in enumerate(arcs) if not arc.is_closure}
+    return [_cycle(arc, k, above) for k, arc in enumerate(arcs) if arc.is_closure]
 
 
 def _cycle(closure: Arc, index: int, above: dict[int, tuple[int, int]]) -> dict[int, float]:
@@ -127,7 +148,7 @@ def _cycle(closure: Arc, index: int, above: dict[int, tuple[int, int]]) -> dict[
     return signs
 
 
-def _twists(arc: Arc) -> list[tuple[str, Array]]:
+def _twists(arc: Arc, *, slides: bool) -> list[tuple[str, Array]]:
     h = arc.hinge
     p = h.axis.point * _METRES
     if h.axis.direction is None:
@@ -138,4 +159,4 @@ def _twists(arc: Arc) -> list[tuple[str, Array]]:
         return [("slide", slide)]
     if h.type == JointKind.UNIVERSAL and h.axis2 is not None:
         return [("turn", turn), ("turn", np.concatenate([h.axis2.d, np.cross(p, h.axis2.d)]))]
-    return [("turn", turn), ("slide", slide)] if arc.could_slide else [("turn", turn)]
+    return [("turn", turn), ("slide", slide)] if slides else [("turn", turn)]

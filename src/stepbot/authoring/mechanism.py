@@ -10,7 +10,7 @@ from stepbot.robot.model import JointKind
 
 from .axis import Axis, are_parallel
 from .decision import Decision
-from .evidence import Fate, Hinge
+from .evidence import Fate, Hinge, Rank
 from .names import Role
 from .part import box_gap
 from .structure import Structure
@@ -98,7 +98,7 @@ class Mechanism:
         members = {root: self._clusters.members(root) for root in of}
         for root in sorted(of, key=lambda r: (self._survey.total_volume(members[r]), r)):
             joints = of[root]
-            if any(j.hinge.drives for j in joints) or not self._spins(members[root], joints[0].axis):
+            if any(j.hinge.drives or j.hinge.rank for j in joints) or not self._spins(members[root], joints[0].axis):
                 continue
             if len(joints) >= 2 and len(of) > 2 and all(j.axis.same(joints[0].axis) for j in joints):
                 victim = min(joints, key=self._hold)
@@ -127,7 +127,7 @@ class Mechanism:
         """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
         of = self._of()
         for hub in sorted(of):
-            turning = [j for j in of[hub] if j.hinge.type == JointKind.REVOLUTE]
+            turning = [j for j in of[hub] if j.hinge.type == JointKind.REVOLUTE and j.hinge.rank < Rank.STATED]
             for m, j in enumerate(turning):
                 for k in turning[m + 1 :]:
                     one, two = j.other(hub), k.other(hub)

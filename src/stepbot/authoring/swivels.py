@@ -13,6 +13,7 @@ from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 from .axis import Axis
+from .evidence import Rank
 from .freedom import FreedomKind
 from .mechanism import Link
 
@@ -26,6 +27,8 @@ def stop_spinning_rods(joints: Sequence[Link], root: int) -> None:
     for rod in sorted(of):
         ends = of[rod]
         if rod == root or len(ends) != 2 or any(j.hinge.type != JointKind.BALL for j in ends):
+            continue
+        if any(j.hinge.rank == Rank.STATED for j in ends):
             continue
         near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(of)), j.hinge.a, j.hinge.b))
         along = far.hinge.axis.point - near.hinge.axis.point
