@@ -43,7 +43,7 @@ class Decision:
 
 def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decision:
     """Apply the evidence, then assign motors, surfaces and fasteners that it leaves unconnected."""
-    stated = {i for e in (*evidence.welds, *evidence.hinges) if e.rank == Rank.STATED for i in (e.a, e.b)}
+    stated = {i for e in evidence.ranked() if e.rank == Rank.STATED for i in (e.a, e.b)}
     made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small or i in stated]))
     for one in evidence.ranked():
         take(made, one)

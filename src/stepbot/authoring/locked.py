@@ -1,7 +1,7 @@
 """Joints that are missing in loops which cannot move.
 
-A loop of joints that is drawn as a mechanism moves. If its axes do not let it, two bodies that were united, such as by a
-face on a face or a pair of holes, turn on each other: the joint between them that lets the loop move is needed.
+A loop of joints that is drawn as a mechanism moves. If its axes do not let it, two bodies that were united, by a face
+on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
 """
 
 from collections.abc import Collection, Sequence
