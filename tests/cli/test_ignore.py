@@ -155,11 +155,11 @@ def test_entry_of_a_link_takes_its_path_out_of_a_summary(
     Path(SIDECAR).write_text(NUMBERED, encoding="utf-8")
     run = stepbot("check", "--step", "-v", SIDECAR)
     assert run.out.count("warning[SB305]") == 1
-    assert f"{SIDECAR}:10:19: warning[SB305]: robot.step: one path holds only by #n" in run.out
+    assert f"{SIDECAR}:10:19: warning[SB305]: robot.step: one path depends on the order of siblings (#n)" in run.out
     assert "pin#2" not in run.out.split("warning[SB305]")[1].split("\n\n")[0]
     assert "1 ignored" in run.out
     Path(SIDECAR).write_text(NUMBERED.replace("    ignore_findings: [SB305]\n", ""), encoding="utf-8")
-    assert "2 paths hold only by #n" in stepbot("check", "--step", SIDECAR).out
+    assert "2 paths depend on the order of siblings (#n)" in stepbot("check", "--step", SIDECAR).out
 
 
 @pytest.mark.slow

@@ -11,8 +11,6 @@ from stepbot.diagnostics.codes import CODES
 from tests.diagnostics.transcripts import Stage, folders, missing_engines
 
 FOLDERS = folders()
-WITHOUT = {"SB901": "an internal error has no known cause; tests/cli/test_application.py raises one"}
-"""Codes that no input causes, each with the reason."""
 
 
 @pytest.fixture(scope="module")
@@ -43,8 +41,8 @@ def exit_code_of(diagnostics: list[dict[str, str]]) -> int:
 
 
 def test_each_code_has_a_folder() -> None:
-    """Every code has a folder, except those without a possible input."""
-    assert {folder.name[:5] for folder in FOLDERS} == set(CODES) - set(WITHOUT)
+    """Every code has a folder."""
+    assert {folder.name[:5] for folder in FOLDERS} == set(CODES)
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)

@@ -76,12 +76,12 @@ class Binder:
 
     def _warn_fragile(self, paths: Mapping[str, Span], *, notes: bool) -> None:
         named = tuple(f"line {span.line}: {quoted(pattern)}" for pattern, span in paths.items())
-        count = f"{len(named)} paths hold" if len(named) > 1 else "one path holds"
+        count = f"{len(named)} paths depend" if len(named) > 1 else "one path depends"
         self.found.add(
             "SB305",
-            f"{self.assembly.source}: {count} only by #n, because equal siblings have no names in the CAD",
+            f"{self.assembly.source}: {count} on the order of siblings (#n), which have no names of their own",
             next(iter(paths.values())),
-            help=("name these occurrences in the CAD",),
+            help=("name these occurrences in CAD",),
             notes=listed(named) if notes else (),
         )
 
@@ -99,7 +99,7 @@ class Binder:
         elif binding.problem == "ambiguous":
             several = f"{len(binding.candidates)} components"
             notes = listed(tuple(map(quoted, binding.candidates)))
-            self.report("SB302", keys, f"{_named(pattern)} names {several}", help=binding.help, notes=notes)
+            self.report("SB302", keys, f"{_named(pattern)} matches {several}", help=binding.help, notes=notes)
         elif binding.fragile:
             self._fragile.setdefault(pattern, self.span(keys))
         return binding.topmost if one else binding.indices

@@ -124,7 +124,7 @@ def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) ->
     misspelt = (f"a path of link '{incomplete[0]}' matches nothing; one of these may be meant",) if incomplete else ()
     binder.found.add(
         "SB304",
-        f"{binder.assembly.source}: {count} in no link",
+        f"{binder.assembly.source}: {count} not assigned to any link",
         binder.span(("links",)),
         help=(
             *misspelt,

@@ -15,8 +15,8 @@ from .claims import Claims
 from .overlaps import MAX_FACES, OverlapSearch
 from .reading import MASS_TOLERANCE
 
-_CUT = "subtract one solid from the other in the CAD"
-_WEIGH = "or state the weighed mass: `mass` in `parts`, or `inertial` in the link"
+_CUT = "subtract one solid from the other in CAD"
+_WEIGH = "or set a measured mass: `mass` in `parts`, or `inertial` on the link"
 
 
 class DoubleCounting:
@@ -78,7 +78,7 @@ def _warn(binder: Binder, link: str, overlaps: Overlaps, total: float) -> None:
     binder.report(
         "SB512",
         ("links", link),
-        f"its solids overlap: {_weight(overlaps.mass)} of its {_weight(total)} are counted twice",
+        f"solids overlap: {_weight(overlaps.mass)} of {_weight(total)} are counted twice",
         help=(*once, _CUT, _WEIGH),
         notes=listed(tuple(f"{_names(binder, pair)}: {_measure(pair)}" for pair in overlaps.pairs)),
     )

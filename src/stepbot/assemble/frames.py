@@ -165,7 +165,7 @@ class Frames:
             return None
         box = self._binder.assembly.bounds(index)
         if box is None:
-            self._binder.report("SB404", keys, f"'{pattern}' has no geometry, hence no centre")
+            self._binder.report("SB404", keys, f"'{pattern}' has no geometry and therefore no centre")
             return None
         return Pose.of(position=[0.5 * (low + high) for low, high in zip(*box, strict=True)])
 
@@ -201,7 +201,7 @@ class Frames:
             return None  # the link's parts are unknown; the unresolved path has been reported
         for link, word in zip(wanted.links, words, strict=True):
             if not self._claims.parts_of(link):
-                self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` cannot find a line")
+                self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` cannot find an axis")
                 return None
         a, b = (self._link_faces(link) for link in wanted.links)
         return self._shared(a, b, words, origin, wanted, "{auto: true")
@@ -264,7 +264,7 @@ class Frames:
         self._binder.report(
             "SB402",
             wanted.keys,
-            f"{words} {len(choice.rivals)} {several}, and no line has faces twice as wide as the next",
+            f"{words} {len(choice.rivals)} {several}, none of them twice as wide as the next",
             help=listed(tuple(f"origin: {start}{offered[line]}}}" for line in choice.rivals)),
             notes=listed(tuple(described(line, self._binder.path) for line in choice.rivals)),
         )
@@ -328,5 +328,5 @@ class Frames:
         circle = [*self._waiting[self._waiting.index(name) :], name]
         joint = self._joint_above.get(name)
         keys: Keys = ("joints", joint, "origin") if joint is not None else ("root", "frame")
-        waits = " waits for ".join(f"link '{link}'" for link in circle)
-        self._binder.report("SB403", keys, f"circular origin reference: {waits}")
+        depends = " depends on ".join(f"link '{link}'" for link in circle)
+        self._binder.report("SB403", keys, f"circular origin reference: {depends}")

@@ -149,7 +149,7 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ..
         density = f"{next(iter(densities)):g} kg/m^3" + (f" ({', '.join(names)})" if names else "")
         binder.found.add(
             "SB502",
-            f"{assembly.source}: all {len(definitions)} parts carry {density}: probably a CAD default",
+            f"{assembly.source}: all {len(definitions)} parts have a density of {density}: probably a CAD default",
             binder.span(("step_density",)),
             help=("write `step_density: ignore` and `defaults: {material: ...}`, with exceptions in `parts`",),
         )
@@ -169,10 +169,10 @@ def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ..
             unlisted.setdefault(name, []).append(component.index)
     if unlisted and document.step_density is StepDensity.USE:
         count = sum(map(len, unlisted.values()))
-        parts = f"{count} parts are" if count > 1 else "one part is"
+        parts = f"{count} parts have" if count > 1 else "one part has"
         binder.found.add(
             "SB515",
-            f"{binder.assembly.source}: {parts} of a material without a density; the default density is used",
+            f"{binder.assembly.source}: {parts} a material without a density; the default density is used",
             binder.span(("materials",)),
             help=(f"define it: `materials: {{{quoted(next(iter(unlisted)))}: {{density: ...}}}}`",),
             notes=listed(tuple(f"'{name}': {quoted(binder.path(of[0]))}{_more(of)}" for name, of in unlisted.items())),

@@ -59,7 +59,7 @@ def draft_step(step: Path, options: Options, description: Path | None = None) ->
     if description is not None and described is not None:
         draft = draft_of_description(described, assembly, step_stem(step.name), description.name)
         if draft is None:
-            found.add("SB824", f"no part of it was found in {step.name}", Span(description.as_posix()))
+            found.add("SB824", f"the robot was not found in {step.name}", Span(description.as_posix()))
             return Drafting(found)
         return Drafting(found, _with_densities(draft, assembly))
     stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None

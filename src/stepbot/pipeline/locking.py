@@ -118,8 +118,8 @@ def mend(sidecar: Path, options: Options, found: Diagnostics) -> Mended | None:
         content = sidecar.read_bytes() if sidecar.is_file() else b""
         loaded = load(sidecar, options, elsewhere)
         if not path.exists():
-            remedy = f"write one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
-            found.add("SB017", "lock file: none, so no renamed components can be found", loaded.span(), help=[remedy])
+            remedy = f"create one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
+            found.add("SB017", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy])
             return None
         lock = read_lock(path, loaded.document.robot, elsewhere)
         step = options.step or named_step(loaded, elsewhere)

@@ -22,7 +22,7 @@ def report_age(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:
     paths = [f"path {quoted(pattern)}" for pattern in given if pattern not in known]
     missing = (*joints, *closures, *paths)
     if missing:
-        remedy = f"once the robot is right: `{shlex.join(['stepbot', 'lock', sidecar.path.name])}`"
+        remedy = f"check the robot, then update the lock file: `{shlex.join(['stepbot', 'lock', sidecar.path.name])}`"
         count = f"{len(missing)} names of the sidecar are" if len(missing) > 1 else "one name of the sidecar is"
-        message = f"lock file: older than the sidecar; {count} not compared"
+        message = f"outdated lock file: {count} not in it"
         found.add("SB016", message, sidecar.span(), help=[remedy], notes=listed(missing))

@@ -56,7 +56,7 @@ def _renamed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
     help = _spelled(group)
     if all(one.replacement for one in group):
         help.insert(
-            0, f"`{compared.command('check', '--fix')}` rewrites {'the path' if len(group) == 1 else 'the paths'}"
+            0, f"`{compared.command('check', '--fix')}` replaces {'the path' if len(group) == 1 else 'the paths'}"
         )
     return "SB310", f"{_was(compared, group)} renamed to {_new(group)} ({_evidence(compared, group)})", help
 
@@ -75,7 +75,7 @@ def _undecided(compared: Comparison, group: Group) -> tuple[str, str, list[str]]
 
 def _removed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
     noun, verb = several([path for one in group for path in one.old])
-    help = ["remove the path from the sidecar, or write what replaces it"]
+    help = ["remove the path, or replace it by that of another component"]
     return "SB312", f"{noun} {verb} no longer in {compared.assembly.source}", help
 
 

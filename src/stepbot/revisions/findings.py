@@ -35,7 +35,7 @@ class _Reporter:
     def __init__(self, compared: Comparison, found: Diagnostics) -> None:
         self._c, self._found = compared, found
         self._sidecar = compared.sidecar
-        self._accept = f"if it is intended: `{compared.command('lock')}`"
+        self._accept = f"if the change is intended: `{compared.command('lock')}`"
         self._paths = ComponentPaths(compared.assembly.components)
         broken = compared.rebinding.broken
         self._told = {pair.old for one in broken for pair in one.pairs}
@@ -74,9 +74,9 @@ class _Reporter:
                 if not self._is_still_named(pair) and renamed_node(old.path, new.path) not in self._nodes:
                     kept.setdefault(new.link, []).append(words)
                 continue
-            now = f"in link '{new.link}'" if new.link else "in no link"
-            before = f"in link '{old.link}'" if old.link else "in no link"
-            message = f"component renamed from {words} is now {now}, and was {before}"
+            now = f"is now in link '{new.link}'" if new.link else "is no longer in a link"
+            before = f"in link '{old.link}'" if old.link else "not assigned"
+            message = f"component renamed from {words} {now} (before: {before})"
             help = ["correct the `parts` of the links", self._accept]
             self._add("SB315", self._c.place_of(pair.new), message, help)
         for link, renamed in kept.items():
@@ -139,7 +139,7 @@ class _Reporter:
             them = "it" if len(loose) == 1 else "them"
             self._found.add(
                 "SB313",
-                f"{self._c.assembly.source}: {noun} {verb} in no link",
+                f"{self._c.assembly.source}: {noun} {verb} not assigned to any link",
                 self._sidecar.key_span("links"),
                 help=(
                     f"add {them} to the `parts` of a link: {quoted(loose[0])}",

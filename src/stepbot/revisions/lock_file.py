@@ -52,29 +52,31 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
         found: Receives the diagnostics.
     """
     span = Span(path.as_posix())
-    remedy = [f"write it anew with `stepbot lock`, or restore '{path.name}' from version control"]
+    remedy = [f"restore '{path.name}' from version control, or replace it with `stepbot lock`"]
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
         return None
     except OSError as error:
-        found.add("SB013", f"lock file: cannot be read: {error.strerror or error}", span, help=remedy)
+        found.add("SB013", f"cannot read the lock file: {error.strerror or error}", span, help=remedy)
         return None
     try:
         document = _parsed(content)
         version = Record(document, "").integer("version")
         if version > VERSION:
-            help = ["upgrade stepbot, or write the lock anew with `stepbot lock`"]
-            found.add("SB014", f"lock file: version {version}, newest supported version is {VERSION}", span, help=help)
+            help = ["upgrade stepbot, or replace the lock file with `stepbot lock`"]
+            found.add(
+                "SB014", f"lock file has version {version}; the newest supported version is {VERSION}", span, help=help
+            )
             return None
         lock = _snapshot(document)
     except Invalid as error:
-        found.add("SB013", f"lock file: {error}", Span(path.as_posix(), error.line), help=remedy)
+        found.add("SB013", f"invalid lock file: {error}", Span(path.as_posix(), error.line), help=remedy)
         return None
     if lock.robot != robot:
-        help = [f"write a lock for '{robot}' with `stepbot lock`, or remove the file"]
-        found.add("SB015", f"lock file: made for robot '{lock.robot}', ignored for '{robot}'", span, help=help)
+        help = ["replace it with `stepbot lock`, or delete it"]
+        found.add("SB015", f"lock file ignored: it belongs to robot '{lock.robot}', not '{robot}'", span, help=help)
         return None
     return lock
 

@@ -91,7 +91,7 @@ def _check_names(robot: Robot, report: Report) -> bool:
     for group, members in groups.items():
         for name, count in Counter(member.name for member in members).items():
             if count > 1:
-                report("SB413", f"{group}: {count} have the name '{name}'")
+                report("SB413", f"{group}: duplicate name '{name}' ({count} times)")
                 sound = False
     return sound
 
@@ -129,7 +129,7 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
     axes += [(f"closure '{closure.name}'", closure.axis) for closure in robot.closures]
     for who, axis in axes:
         if abs(float(np.linalg.norm(axis)) - 1.0) > _UNIT_SLACK:
-            report("SB415", f"{who}: its axis is of length {float(np.linalg.norm(axis)):g}, not 1")
+            report("SB415", f"{who}: axis has length {float(np.linalg.norm(axis)):g}, expected 1")
             sound = False
     for joint in robot.joints:
         if any(map(isnan, _bounds(joint.limit))):
@@ -149,9 +149,9 @@ def _check_poses(robot: Robot, report: Report) -> bool:
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
     for i in np.flatnonzero(~finite).tolist():
-        report("SB414", f"{placed[i][0]}: its pose is not finite")
+        report("SB414", f"{placed[i][0]}: pose is not finite")
     for i in np.flatnonzero(~turns).tolist():
-        report("SB415", f"{placed[i][0]}: the rotation of its pose is not a rotation")
+        report("SB415", f"{placed[i][0]}: rotation matrix is not orthonormal")
     return bool(finite.all() and turns.all())
 
 
@@ -159,16 +159,16 @@ def _check_tree(robot: Robot, report: Report) -> bool:
     """The root first, each parent before its children, each link but the root the child of one joint."""
     faults = []
     if not robot.links:
-        faults.append("it has no links")
+        faults.append("no links")
     parents = Counter(joint.child for joint in robot.joints)
-    faults += [f"{count} joints move link '{link}'" for link, count in parents.items() if count > 1]
+    faults += [f"link '{link}' is the child of {count} joints" for link, count in parents.items() if count > 1]
     faults += [
-        f"no joint moves link '{link.name}', and it is not the root"
+        f"link '{link.name}' is not the root, but has no parent joint"
         for link in robot.links[1:]
         if not parents[link.name]
     ]
     if robot.links and parents[robot.root.name]:
-        faults.append(f"a joint moves the root, link '{robot.root.name}'")
+        faults.append(f"root link '{robot.root.name}' has a parent joint")
     known = {robot.root.name} if robot.links else set()
     for joint in robot.joints:
         if not faults and joint.parent not in known:
@@ -189,7 +189,7 @@ def _check_limits(robot: Robot, report: Report) -> None:
         elif not limit.lower - _UNIT_SLACK <= q <= limit.upper + _UNIT_SLACK:
             report(
                 "SB410",
-                f"joint '{joint.name}': drawn at {q:g}, outside its limits {limit.lower:g} to {limit.upper:g}",
+                f"joint '{joint.name}': drawn position {q:g} is outside the limits {limit.lower:g} to {limit.upper:g}",
                 help=("widen the limits, or set the drawn position with `zero`",),
             )
         if limit.velocity < 0.0 or limit.effort < 0.0:
@@ -275,13 +275,13 @@ def _check_contacts(robot: Robot, report: Report) -> None:
 
 def _check_scale(robot: Robot, report: Report, unit: str) -> None:
     """A robot of milligrams or of tens of metres was probably drawn in another unit than its file declares."""
-    question = f"is {unit or 'its length unit'} what {robot.source or 'its source'} was drawn in?"
+    remedy = f"check the length unit of {robot.source or 'its source'}" + (f" ({unit})" if unit else "")
     total = exact_sum(link.mass_properties.mass for link in robot.links)
     if 0.0 < total < LIGHTEST:
-        report("SB510", f"robot '{robot.name}': it weighs {total * 1e3:.3g} g; {question}")
+        report("SB510", f"robot '{robot.name}': mass of {total * 1e3:.3g} g; {remedy}")
     size = _size(robot)
     if size > LARGEST:
-        report("SB420", f"robot '{robot.name}': it is {size:.3g} m large; {question}")
+        report("SB420", f"robot '{robot.name}': size of {size:.3g} m; {remedy}")
 
 
 def _size(robot: Robot) -> float:

@@ -104,7 +104,7 @@ def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...],
             names = [files[one].name for one in [*path[path.index(file) :], file]]
             found.add(
                 "SB229",
-                f"files contain each other: {' -> '.join(names)}",
+                f"circular external reference: {' -> '.join(names)}",
                 Span(files[path[-1]].place),
                 help=["export the assembly as one STEP file, with external references switched off"],
             )

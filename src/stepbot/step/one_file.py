@@ -131,12 +131,12 @@ def _elsewhere(
 
 
 def _report_unused(link: Link, place: str, found: Diagnostics) -> None:
-    message = f"'{link.product}': file '{link.name}' was not read, because its shape is known without it"
+    message = f"'{link.product}': external file '{link.name}' is not needed and was not read"
     found.add("SB231", message, Span(place, link.line, 1))
 
 
 def _report_missing(link: Link, place: str, found: Diagnostics) -> None:
-    fault = link.fault or "but the assembly does not say where it is placed"
+    fault = link.fault or "but the assembly does not define its pose"
     message = f"the geometry of '{link.product}' is in file '{link.name}', {fault}"
     if not link.definition:
         message = f"geometry is in file '{link.name}', but the assembly does not say which part it is"

@@ -137,7 +137,7 @@ def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], fo
     """Warn of loops that cannot move, and of loops that do not stay closed when they do."""
     span = Span(robot.source or robot.name)
     if robot.closures and freedom == 0:
-        found.add("SB819", f"{len(robot.closures)} closures leave no degree of freedom in the drawn pose", span)
+        found.add("SB819", "the closures leave no degree of freedom in the drawn pose", span)
     widest: dict[str, float] = {}
     for closure in (closure for one in expected for closure in one.closures or ()):
         widest[closure.name] = max(widest.get(closure.name, 0.0), closure.residual or 0.0)

@@ -158,7 +158,7 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     by_root = {written.root: written.name for written in FORMATS.values()}
     name = by_root.get(str(element.tag))
     if name is None:
-        found.add("SB814", f"first element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
+        found.add("SB814", f"root element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
     return name
 
 

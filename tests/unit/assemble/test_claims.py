@@ -117,7 +117,7 @@ def test_components_in_no_link_are_listed(tmp_path: Path, found: ReadDiagnostics
     build(shop, tmp_path, TWO + "    links: {base: {parts: [plate]}, arm: {parts: [motor/case]}}\n", found)
     (fault,) = found
     assert fault.code == "SB304"
-    assert fault.message == "robot.step: 5 components are in no link"
+    assert fault.message == "robot.step: 5 components are not assigned to any link"
     assert fault.notes == ('"motor/horn"', '"motor/screw#1"', '"motor/screw#2"', '"hand"')
 
 

@@ -146,10 +146,7 @@ def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnosti
     assert build(shop, tmp_path, _joint("auto"), found) is None
     (fault,) = found
     assert fault.code == "SB402"
-    assert (
-        fault.message
-        == "joint 'j': link 'base' and link 'arm' share 3 axes, and no line has faces twice as wide as the next"
-    )
+    assert fault.message == "joint 'j': link 'base' and link 'arm' share 3 axes, none of them twice as wide as the next"
     assert fault.help[0] == "origin: {auto: true, near: [10 mm, 0 mm, 0 mm]}"
     assert fault.help[2] == "origin: {auto: true, radius: 2 mm}"
     for text, x, y in ((fault.help[0], 10, 0), (fault.help[1], -10, 0), (fault.help[2], 0, 10)):
@@ -298,7 +295,7 @@ def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics)
     assert build(shop, tmp_path, text, found) is None
     (fault,) = found
     assert fault.code == "SB403"
-    assert "link 'arm' waits for link 'tip' waits for link 'arm'" in fault.message
+    assert "link 'arm' depends on link 'tip' depends on link 'arm'" in fault.message
 
 
 def test_root_frame(tmp_path: Path) -> None:

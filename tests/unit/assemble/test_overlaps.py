@@ -53,7 +53,7 @@ def test_boxes_that_overlap(tmp_path: Path, found: ReadDiagnostics) -> None:
     (fault,) = found
     assert (fault.code, fault.severity, fault.span.line) == ("SB512", "warning", 5)
     assert "link 'base'" in fault.message
-    assert "1 g of its 8 g" in fault.message
+    assert "1 g of 8 g" in fault.message
     assert fault.notes == ('"left" and "right": 1000 mm^3, 1 g',)
 
 

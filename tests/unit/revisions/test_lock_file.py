@@ -108,13 +108,18 @@ def test_wrong_values_are_errors(keys: tuple[Any, ...], value: Any, words: str, 
     for key in keys[:-1]:
         at = at[key]
     at[keys[-1]] = value
-    assert read(tmp_path / "arm.lock.json", json.dumps(document).encode()) == (None, [("SB013", f"lock file: {words}")])
+    assert read(tmp_path / "arm.lock.json", json.dumps(document).encode()) == (
+        None,
+        [("SB013", f"invalid lock file: {words}")],
+    )
 
 
 def test_infinite_numbers_are_errors(tmp_path: Path) -> None:
     """NaN and Infinity, which Python's JSON reader accepts, are errors."""
     content = lock_bytes(LOCK).replace(b"2700.0", b"Infinity")
-    assert read(tmp_path / "arm.lock.json", content)[1] == [("SB013", "lock file: parts[0].density: expected a number")]
+    assert read(tmp_path / "arm.lock.json", content)[1] == [
+        ("SB013", "invalid lock file: parts[0].density: expected a number")
+    ]
 
 
 def test_locks_of_others_are_not_used(tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def _codes(robot: Robot) -> list[str]:
 
 
 def _pair(joint: Joint | None = None, **changes: object) -> Robot:
-    """Two links and the joint between them, with changes to the robot."""
+    """Two links and the joint between them, with changes of the robot."""
     hinge = joint or Joint("j", JointKind.REVOLUTE, "a", "b", limit=Limit(-1, 1))
     return replace(Robot("pair", (Link("a", SOLID), Link("b", SOLID)), (hinge,)), **changes)  # type: ignore[arg-type]
 
@@ -50,7 +50,7 @@ def _hinge(**changes: object) -> Joint:
 
 @pytest.mark.parametrize("name", list(ROBOTS))
 def test_sound_robots_pass(name: str) -> None:
-    """None of the robots that other tests are made of breaks a rule."""
+    """The robots of other tests are valid."""
     assert _codes(ROBOTS[name]()) == []
 
 
@@ -145,19 +145,19 @@ BROKEN: dict[str, tuple[str, Robot]] = {
 
 @pytest.mark.parametrize("fault", list(BROKEN))
 def test_each_fault_has_its_code(fault: str) -> None:
-    """One fault gives its own code, and no other one."""
+    """One error has its own code, and no other."""
     code, robot = BROKEN[fault]
     assert set(_codes(robot)) == {code}
 
 
-@pytest.mark.parametrize(("fault", "size"), [("dust", "it weighs 0.2 g"), ("giant", "it is 20.1 m large")])
+@pytest.mark.parametrize(("fault", "size"), [("dust", "mass of 0.2 g"), ("giant", "size of 20.1 m")])
 def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
-    """What is far too large or too light asks for the unit of its file by name."""
+    """For a robot that is far too large or too light the warning names the unit of its file."""
     found = Diagnostics()
     check_robot(replace(BROKEN[fault][1], source="arm.step"), found, unit="inch")
     (warning,) = found
     assert warning.severity == "warning"
-    assert warning.message.endswith(f"{size}; is inch what arm.step was drawn in?")
+    assert warning.message.endswith(f"{size}; check the length unit of arm.step (inch)")
 
 
 SOUND: dict[str, Robot] = {
@@ -181,12 +181,12 @@ SOUND: dict[str, Robot] = {
 
 @pytest.mark.parametrize("case", list(SOUND))
 def test_what_is_allowed(case: str) -> None:
-    """Limits are exact: just inside them nothing is reported."""
+    """Values just within the limits are accepted."""
     assert _codes(SOUND[case]) == []
 
 
 def test_all_faults_at_once() -> None:
-    """Independent faults are reported together, at the given place."""
+    """Independent errors are reported together, at the given place."""
     found = Diagnostics()
     span = Span("arm.robot.yaml", 3, 1)
     robot = _pair(
@@ -202,6 +202,6 @@ def test_all_faults_at_once() -> None:
     [((1, 1, 1), True), ((1, 2, 3), True), ((1, 2, 3.1), False), ((0, 1, 1), False), ((-1, 2, 2), False)],
 )
 def test_triangle_inequality(moments: tuple[float, float, float], sound: bool) -> None:
-    """No principal moment of a body is larger than the sum of the others, for any axes of the tensor."""
+    """No principal moment of a body exceeds the sum of the others, for any axes of the tensor."""
     R = Pose.from_xyz_rpy(rpy=(0.3, 0.2, 1)).R
     assert (inertia_fault(MassProperties.of(1.0, (0, 0, 0), R @ np.diag(moments) @ R.T)) == "") is sound

@@ -239,7 +239,7 @@ CODES = (
         "SB229",
         "error",
         "circular external reference",
-        "Files of an assembly refer to each other in a circle: each needs the other one for the geometry of a part.",
+        "The files of an assembly refer to each other in a cycle.",
         "No part can contain itself.",
         "Export the assembly as a single STEP file, or correct the name of the file in the reference.",
     ),
@@ -256,10 +256,10 @@ CODES = (
         "SB232",
         "error",
         "unreadable compressed file",
-        "The gzip or zip archive is damaged or encrypted, holds no STEP file or several, or its content is larger than "
+        "The gzip or zip archive is damaged or encrypted, contains no STEP file or several, or its content is larger than "
         "4 GiB or more than a hundred times as large as the archive.",
         "stepbot reads archives of one STEP file, as CAD programs write them (`.stpZ`, `.step.gz`). The limits keep a "
         "small archive from filling the disk.",
-        "Unpack the archive and give the STEP file in it.",
+        "Unpack the archive and pass the STEP file to stepbot.",
     ),
 )

@@ -51,8 +51,8 @@ CODES = (
         "coaxial faces without contact",
         "The two sides have coaxial cylindrical faces, but no shaft fits a bore, and no faces overlap or touch along "
         "the axis.",
-        "Parts of a straight arm share many axes. A joint on the wrong axis may lie in mid-air, and no engine detects "
-        "this, because all files agree.",
+        "Parts of a straight arm share many axes. A joint on the wrong axis may be far from both parts, and no engine "
+        "detects this, because all files agree.",
         "Check which parts carry the axis: the pin or the bearing often belongs to another link. If one of the listed "
         "axes is correct, paste its origin. An explicitly selected axis is accepted with any gap.",
     ),
@@ -69,9 +69,9 @@ CODES = (
         "SB408",
         "warning",
         "joint axis moved",
-        "The axis or the origin of a joint is not where it was when the lock file was written.",
-        "The kinematics of the robot change: calibrations, joint limits and motions made for the earlier revision may no longer hold.",
-        "If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+        "The axis or the origin of a joint differs from that in the lock file.",
+        "The kinematics of the robot change: calibrations, joint limits and motions made for the earlier revision may no longer be valid.",
+        "If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
     ),
     Code(
         "SB410",
@@ -158,9 +158,10 @@ CODES = (
         "SB421",
         "warning",
         "assembly probably not z-up",
-        "The base of the robot has a large flat face towards an axis other than z, on which a joint of the base is along "
-        "that axis. Nothing comparable is towards z, and the assembly is at most half as long again along z.",
+        "The base of the robot has a large flat face perpendicular to an axis other than z, and a joint on the base is "
+        "along that axis. There is no such face perpendicular to z, and the assembly extends along z by at most 1.5 "
+        "times as much as along that axis.",
         "In robot files z is up. A robot drawn with y up, as many CAD programs do by default, would lie on its side.",
-        "Name the axis that is up: `root: {up: y}`. If z is up, `root: {up: z}` says so.",
+        "Set the axis that is up: `root: {up: y}`. If z is up, confirm it with `root: {up: z}`.",
     ),
 )

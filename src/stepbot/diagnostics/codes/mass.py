@@ -158,6 +158,6 @@ CODES = (
         "mass of a component changed",
         "The mass of a component differs from that in the lock file, because the STEP file gives it another density or material.",
         "Mass, centre of mass and inertia of its link change.",
-        "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which writes the lock file anew.",
+        "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
     ),
 )

@@ -63,8 +63,8 @@ CODES: tuple[Code, ...] = (
         "SB807",
         "error",
         "dynamics mismatch",
-        "The mass matrix or the gravity forces computed by an engine differ from those of the robot. Or a file sets another "
-        "acceleration of gravity, or takes the weight of a link away: `gravcomp` in MJCF, `<gravity>` in SDFormat, "
+        "The mass matrix or the gravity forces computed by an engine differ from those of the robot, or the file "
+        "changes gravity or disables it for a link: `gravity` and `gravcomp` in MJCF, `<gravity>` in SDFormat, "
         "`<turnGravityOff>` in URDF.",
         "Controllers tuned on this file are tuned for a different robot.",
         "If masses and poses agree, the engine changes them when it loads the file. " + _OURS,
@@ -127,7 +127,7 @@ CODES: tuple[Code, ...] = (
         "The file to verify is not XML, or its root element is not `robot` (URDF), `sdf` (SDFormat) or `mujoco` "
         "(MJCF).",
         "No engine can load the file.",
-        "Give a URDF, SDFormat or MJCF file.",
+        "Pass a URDF, SDFormat or MJCF file.",
     ),
     Code(
         "SB815",
@@ -185,7 +185,7 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB821",
         "error",
-        "include from outside of the folder",
+        "include from outside the folder",
         "The MJCF includes a file that is not in its folder or a subfolder.",
         "Engines read any included path, so an untrusted file could expose any file on this machine.",
         "Copy the included file next to the file that includes it, or write a file in a common parent folder that "
@@ -203,18 +203,17 @@ CODES: tuple[Code, ...] = (
         "SB823",
         "error",
         "robot description cannot be read",
-        "The description that `init --from` names contradicts its format, or uses what its reader does not know.",
+        "The description given by `init --from` is invalid, or uses a feature that stepbot does not support.",
         "No sidecar is drafted.",
-        "`stepbot verify` with the file shows what each engine says of it. Without `--from`, `init` drafts from the STEP "
-        "alone.",
+        "`stepbot verify FILE` shows what each engine reports. Without `--from`, `init` drafts from the STEP alone.",
     ),
     Code(
         "SB824",
         "error",
         "robot description does not fit the STEP",
         "Neither the axes of its joints nor the vertices of its meshes were found in the assembly in any orientation.",
-        "No sidecar is drafted, since its joints would be at arbitrary places.",
-        "The description may be of another robot or revision, scaled, or without its meshes. Put the meshes where the "
-        "description names them. Without `--from`, `init` drafts from the STEP alone.",
+        "No sidecar is drafted: its joints would be at arbitrary positions.",
+        "The description may be of another robot or revision, scaled, or without its meshes. Put the meshes at the paths "
+        "given in the description. Without `--from`, `init` drafts from the STEP alone.",
     ),
 )

@@ -78,7 +78,7 @@ def _decompress(path: Path, target: IO[bytes]) -> None:
                 if left < 0:
                     raise ArchiveFault(
                         f"its content is more than {MOST_TIMES} times as large, or larger than {MOST_BYTES >> 30} GiB",
-                        "unpack it and give the STEP file in it, if the file is what it should be",
+                        "if the archive can be trusted, unpack it and pass the STEP file",
                     )
                 target.write(chunk)
             target.flush()
@@ -115,11 +115,11 @@ def _member(archive: "zipfile.ZipFile") -> "zipfile.ZipInfo":
     if len(steps) != 1 and len(files) != 1:
         shown = ", ".join(f"'{one.filename}'" for one in steps[:_SHOWN])
         more = f" and {len(steps) - _SHOWN} more" if len(steps) > _SHOWN else ""
-        reason = f"it holds {len(steps)} STEP files: {shown}{more}" if steps else "it holds no STEP file"
-        raise ArchiveFault(reason, "unpack it and give the STEP file of the assembly")
+        reason = f"it contains {len(steps)} STEP files: {shown}{more}" if steps else "it contains no STEP file"
+        raise ArchiveFault(reason, "unpack it and pass the STEP file of the assembly")
     (member,) = steps if len(steps) == 1 else files
     if member.flag_bits & 1:
-        raise ArchiveFault("it is encrypted", "unpack it with its password and give the STEP file in it")
+        raise ArchiveFault("it is encrypted", "unpack it with its password and pass the STEP file")
     return member
 
 

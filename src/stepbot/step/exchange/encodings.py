@@ -153,7 +153,7 @@ def _refuse(data: Text, declared: str, offset: int, span: Span, found: Diagnosti
     byte = bytes(data[offset : offset + 1]).hex()
     found.add(
         "SB224",
-        f"names are not {declared}, as declared: byte 0x{byte} is invalid there",
+        f"names are not valid in the declared encoding {declared}: byte 0x{byte}",
         span,
         help=["declare the code page of the file, or remove the declaration: UTF-8 is detected"],
         notes=_readings(data),

@@ -168,7 +168,7 @@ def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Faul
         numbers = set(statement.references)
         for number in sorted(numbers & targets - statements.by_number.keys()):
             is_essential = _is_essential(statements.entity(statement), (*_SHAPES, *_STRUCTURE))
-            text = f"{statement}: there is no #{number}"
+            text = f"{statement}: #{number} is not defined"
             yield _Fault(statements.line(statement), text, is_essential)
 
 

@@ -56,7 +56,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
         of = f"{missing} of {missing + units.total()} shapes do" if units else "the file does"
         found.add(
             "SB207",
-            f"{of} not say in which unit lengths are",
+            f"{of} not declare a length unit",
             Span(place),
             help=["export with a CAD program that writes the unit", "add a LENGTH_UNIT to the geometric context"],
         )

@@ -320,7 +320,7 @@ class ComponentPaths:
             pattern,
             problem="ambiguous",
             candidates=tuple(self._components[index].path for index in indices),
-            help=("write enough of the path to be unambiguous",),
+            help=("use one of the full paths",),
         )
 
     def _unknown(self, pattern: str, segments: Sequence[_Segment]) -> Binding:

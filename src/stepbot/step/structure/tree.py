@@ -202,7 +202,7 @@ def _report(components: Sequence[Component], growing: _Growing, place: str, foun
     for index in growing.skewed:
         found.add(
             "SB214",
-            f"'{components[index].path}': placement is not a rigid transform: it skews or scales unevenly",
+            f"'{components[index].path}': placement is not a rigid transform: shear or non-uniform scaling",
             Span(place),
             help=["make it a separate part in CAD, with its true shape"],
         )

@@ -127,9 +127,9 @@ def faulty(tmp_path: Path, kind: str) -> Path:
         ("wrong checksum", "damaged"),
         ("cut zip", "damaged"),
         ("flipped zip", "damaged"),
-        ("several", "it holds 3 STEP files: 'a.stp', 'b.step', 'c.p21'"),
-        ("none", "it holds no STEP file"),
-        ("empty zip", "it holds no STEP file"),
+        ("several", "it contains 3 STEP files: 'a.stp', 'b.step', 'c.p21'"),
+        ("none", "it contains no STEP file"),
+        ("empty zip", "it contains no STEP file"),
         ("encrypted", "encrypted"),
     ],
 )

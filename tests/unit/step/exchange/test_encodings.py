@@ -90,7 +90,7 @@ def test_a_wrong_code_page(
     assert read(path, declared, found) is None
     (diagnostic,) = found
     assert diagnostic.code == "SB224"
-    assert f"not {declared}, as declared: byte {byte}" in diagnostic.message
+    assert f"declared encoding {declared}: byte {byte}" in diagnostic.message
     assert byte[2:] in path.read_bytes().split(b"\n")[diagnostic.span.line - 1].hex()
     assert any(written in note and text[:3] in note for note in diagnostic.notes) or written == "gbk"
     assert diagnostic.help

@@ -48,7 +48,7 @@ def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_pa
     assert fault.help
     user = re.search(rf"^#(\d+)=[^;]*?#{dropped[1]}\b", damaged, re.MULTILINE | re.DOTALL)
     assert user is not None
-    assert any(f"there is no #{dropped[1]}" in note for note in fault.notes)
+    assert any(f"#{dropped[1]} is not defined" in note for note in fault.notes)
     assert f"line {line_of(user, damaged)}: #{user[1]} " in "\n".join(fault.notes)
 
 
@@ -86,7 +86,7 @@ def test_styles_that_lead_nowhere_are_a_warning(tmp_path: Path) -> None:
     colour = first("COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR", text)
     faults = complaints(text.replace(colour[0], ""), tmp_path)
     assert [(d.code, d.severity) for d in faults] == [("SB223", "warning")]
-    assert any(f"there is no #{colour[1]}" in note for note in faults[0].notes)
+    assert any(f"#{colour[1]} is not defined" in note for note in faults[0].notes)
 
 
 def test_many_faults_are_counted(text: str, tmp_path: Path) -> None:
