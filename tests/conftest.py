@@ -10,6 +10,7 @@ import pytest
 from hypothesis import settings
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
+from tests import warm
 
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["STEPBOT_NO_CACHE"] = "1"
@@ -84,6 +85,20 @@ def corpus() -> Path:
 def robot_library() -> Path:
     """Folder of the robots that come with stepbot."""
     return ROOT / "robot_library"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _warm_processes() -> Iterator[None]:
+    """Workers of commands inside pytest are forked from processes that have loaded kernel and engines."""
+    with warm.warm_processes():
+        yield
+
+
+@pytest.fixture
+def cold_processes() -> Iterator[None]:
+    """Workers are started as for every user: for tests of just that."""
+    with warm.cold_processes():
+        yield
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,7 +1,6 @@
 """Each diagnostic code has an input that causes it, and the whole report about it, as text and as JSON."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,10 +13,9 @@ FOLDERS = folders()
 
 
 @pytest.fixture(scope="module")
-def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
+def stage(tmp_path_factory: pytest.TempPathFactory) -> Stage:
     """A folder in which the commands run."""
-    with Stage(tmp_path_factory.mktemp("stage")) as stage:
-        yield stage
+    return Stage(tmp_path_factory.mktemp("stage"))
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)

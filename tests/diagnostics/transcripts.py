@@ -23,20 +23,14 @@ import shutil
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import pytest
 
 import stepbot
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.engines import engine_of, engines
-from stepbot.engines.prestart import started_engine_server
-from stepbot.pipeline import prestart
-from stepbot.runtime import worker
-from stepbot.runtime.fork_server import ForkServer, can_serve
-from stepbot.verification import files
 from stepbot_cli import main
 from stepbot_cli.diagnostic_text import full, plain
 
@@ -47,8 +41,6 @@ if str(ROOT) not in sys.path:  # the command line removes the current folder
 NOT_INPUT = ("command", "engines", "expected.json", "expected.txt", "make.py", "__pycache__")
 CORE = ("extensions", "mujoco", "reader", "yourdfpy")
 """Engines that every installation has; others are disabled unless a folder names them."""
-_MODULES_OF_THE_KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
-_SPAWNED = worker.spawned
 Plain = dict[str, Any]
 """A diagnostic as ``--json`` prints it."""
 
@@ -93,21 +85,10 @@ def missing_engines(folder: Path) -> list[str]:
 
 
 class Stage:
-    """The folder that all commands run in, one after the other, and processes that have loaded kernel and engines.
-
-    To load them takes longer than all else; a worker is forked here from a process that has.
-    """
+    """The folder that all commands run in, one after the other."""
 
     def __init__(self, scratch: Path) -> None:
         self.scratch = scratch
-
-    @cached_property
-    def _kernel(self) -> ForkServer | None:
-        return ForkServer([*_MODULES_OF_THE_KERNEL, "trimesh"]) if can_serve() else None
-
-    @cached_property
-    def _engines(self) -> ForkServer | None:
-        return started_engine_server()
 
     def transcript(self, folder: Path) -> Transcript:
         """Run the command of a folder in an empty folder."""
@@ -116,9 +97,6 @@ class Stage:
             patch.chdir(self.scratch)
             patch.setenv("STEPBOT_NO_CACHE", "1")
             patch.delenv("COLUMNS", raising=False)
-            patch.setattr(worker, "spawned", self._started)
-            for module in (files, prestart):
-                patch.setattr(module, "started_engine_server", lambda: None)
             for engine in engines():
                 if engine.name not in (*CORE, *_more_engines(folder)):
                     patch.setattr(engine, "available", lambda name=engine.name: f"{name} is not installed")
@@ -135,14 +113,6 @@ class Stage:
             text = full([_diagnostic(one) for one in same])
         return Transcript(same, _normalised(text, self.scratch) + "\n", exit_code)
 
-    def __enter__(self) -> "Stage":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        for name in ("_kernel", "_engines"):
-            if (server := self.__dict__.get(name)) is not None:
-                server.close()
-
     def _set(self, folder: Path) -> None:
         """Empty the folder, and copy the input there."""
         for path in self.scratch.iterdir():
@@ -150,10 +120,6 @@ class Stage:
         for path in folder.iterdir():
             if path.name not in NOT_INPUT:
                 (shutil.copytree if path.is_dir() else shutil.copyfile)(path, self.scratch / path.name)
-
-    def _started(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> worker.Process:
-        server = self._kernel if function.startswith(_MODULES_OF_THE_KERNEL) else self._engines
-        return server.fork(function, memory_limit, stderr) if server else _SPAWNED(function, memory_limit, stderr)
 
 
 def _made(folder: Path) -> dict[str, Any]:

@@ -6,11 +6,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from tests.diagnostics.transcripts import Stage, folders, missing_engines
+from tests.warm import warm_processes
 
 
 def update(codes: list[str]) -> Iterator[str]:
     """Rewrite the expected files of some codes; yields a line for each that changed or was skipped."""
-    with TemporaryDirectory(prefix="stepbot-transcripts-") as scratch, Stage(Path(scratch)) as stage:
+    with TemporaryDirectory(prefix="stepbot-transcripts-") as scratch, warm_processes():
+        stage = Stage(Path(scratch))
         for folder in folders():
             if not codes or folder.name[:5] in codes or folder.name in codes:
                 yield from _update(folder, stage)

@@ -1,0 +1,106 @@
+"""Worker processes of commands that run inside pytest, forked from processes that have loaded kernel and engines.
+
+To load them takes longer than most tests. A worker gets the current folder and the environment that the test has when
+it starts, as a worker of a command does. Commands in processes of their own (:mod:`tests.command_line`) start theirs as
+for every user.
+"""
+
+import base64
+import importlib
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import pytest
+
+from stepbot.engines.prestart import started_engine_server
+from stepbot.pipeline import prestart
+from stepbot.runtime import worker
+from stepbot.runtime.fork_server import ForkServer, can_serve
+from stepbot.verification import files
+
+_KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
+_SPAWNED = worker.spawned
+
+
+class WarmProcesses:
+    """Servers that fork workers, started when the first worker is."""
+
+    def __init__(self) -> None:
+        self._environment = dict(os.environ)
+
+    @cached_property
+    def _kernel(self) -> ForkServer:
+        return ForkServer([*_KERNEL, "trimesh"])
+
+    @cached_property
+    def _engines(self) -> ForkServer | None:
+        return started_engine_server()
+
+    def start(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> worker.Process:
+        """Start a worker; see :data:`stepbot.runtime.worker.Start`."""
+        server = (self._kernel if function.startswith(_KERNEL) else self._engines) if can_serve() else None
+        if server is None:
+            return _SPAWNED(function, memory_limit, stderr)
+        changes = {name: value for name, value in os.environ.items() if self._environment.get(name) != value}
+        removed: dict[str, None] = dict.fromkeys(self._environment.keys() - os.environ.keys())
+        return server.fork(_named(function, str(Path.cwd()), changes | removed), memory_limit, stderr)
+
+    def close(self) -> None:
+        """End the servers."""
+        for name in ("_kernel", "_engines"):
+            if (server := self.__dict__.get(name)) is not None:
+                server.close()
+
+
+@contextmanager
+def warm_processes() -> Iterator[None]:
+    """All workers of this process are started by :class:`WarmProcesses`."""
+    processes = WarmProcesses()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker, "spawned", processes.start)
+        for module in (files, prestart):
+            patch.setattr(module, "started_engine_server", lambda: None)
+        yield
+    processes.close()
+
+
+@contextmanager
+def cold_processes() -> Iterator[None]:
+    """Workers are started as for every user."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker, "spawned", _SPAWNED)
+        for module in (files, prestart):
+            patch.setattr(module, "started_engine_server", started_engine_server)
+        yield
+
+
+def _named(function: str, folder: str, changes: dict[str, str | None]) -> str:
+    """A name in this module for ``function`` that is called in a folder, with some environment variables changed."""
+    order = json.dumps((function, folder, changes)).encode()
+    return f"{__name__}:{base64.urlsafe_b64encode(order).decode()}"
+
+
+def __getattr__(name: str) -> Callable[..., Any]:
+    """In a worker: the function of a name that :func:`_named` has made."""
+    try:
+        function, folder, changes = json.loads(base64.urlsafe_b64decode(name))
+    except ValueError:
+        raise AttributeError(name) from None
+    os.chdir(folder)
+    for variable, value in changes.items():
+        if value is None:
+            os.environ.pop(variable, None)
+        else:
+            os.environ[variable] = value
+    tempfile.tempdir = None
+    module, _, attribute = function.partition(":")
+    loaded = importlib.import_module(module)
+    getattr(loaded, "prepare", lambda: None)()
+    call: Callable[..., Any] = getattr(loaded, attribute)
+    return call
