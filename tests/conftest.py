@@ -2,7 +2,9 @@
 
 import importlib.util
 import os
+import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,8 +15,6 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from tests import warm
 
 ROOT = Path(__file__).resolve().parents[1]
-os.environ["STEPBOT_NO_CACHE"] = "1"
-"""Tests do not share a cache; those of the cache use their own."""
 os.environ.pop("COLUMNS", None)
 """Tests do not depend on the size of the terminal, which readline passes to processes of pytest-xdist."""
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
@@ -85,6 +85,24 @@ def corpus() -> Path:
 def robot_library() -> Path:
     """Folder of the robots that come with stepbot."""
     return ROOT / "robot_library"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Name a cache for commands of this run of the tests: what one has read and verified, no other reads again."""
+    if not hasattr(config, "workerinput"):  # processes of pytest-xdist inherit it
+        os.environ["STEPBOT_CACHE"] = tempfile.mkdtemp(prefix="stepbot-tests-")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove the cache of this run."""
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ["STEPBOT_CACHE"])
+
+
+@pytest.fixture
+def without_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands have no cache: for tests whose subject is the work that it saves."""
+    monkeypatch.setenv("STEPBOT_NO_CACHE", "1")
 
 
 @pytest.fixture(scope="session", autouse=True)

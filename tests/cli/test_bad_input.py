@@ -20,6 +20,8 @@ from tests.command_line import COMMAND, convert_once, environment, snapshot
 
 from .conftest import Run, Stepbot
 
+pytestmark = pytest.mark.usefixtures("without_cache")
+
 SIDECAR, STEP = "arm2.robot.yaml", "arm2.step"
 PROCESSES = Path("/proc")
 ON_LINUX = pytest.mark.skipif(not (PROCESSES / "self" / "task").is_dir(), reason="needs /proc to find the worker")

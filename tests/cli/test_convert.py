@@ -12,6 +12,8 @@ from stepbot_cli.convert import default_output
 
 from .conftest import Stepbot
 
+pytestmark = pytest.mark.usefixtures("without_cache")
+
 FILES = {"arm2.urdf", "arm2.sdf", "arm2.xml", "report.json"}
 
 

@@ -14,6 +14,8 @@ import pytest
 from stepbot.runtime.programs import find_program
 from tests.command_line import LONGEST, convert_once
 
+pytestmark = pytest.mark.usefixtures("without_cache")
+
 ARM = ("arm2.robot.yaml", "arm2.step")
 INSTALLED = (sys.executable, "-P", "-m", "stepbot_cli")
 """The start of the installed command: its own folder is first on the path."""

@@ -11,7 +11,7 @@ import pytest
 from stepbot.runtime.processes import NO_FORK
 from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot, stepbot
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_cache")]
 
 
 def first_run(temporary: pytest.TempPathFactory, library: Path, robot: str) -> Conversion:
