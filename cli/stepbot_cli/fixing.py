@@ -40,20 +40,20 @@ class Fixed:
 
 def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | None:
     """Rewrite the paths of certainly renamed components in a sidecar and its lock; None where nothing was written."""
-    from stepbot.pipeline.locking import mend
+    from stepbot.pipeline.locking import fix_renamed_paths
     from stepbot.revisions.lock_path import lock_path
     from stepbot.runtime.file import write_file
 
-    mended = mend(sidecar, options, found)
-    if mended is None:
+    fixed = fix_renamed_paths(sidecar, options, found)
+    if fixed is None:
         return None
     target, trouble = sidecar.resolve(), Diagnostics()
     mode = target.stat().st_mode
-    write_file(target, mended.sidecar, trouble)
+    write_file(target, fixed.sidecar, trouble)
     found.extend(trouble)
     if trouble.has_errors:
         return None
     with contextlib.suppress(OSError):  # who may write a file need not own it
         target.chmod(mode)
-    write_file(lock_path(sidecar).resolve(), mended.lock, found)
-    return Fixed(sidecar, mended.before.decode("utf-8"), mended.sidecar.decode("utf-8"), mended.paths)
+    write_file(lock_path(sidecar).resolve(), fixed.lock, found)
+    return Fixed(sidecar, fixed.before.decode("utf-8"), fixed.sidecar.decode("utf-8"), fixed.paths)

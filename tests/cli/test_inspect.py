@@ -13,7 +13,7 @@ from ruamel.yaml import YAML
 from robot_library.stepbot_arm2.dimensions import BASE_PLATE, COLUMN, TURNTABLE, turntable_place
 from stepbot.step.assembly import Quantity
 from tests import command_line, parts, solids
-from tests.stating import Stating
+from tests.step_editor import StepEditor
 
 from .conftest import Stepbot
 
@@ -175,7 +175,7 @@ def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPa
 
 def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
     """Stated validation properties are listed with the measured values, as text and JSON."""
-    file = Stating(parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path)
+    file = StepEditor(parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path)
     block = file.definition("block")
     file.measure(block, Quantity.VOLUME, 0.240, "cm", power=3)
     file.measure(block, Quantity.AREA, 24_800.0)

@@ -8,7 +8,7 @@ import pytest
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence
 from tests import parts, solids
-from tests.stating import Stating
+from tests.step_editor import StepEditor
 
 from .conftest import Stepbot
 
@@ -31,7 +31,7 @@ def cart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     products = [parts.drawn(name, solids.box(100, 20, 30)) for name in ("frame", "axle", "cover", "wheel")]
     children = [Occurrence(p, f"{p.name}:1", pose((0, 50 * i, 0))) for i, p in enumerate(products)]
     parts.draw(tmp_path / "cart.step", Assembly("root", children))
-    file = Stating(tmp_path / "cart.step")
+    file = StepEditor(tmp_path / "cart.step")
     name_material(file, "frame", "DESCRIPTIVE_REPRESENTATION_ITEM('Aluminium 6061','wrought')")
     name_material(file, "axle", "DESCRIPTIVE_REPRESENTATION_ITEM('material name','Unobtainium')")
     file.write()
@@ -39,7 +39,7 @@ def cart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def name_material(file: Stating, product: str, item: str) -> None:
+def name_material(file: StepEditor, product: str, item: str) -> None:
     """Set the material of a product."""
     subject = file.definition(product)
     meaning = file.add(f"PROPERTY_DEFINITION('material property','material name',#{subject})")

@@ -24,7 +24,7 @@ from tests.corpus.files import FILES, READABLE, CorpusFile, index_row
 from tests.corpus.plain_kernel import PlainSolid, plain_solids
 from tests.corpus.reading import ACCURACY, DEVIATIONS, ReadFile
 from tests.unit.assemble.workshop import robot_of, sidecar
-from tests.unit.step.here import by_path
+from tests.unit.step.in_process import by_path
 
 pytestmark = pytest.mark.slow
 

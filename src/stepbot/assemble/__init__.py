@@ -2,12 +2,12 @@
 
 material_assignment  density, colour and collision of each component
 claims               the link of each component
-weigh                mass properties of each body: exact or from its mesh
+measured_bodies      mass properties of each body: exact or from its mesh
 masses               mass of each component
 overlaps             mass that overlapping solids count twice
 bound                links, masses and joints as far as the sidecar binds
 frames               origin of each joint and frame, as drawn
-evidence             the faces that an origin was found by
+axis_evidence        the faces that an origin was found by
 joints               joints, closures, the joint table
 devices              named frames, actuators, sensors
 links                mass properties, visuals, collisions
@@ -36,8 +36,8 @@ from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
 from .masses import masses
 from .material_assignment import assign_materials
+from .measured_bodies import measured_bodies, report_choices, report_massless
 from .up_axis import report_up_axis
-from .weigh import report_weighing, report_weightless, weigh
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def build_robot(
     named = build_frames(binder, frames)
     sensors = build_sensors(binder, frames)
 
-    bodies = weigh(assembly, measures(), document.mass)
+    bodies = measured_bodies(assembly, measures(), document.mass)
     weighed = masses(binder, materials, bodies)
     links = Links(binder, claims, materials.of, weighed, bodies)
     links.report_unknown_masses()
@@ -128,8 +128,8 @@ def _report_bodies(binder: Binder, claims: Claims, bodies: Sequence[MeasuredBody
     links = binder.document.links
     given = {name for name, link in links.items() if link.inertial is not None and is_complete(link.inertial)}
     weighed = [index for index, link in enumerate(claims.link_of) if link and link not in given]
-    report_weighing(binder, bodies, weighed)
-    report_weightless(binder, bodies, weighed)
+    report_choices(binder, bodies, weighed)
+    report_massless(binder, bodies, weighed)
 
 
 __all__ = ["UNREVISED", "Bound", "Built", "Revised", "bind", "build_robot", "link_components"]

@@ -16,7 +16,7 @@ from .frames import Frames, Wanted
 from .joints import direction_in, tidy, tree_order
 from .masses import masses
 from .material_assignment import assign_materials
-from .weigh import weigh
+from .measured_bodies import measured_bodies
 
 _WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
@@ -64,7 +64,7 @@ def bind(
     binder = Binder(assembly, sidecar, Diagnostics(), revised)
     materials = assign_materials(binder)
     claims = claim(binder, materials.of)
-    weighed = masses(binder, materials, weigh(assembly, measures, sidecar.document.mass))
+    weighed = masses(binder, materials, measured_bodies(assembly, measures, sidecar.document.mass))
     return Bound(claims, weighed, placed_joints(binder, Frames(binder, claims, tree_order(sidecar.document)[0])))
 
 

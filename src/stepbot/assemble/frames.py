@@ -39,9 +39,9 @@ from stepbot.step.features.axes import (
 )
 from stepbot.step.structure.paths import quoted
 
+from .axis_evidence import described, evidence_of, radii_of
 from .binder import Binder, listed
 from .claims import Claims
-from .evidence import described, evidence_of, radii_of
 
 ASSEMBLY = "assembly"
 """The name of the STEP's frame in ``relative_to``."""

@@ -10,12 +10,12 @@ from pathlib import Path
 from stepbot.assemble import bind, build_robot
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.revisions.age import report_age
 from stepbot.revisions.comparison import Comparison, revised
 from stepbot.revisions.findings import report_changes
 from stepbot.revisions.lock_file import lock_bytes, read_lock
 from stepbot.revisions.lock_path import lock_path
-from stepbot.revisions.mending import certain_renamings, renamed_lock
+from stepbot.revisions.outdated_lock import report_outdated
+from stepbot.revisions.renaming import certain_renamings, renamed_lock
 from stepbot.revisions.snapshot import Snapshot, snapshot, with_sidecar
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.rewriting import rewritten
@@ -51,7 +51,7 @@ def compared_with_lock(
     lock = read_lock(lock_path(sidecar.path), sidecar.document.robot, found)
     if lock is None:
         return None
-    report_age(lock, sidecar, found)
+    report_outdated(lock, sidecar, found)
     if digest and digest == lock.digest:
         return None
     compared = revised(sidecar, assembly, lock, measures(), digest)
@@ -91,7 +91,7 @@ def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | N
 
 
 @dataclass(frozen=True)
-class Mended:
+class FixedSidecar:
     """A sidecar with the new paths of components that were certainly renamed."""
 
     before: bytes
@@ -104,7 +104,7 @@ class Mended:
     """The new path for each one that changed."""
 
 
-def mend(sidecar: Path, options: Options, found: Diagnostics) -> Mended | None:
+def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> FixedSidecar | None:
     """The sidecar with certain renamings applied; None if there are none.
 
     Args:
@@ -139,4 +139,4 @@ def mend(sidecar: Path, options: Options, found: Diagnostics) -> Mended | None:
         names = [f"{quoted(old)}: write {quoted(name)}" for old, name in paths.items()]
         found.add("SB018", "renamed paths cannot be replaced without changing other values", loaded.span(), help=names)
         return None
-    return Mended(content, new, lock_bytes(renamed_lock(compared)), paths)
+    return FixedSidecar(content, new, lock_bytes(renamed_lock(compared)), paths)

@@ -6,7 +6,7 @@ import pytest
 
 from stepbot.step.assembly import Quantity
 from tests import parts
-from tests.stating import Stating
+from tests.step_editor import StepEditor
 
 STEP = Path("robot.step")
 
@@ -14,6 +14,6 @@ STEP = Path("robot.step")
 def make(patch: pytest.MonkeyPatch) -> None:
     """Set it up."""
     parts.write_box(STEP, (100.0, 60.0, 40.0))
-    file = Stating(STEP)
+    file = StepEditor(STEP)
     file.measure(file.definition("block"), Quantity.VOLUME, 250_000.0)
     file.write()

@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import MeshTolerance, ReadOptions
 from stepbot.step.shapes import tessellation
 from tests import parts
-from tests.unit.step.here import read_here
+from tests.unit.step.in_process import read_here
 
 STEP = Path("robot.step")
 

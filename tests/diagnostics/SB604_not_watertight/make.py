@@ -7,7 +7,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.shapes import bodies
 from tests import parts
-from tests.unit.step.here import read_here
+from tests.unit.step.in_process import read_here
 
 STEP = Path("robot.step")
 

@@ -15,8 +15,8 @@ from stepbot.assemble.claims import claim
 from stepbot.assemble.double_counting import DoubleCounting
 from stepbot.assemble.masses import masses
 from stepbot.assemble.material_assignment import assign_materials
+from stepbot.assemble.measured_bodies import measured_bodies
 from stepbot.assemble.overlaps import OverlapSearch
-from stepbot.assemble.weigh import weigh
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import MESH_WORKER
@@ -39,7 +39,7 @@ def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -
     binder = Binder(shop.assembly, sidecar(folder, text), found)
     materials = assign_materials(binder)
     claims = claim(binder, materials.of)
-    weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
+    weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
     (overlaps,) = OverlapSearch(shop.assembly, {"base": claims.parts_of("base")}, weighed, max_faces).result().values()
     return overlaps
 
@@ -216,7 +216,7 @@ def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) ->
 
     binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), found)
     materials = assign_materials(binder)
-    weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
+    weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
     DoubleCounting(binder, claim(binder, materials.of), weighed, max_faces=0).report()
     (note,) = found
     assert (note.code, note.severity) == ("SB514", "note")
@@ -256,7 +256,7 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         binder = Binder(shop.assembly, sidecar(tmp_path, text), Diagnostics())
         materials = assign_materials(binder)
         claims = claim(binder, materials.of)
-        weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
+        weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
         parts = {link: claims.parts_of(link) for link in binder.document.links}
         return OverlapSearch(shop.assembly, parts, weighed, cache=cache).result()
 
@@ -273,7 +273,7 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def _search(shop: Workshop, folder: Path, found: Diagnostics, process: Worker) -> DoubleCounting:
     binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), found)
     materials = assign_materials(binder)
-    weighed = masses(binder, materials, weigh(shop.assembly, shop.measures, binder.document.mass))
+    weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
     return DoubleCounting(binder, claim(binder, materials.of), weighed, process=process)
 
 

@@ -14,7 +14,7 @@ from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.parts import Drawing
 from tests.unit.assemble.workshop import robot_of, sidecar
-from tests.unit.step.here import read_here
+from tests.unit.step.in_process import read_here
 
 ONE = "    links: {base: {rest: true}}\n"
 WATER = "    defaults: {density: 1000}\n"

@@ -14,7 +14,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.step.assembly import Assembly, ReadOptions
-from tests.unit.step.here import read_quietly
+from tests.unit.step.in_process import read_quietly
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from stepbot.step.assembly import Assembly, ReadOptions
 from stepbot.step.reader import read_assembly, start_reading
 from tests import parts
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import read_here, read_quietly
+from tests.unit.step.in_process import read_here, read_quietly
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
 
@@ -185,7 +185,7 @@ SCRIPT = """
 import hashlib, sys
 from pathlib import Path
 from stepbot.runtime import parallel
-from tests.unit.step.here import read_quietly
+from tests.unit.step.in_process import read_quietly
 from tests.unit.step.test_process import content
 parallel.core_count = lambda: int(sys.argv[2])
 print(hashlib.sha256(content(read_quietly(Path(sys.argv[1])))).hexdigest())

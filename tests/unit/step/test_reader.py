@@ -12,7 +12,7 @@ from robot_library.step_file import LengthUnit, Occurrence
 from stepbot.step.assembly import BodyKind, ReadOptions
 from tests import parts, solids
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import by_path, read_here, read_quietly
+from tests.unit.step.in_process import by_path, read_here, read_quietly
 
 DRAWINGS: list[Callable[[Path], parts.Drawing]] = [
     parts.write_box,

@@ -15,7 +15,7 @@ from stepbot.step.exchange.file_set import input_digest
 from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.separate_files import Component, write_structure
-from tests.unit.step.here import by_path, read_here, read_quietly
+from tests.unit.step.in_process import by_path, read_here, read_quietly
 
 
 def gzipped(path: Path, content: bytes, name: str = "arm.stp") -> None:

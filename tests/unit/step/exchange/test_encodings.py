@@ -8,7 +8,7 @@ from stepbot.step.assembly import Assembly, ReadOptions
 from stepbot.step.exchange.encodings import as_utf8, check_encoding
 from tests import parts, solids
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import read_here
+from tests.unit.step.in_process import read_here
 
 RUSSIAN, CHINESE, JAPANESE = "Корпус №1", "螺丝 乗S\\", "表示ソ"
 """The second bytes of some of these characters are backslashes: 乗 in GBK, 表 and ソ in Shift JIS."""

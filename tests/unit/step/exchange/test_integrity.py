@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from tests import parts
-from tests.unit.step.here import read_here
+from tests.unit.step.in_process import read_here
 
 
 @pytest.fixture

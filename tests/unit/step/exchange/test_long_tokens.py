@@ -7,7 +7,7 @@ import pytest
 from stepbot.step.exchange.long_tokens import LONGEST
 from tests import parts
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import read_here
+from tests.unit.step.in_process import read_here
 
 ROOM = LONGEST - 2
 """Bytes between the quotes."""

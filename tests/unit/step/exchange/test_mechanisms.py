@@ -6,7 +6,7 @@ from pathlib import Path
 from stepbot.step.exchange.selection import mechanism_count
 from stepbot.step.kernel import read_model
 from tests import parts
-from tests.unit.step.here import read_quietly
+from tests.unit.step.in_process import read_quietly
 
 
 def add_mechanism(path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from stepbot.geometry.spatial import Array
 from tests import parts, solids
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import read_here, read_quietly
+from tests.unit.step.in_process import read_here, read_quietly
 
 BRACKET = (
     solids.box(40, 10, 10).at(20, 0, 0) + solids.box(10, 30, 10).at(35, 20, 0) + solids.box(10, 10, 50).at(35, 30, 30)

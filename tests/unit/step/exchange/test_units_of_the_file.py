@@ -8,7 +8,7 @@ import pytest
 from stepbot.step.assembly import Assembly
 from tests import parts
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import read_here, read_quietly
+from tests.unit.step.in_process import read_here, read_quietly
 
 GRAM = "( MASS_UNIT() NAMED_UNIT(*) SI_UNIT($,.GRAM.) )"
 CENTIMETRE = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.CENTI.,.METRE.) )"

@@ -16,7 +16,7 @@ from stepbot.step.shapes.error_estimate import estimated, is_simple
 from stepbot.step.shapes.exact import integrate, volume_properties
 from stepbot.step.shapes.tessellation import Fineness, tessellated
 from tests import solids
-from tests.unit.step.here import read_quietly
+from tests.unit.step.in_process import read_quietly
 from tests.unit.step.shapes.test_bodies import as_nurbs, only, write, write_with_parameter_curves
 
 Closed = Callable[[Array], tuple[Array, Array]]

@@ -11,7 +11,7 @@ from robot_library.moments import Array
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.quadrature.solids import quadrature
 from stepbot.step.shapes.exact import integrate, volume_properties
-from tests.unit.step.here import read_here, read_quietly
+from tests.unit.step.in_process import read_here, read_quietly
 from tests.unit.step.quadrature.test_solids import Outline, area_moments, assert_same, extruded, prism
 from tests.unit.step.shapes.test_bodies import only, write_with_parameter_curves
 

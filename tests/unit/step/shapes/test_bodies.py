@@ -14,7 +14,7 @@ from stepbot.step.assembly import Assembly, AxisFace, Body, BodyKind, MeshTolera
 from stepbot.step.shapes import measuring, tessellation
 from tests import parts, solids
 from tests.conftest import ReadDiagnostics
-from tests.unit.step.here import read_here, read_quietly
+from tests.unit.step.in_process import read_here, read_quietly
 
 
 def write(path: Path, shape: Any) -> Path:

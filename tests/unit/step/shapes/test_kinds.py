@@ -19,7 +19,7 @@ from stepbot.step.shapes.self_intersection import share_within
 from stepbot.step.shapes.stitching import Stitched
 from tests import parts, solids
 from tests.conftest import ROOT, ReadDiagnostics
-from tests.unit.step.here import by_path, read_here, read_quietly
+from tests.unit.step.in_process import by_path, read_here, read_quietly
 
 BLOCK = solids.box(40, 30, 20).at(5, 7, 11)
 
@@ -382,7 +382,7 @@ def cost_of(path: Path) -> Cost:
 import os, pickle, sys
 from pathlib import Path
 from stepbot.step import worker
-from tests.unit.step.here import read_quietly
+from tests.unit.step.in_process import read_quietly
 before = sum(os.times()[:4])
 assembly = read_quietly(Path(sys.argv[1]))
 print(sum(os.times()[:4]) - before, len(pickle.dumps(assembly, protocol=5)), len(assembly.components))

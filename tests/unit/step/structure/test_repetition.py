@@ -10,7 +10,7 @@ from robot_library.step_file import Assembly, LengthUnit, Occurrence
 from stepbot.step.assembly import Component, ReadOptions
 from stepbot.step.structure import repetition
 from tests import parts, solids
-from tests.unit.step.here import read_quietly
+from tests.unit.step.in_process import read_quietly
 
 TREE = ReadOptions(geometry=False)
 

@@ -13,8 +13,8 @@ from robot_library.step_file import LengthUnit, Occurrence
 from stepbot.step.assembly import Assembly, Quantity, ReadOptions, Validation
 from tests import parts, solids
 from tests.conftest import ReadDiagnostics
-from tests.stating import METRES, Stating
-from tests.unit.step.here import read_here, read_quietly
+from tests.step_editor import METRES, StepEditor
+from tests.unit.step.in_process import read_here, read_quietly
 
 
 def by_quantity(assembly: Assembly) -> dict[str, Validation]:
@@ -26,7 +26,7 @@ def by_quantity(assembly: Assembly) -> dict[str, Validation]:
 def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -> None:
     """A value has its own unit, independent of the file's length unit; a centroid has the file's."""
     drawing = parts.write_cylinder(tmp_path / "cylinder.step", 20.0, 70.0, unit)
-    file = Stating(drawing.path)
+    file = StepEditor(drawing.path)
     root, one = file.definition("pin"), METRES[stated_in]
     subject = file.shape(root)
     file.measure(subject, Quantity.VOLUME, pi * 0.020**2 * 0.070 / one**3, stated_in)
@@ -45,7 +45,7 @@ def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -
 def test_what_differs_is_said(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A wrong volume and a wrong centroid are reported with both values, the deviation and the part."""
     drawing = parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0))
-    file = Stating(drawing.path)
+    file = StepEditor(drawing.path)
     block = file.definition("block")
     file.measure(block, Quantity.VOLUME, 250_000.0)
     file.measure(block, Quantity.AREA, 24_800.0 * 1.009)
@@ -70,7 +70,7 @@ def test_what_differs_is_said(tmp_path: Path, found: ReadDiagnostics) -> None:
 def test_sums_over_an_assembly(tmp_path: Path) -> None:
     """The values of an assembly are those of everything below it, for any occurrences."""
     drawing = parts.write_nested(tmp_path / "nested.step")
-    file = Stating(drawing.path)
+    file = StepEditor(drawing.path)
     root = file.definition("machine")
     file.measure(root, Quantity.VOLUME, drawing.body.mass * 1e9)
     file.centroid(root, np.array(drawing.body.com) * 1e3, file.context(file.representation(root)))
@@ -83,7 +83,7 @@ def test_sums_over_an_assembly(tmp_path: Path) -> None:
 def test_mirrored_and_repeated_occurrences(tmp_path: Path) -> None:
     """The centroid of an occurrence is in the assembly's frame; each of several has its own."""
     drawing = parts.write_mirrored(tmp_path / "pair.step")
-    file = Stating(drawing.path)
+    file = StepEditor(drawing.path)
     context = file.context(file.representation(file.definition("pair of brackets")))
     usages = [
         int(n)
@@ -102,7 +102,7 @@ def test_mirrored_and_repeated_occurrences(tmp_path: Path) -> None:
 def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) -> None:
     """Each solid of a part has its own values, in the forms of AP214 and AP242."""
     drawing = parts.write_two_solids(tmp_path / "pair.step")
-    file = Stating(drawing.path)
+    file = StepEditor(drawing.path)
     definition = file.definition("pair")
     representation = file.representation(definition)
     text = drawing.path.read_text(encoding="utf-8")
@@ -128,7 +128,7 @@ def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) ->
 
 def test_what_cannot_be_compared(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A volume in square metres, and a value of something that is not a part, are counted as not compared."""
-    file = Stating(parts.write_box(tmp_path / "box.step").path)
+    file = StepEditor(parts.write_box(tmp_path / "box.step").path)
     root = file.definition("block")
     file.measure(root, Quantity.VOLUME, 1.0, power=2)
     file.measure(file.find("APPLICATION_CONTEXT"), Quantity.VOLUME, 1.0)
@@ -142,7 +142,7 @@ def test_what_cannot_be_compared(tmp_path: Path, found: ReadDiagnostics) -> None
 
 def test_triangles_are_not_compared(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A tessellated body has no exact volume to compare."""
-    file = Stating(parts.write_tessellated(tmp_path / "mesh.step").path)
+    file = StepEditor(parts.write_tessellated(tmp_path / "mesh.step").path)
     file.measure(file.definition("scan"), Quantity.VOLUME, 1.0)
     assembly = read_here(file.write(), found)
     assert assembly is not None
@@ -151,7 +151,7 @@ def test_triangles_are_not_compared(tmp_path: Path, found: ReadDiagnostics) -> N
 
 def test_an_open_solid_has_no_volume(tmp_path: Path, found: ReadDiagnostics) -> None:
     """The stated volume of a solid that lost a face is reported as different."""
-    file = Stating(parts.write_open_solid(tmp_path / "open.step").path)
+    file = StepEditor(parts.write_open_solid(tmp_path / "open.step").path)
     file.measure(file.definition("open box"), Quantity.VOLUME, 1000.0)
     assembly = read_here(file.write(), found)
     assert assembly is not None
@@ -161,7 +161,7 @@ def test_an_open_solid_has_no_volume(tmp_path: Path, found: ReadDiagnostics) -> 
 
 def test_without_geometry_nothing_is_compared(tmp_path: Path) -> None:
     """Without geometry nothing is compared."""
-    file = Stating(parts.write_box(tmp_path / "box.step").path)
+    file = StepEditor(parts.write_box(tmp_path / "box.step").path)
     file.measure(file.definition("block"), Quantity.VOLUME, 1.0)
     assert read_quietly(file.write(), ReadOptions(geometry=False)).validations == ()
 
@@ -170,7 +170,7 @@ def test_areas_cost_nothing_where_none_is_stated(tmp_path: Path) -> None:
     """Areas are integrated only if the file states one."""
     path = parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0)).path
     assert [body.area for body in read_quietly(path).bodies] == [0.0]
-    file = Stating(path)
+    file = StepEditor(path)
     file.measure(file.definition("block"), Quantity.AREA, 24_800.0)
     assert [body.area for body in read_quietly(file.write()).bodies] == [pytest.approx(0.0248, rel=1e-12)]
 
@@ -205,7 +205,7 @@ def test_a_turned_occurrence_of_an_assembly(tmp_path: Path) -> None:
     root = DrawnAssembly("root", [Occurrence(pair, "pair:1", pose((50, 0, 0), np.diag([1.0, -1.0, -1.0])))])
     path = tmp_path / "turned.step"
     drawing = parts.draw(path, root)
-    file = Stating(path)
+    file = StepEditor(path)
     definition = file.definition("pair")
     height = float(pin.bodies[0].com[2])
     file.centroid(definition, (3, 2, 3 + height), file.context(file.representation(definition)))

@@ -18,7 +18,9 @@ from .binder import Binder, listed
 from .reading import MASS_TOLERANCE
 
 
-def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode) -> tuple[MeasuredBody, ...]:
+def measured_bodies(
+    assembly: Assembly, measures: Sequence[VolumeProperties | None], mode: MassMode
+) -> tuple[MeasuredBody, ...]:
     """Each body of the assembly, measured on its mesh and exactly, and which of the two is used.
 
     Args:
@@ -31,12 +33,12 @@ def weigh(assembly: Assembly, measures: Sequence[VolumeProperties | None], mode:
     for component in assembly.components:
         names.setdefault(component.body, component.path)
     return tuple(
-        _weigh(names.get(number, ""), occurrences[number], body, body.refined or measure, mode)
+        _measured(names.get(number, ""), occurrences[number], body, body.refined or measure, mode)
         for number, (body, measure) in enumerate(zip(assembly.bodies, measures, strict=True))
     )
 
 
-def report_weighing(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
+def report_choices(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
     """Report the robot's components whose mass properties are not the mesh's, and why."""
     first: dict[int, int] = {}
     for index in sorted(components):
@@ -60,7 +62,7 @@ def report_weighing(binder: Binder, bodies: Sequence[MeasuredBody], components: 
         binder.found.add("SB505", f"mass: {message}", span, notes=listed(deviating))
 
 
-def report_weightless(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
+def report_massless(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
     """Report components without mass properties: expected for surfaces, an error for solids."""
     surfaces: dict[int, list[int]] = {}
     broken: dict[int, list[int]] = {}
@@ -123,7 +125,7 @@ def _is_uncertain(body: Body) -> bool:
     return body.exact is not None and body.exact_error > CERTAIN
 
 
-def _weigh(name: str, occurrences: int, body: Body, mesh: VolumeProperties | None, mode: MassMode) -> MeasuredBody:
+def _measured(name: str, occurrences: int, body: Body, mesh: VolumeProperties | None, mode: MassMode) -> MeasuredBody:
     exact = body.exact
     deviation, quantity = mesh.deviation_from(exact) if mesh is not None and exact is not None else (None, "")
     used, written = None, body.defect or f"a {body.kind} has no volume"

@@ -14,7 +14,7 @@ _MEASURES = {
 }
 
 
-class Stating:
+class StepEditor:
     """A STEP file with added statements."""
 
     def __init__(self, path: Path) -> None:

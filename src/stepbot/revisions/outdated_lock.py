@@ -11,7 +11,7 @@ from stepbot.step.structure.paths import quoted
 from .snapshot import Snapshot
 
 
-def report_age(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:
+def report_outdated(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:
     """Report joints and paths of the sidecar that the lock lacks, because the sidecar was edited later: SB016."""
     document = sidecar.document
     locked = {joint.name for joint in lock.joints}
