@@ -1,5 +1,6 @@
 """``stepbot init``: draft a sidecar from a STEP file."""
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,12 +13,14 @@ from .caching import say_trouble
 from .command import Command, display_options, json_option
 from .convert import default_output
 from .progress import progress_bar
+from .questions import asked
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.authoring.draft import Draft
     from stepbot.pipeline.conversion import Options
+    from stepbot.pipeline.drafting import Again
 
 
 @click.command(
@@ -71,17 +74,18 @@ def command(
         help = ["write another file with -o, or overwrite it with --force"]
         found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
         return _told(None, sidecar, step, found, as_json=as_json, display=display)
-    with progress_bar(("read",)) as progress:
-        progress("read")
-        drafting = draft_step(step, options, description)
+    with ExitStack() as bar:
+        bar.enter_context(progress_bar(("read",)))("read")
+
+        def ask(draft: "Draft", again: "Again | None") -> "Draft":
+            bar.close()
+            return asked(draft, again)
+
+        drafting = draft_step(step, options, description, ask if interactive else None)
     found.extend(drafting.diagnostics)
     draft = drafting.draft
     if draft is not None:
         draft = replace(draft, robot=default_output(sidecar).name)
-        if interactive:
-            from .questions import asked
-
-            draft = asked(draft)
         _write(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
     return _told(draft, sidecar, step, found, as_json=as_json, display=display)

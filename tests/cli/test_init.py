@@ -5,7 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from robot_library.moments import pose
+from robot_library.step_file import Assembly, Occurrence, Part, write_step
 from tests import parts
+from tests.solids import box, cylinder
 from tests.unit.step.exchange.test_mechanisms import add_mechanism
 
 from .conftest import Stepbot
@@ -16,6 +19,20 @@ def slider(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The current folder, with a STEP file of a slider that states its kinematic pair."""
     parts.write_slider(tmp_path / "slider.step")
     add_mechanism(tmp_path / "slider.step")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with a base, an arm on its pin and a hand on the arm's pin: two joints without a motor."""
+    pin = cylinder(10, 20).at(0, 0, 10)
+    bar = box(180, 40, 20).at(60, 0, 0)
+    bored = bar - cylinder(10.02, 20).at(0, 0, -10)
+    shapes = {"base": bar + pin.at(120, 0, 0), "arm": bored + pin.at(120, 0, 0), "hand": bored}
+    groups = [Assembly(name, [Occurrence(Part(f"{name} bar", solid.shape))]) for name, solid in shapes.items()]
+    placed = [Occurrence(group, X_AP=pose((120 * n, 0, 20 * n))) for n, group in enumerate(groups)]
+    write_step(tmp_path / "chain.step", Assembly("chain", placed))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -113,3 +130,31 @@ def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monk
     assert "  slide: prismatic, block -> holder, score 1.00\n" in run.out
     assert stepbot("check", "--step", "slider.robot.yaml").code == 0
     assert stepbot("init", "slider.step", "-i", "--json").code == 2
+
+
+@pytest.mark.usefixtures("chain")
+@pytest.mark.parametrize(
+    ("answers", "motions", "joints"),
+    [
+        ("\n\n\n", 2, ["score 0.8", "score 0.8"]),  # root and both joints unknown: the draft as it is
+        ("\n2\n1\n", 2, ["score 1.00"]),  # the arm is fixed, the hand turns
+        ("\n2\n2\n", 2, []),  # all is one link
+        ("3\n1\n1\n", 2, ["score 1.00", "score 1.00"]),  # the hand is the root, and both turn
+    ],
+)
+def test_answers_are_facts_to_infer_from(
+    answers: str, motions: int, joints: list[str], stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After each answer links and joints are inferred again: parts that move as one are one link, not a fixed joint."""
+    import io
+
+    monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+    run = stepbot("init", "chain.step", "--interactive", "--force")
+    assert run.code == 0, run.err
+    assert run.err.count(" move (") == motions
+    lines = [line for line in run.out.splitlines() if "revolute, " in line]
+    assert all(score in line for score, line in zip(joints, lines, strict=True)), run.out
+    assert run.out.startswith(f"chain.robot.yaml: {len(joints) + 1} link")
+    assert ("root link 'hand'" in run.out) == answers.startswith("3")
+    assert "fixed" not in run.out
+    assert stepbot("check", "--step", "chain.robot.yaml").code == 0

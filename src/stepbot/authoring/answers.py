@@ -1,4 +1,4 @@
-"""Corrections of a draft by the user: the root link, the type of a joint, or that it is fixed."""
+"""Answers of the user: facts to infer from, or corrections of a draft: its root, a type, or that a joint is fixed."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -6,10 +6,23 @@ from dataclasses import replace
 from stepbot.geometry.spatial import Vector3
 from stepbot.robot.model import JointKind
 
-from .draft import Alternative, Confidence, Draft, DraftJoint, OriginForm, OriginSnippet
+from .draft import Alternative, Confidence, Draft, DraftConnection, DraftJoint, OriginForm, OriginSnippet
+from .facts import STATED, KnownJoint
 from .origin_text import z_along
 
-STATED = "stated by the user"
+
+def known_joint(joint: DraftConnection, alternative: Alternative | None = None) -> KnownJoint:
+    """The fact that a joint is as drafted, or that it is one of its alternatives."""
+    one = joint if alternative is None else alternative
+    a, b = joint.parts if alternative is None else (alternative.a, alternative.b)
+    second = joint.direction2 if alternative is None and isinstance(joint, DraftJoint) else None
+    why = "; ".join((STATED, *one.confidence.evidence))
+    return KnownJoint(a, b, one.type, one.point or joint.point, one.direction, second, why)
+
+
+def known_fixed(joint: DraftConnection) -> KnownJoint:
+    """The fact that both sides of a joint move as one."""
+    return KnownJoint(*joint.parts, JointKind.FIXED, joint.point, None)
 
 
 def rerooted(draft: Draft, root: str) -> Draft:

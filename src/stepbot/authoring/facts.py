@@ -1,6 +1,6 @@
 """What is known about an assembly beyond its file, such as answers of the user: evidence that overrides all other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,8 +39,14 @@ class Facts:
     joints: tuple[KnownJoint, ...] = ()
     rigid: tuple[tuple[str, str], ...] = ()
     """Pairs of paths of components that move as one."""
-    root: str = ""
-    """Path of a component of the root link; empty if unknown."""
+    root: int = -1
+    """Index of a component of the root link; -1 if unknown."""
+
+    def with_joint(self, known: KnownJoint) -> "Facts":
+        """These and a joint; a fixed one makes its parts a rigid pair."""
+        if known.type == JointKind.FIXED:
+            return replace(self, rigid=(*self.rigid, (known.a, known.b)))
+        return replace(self, joints=(*self.joints, known))
 
 
 NO_FACTS = Facts()

@@ -9,11 +9,12 @@ from stepbot.step.assembly import Assembly
 from .axis import Axis
 from .draft import Alternative, Confidence, Draft, DraftClosure, DraftJoint, DraftLink
 from .evidence import Hinge
-from .inference import Inferred, infer_mechanism
+from .facts import NO_FACTS, Facts
+from .inference import Inferred, infer_from
 from .link_claims import LinkClaims
 from .loops import Arc
 from .origins import Origins
-from .survey import ALL_SOURCES, Sources
+from .survey import ALL_SOURCES, Sources, Survey
 
 _OFFERED = 0.3
 """Score from which an undrafted axis is offered as a comment."""
@@ -28,7 +29,18 @@ def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Dra
         robot: Name of the robot.
         sources: Sources of evidence besides the geometry.
     """
-    return _Drafting(assembly, infer_mechanism(assembly, sources)).draft(robot)
+    return Inference(assembly, robot, sources).draft()
+
+
+class Inference:
+    """Drafts one assembly, and again when more is known about it; its contacts are found once."""
+
+    def __init__(self, assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> None:
+        self._assembly, self._robot, self._survey = assembly, robot, Survey(assembly, sources)
+
+    def draft(self, facts: Facts = NO_FACTS) -> Draft:
+        """Draft links, joints and closures from everything known."""
+        return _Drafting(self._assembly, infer_from(self._survey, facts)).draft(self._robot)
 
 
 class _Drafting:

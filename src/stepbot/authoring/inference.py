@@ -91,8 +91,10 @@ def _infer(survey: Survey, facts: Facts, needed: Sequence[JointKey]) -> Inferred
 
 def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
     mechanism = Mechanism(made, structure)
-    stated = [i for i, part in made.survey.parts.items() if part.path == facts.root]
-    root = made.clusters.find(stated[0]) if stated else find_root(made, structure, mechanism.joints, motors)
+    if facts.root in made.clusters:
+        root = made.clusters.find(facts.root)
+    else:
+        root = find_root(made, structure, mechanism.joints, motors)
     slide_in_struts(mechanism.joints)
     stop_spinning_rods(mechanism.joints, root)
     LooseEnds(made, mechanism, structure).tie(root)

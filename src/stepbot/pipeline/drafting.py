@@ -1,5 +1,6 @@
 """Drafts a sidecar from a STEP file: with joints from a description or stated in the file, else inferred ones."""
 
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -7,7 +8,8 @@ from pathlib import Path
 from stepbot.authoring.densities_of import equal_density, without_density
 from stepbot.authoring.described.drafted import draft_of_description
 from stepbot.authoring.draft import Draft
-from stepbot.authoring.infer import infer
+from stepbot.authoring.facts import Facts
+from stepbot.authoring.infer import Inference
 from stepbot.authoring.joint_stops import with_stops
 from stepbot.authoring.stated_joints import draft_of_mechanism
 from stepbot.authoring.up_axis import drawn_up
@@ -36,13 +38,20 @@ class Drafting:
     """Whether the joints are kinematic pairs of the file."""
 
 
-def draft_step(step: Path, options: Options, description: Path | None = None) -> Drafting:
+Again = Callable[[Facts], Draft]
+"""Drafts again, from everything known."""
+Ask = Callable[[Draft, Again | None], Draft]
+"""Returns a draft corrected by the user; without a way to draft again if its joints are not inferred."""
+
+
+def draft_step(step: Path, options: Options, description: Path | None = None, ask: Ask | None = None) -> Drafting:
     """Read a STEP file and draft links and joints; writes nothing.
 
     Args:
         step: The STEP file.
         options: Code page, limits and cache.
         description: URDF, SDFormat or MJCF of the same robot, whose joints and masses are taken; None for none.
+        ask: Asks the user about the draft.
     """
     found = Diagnostics()
     try:
@@ -61,9 +70,15 @@ def draft_step(step: Path, options: Options, description: Path | None = None) ->
         if draft is None:
             found.add("SB824", f"the robot was not found in {step.name}", Span(description.as_posix()))
             return Drafting(found)
+        draft = draft if ask is None else ask(draft, None)
         return Drafting(found, _with_densities(draft, assembly))
     stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None
-    draft = stated or with_stops(infer(assembly, step_stem(step.name)), assembly)
+    if stated is not None:
+        draft = stated if ask is None else ask(stated, None)
+    else:
+        inference = Inference(assembly, step_stem(step.name))
+        draft = inference.draft()
+        draft = with_stops(draft if ask is None else ask(draft, inference.draft), assembly)
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.authoring.answers import chosen, confirmed, fixed, rerooted
+from stepbot.authoring.answers import chosen, confirmed, fixed, known_fixed, known_joint, rerooted
 from stepbot.authoring.draft import Alternative, Confidence, Draft, DraftLimits, DraftLink, OriginForm, OriginSnippet
+from stepbot.authoring.facts import Facts
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import JointKind
 from tests.unit.assemble.workshop import Workshop, at
@@ -85,6 +86,21 @@ def test_alternative_takes_the_joint_s_place(tmp_path: Path) -> None:
     assert built(first, tmp_path)[0].joints[0].kind is JointKind.PRISMATIC
     joint = built(chosen(draft, "elbow", turn), tmp_path)[0].joints[0]
     assert joint.X_PC.turn(joint.axis) == pytest.approx((1.0, 0.0, 0.0))
+
+
+def test_answer_is_a_fact_about_two_parts() -> None:
+    """A confirmed joint, one of its alternatives and a fixed one are facts with their parts, type and axis."""
+    turn = Alternative(JointKind.BALL, "x", "y", Confidence(0.6, ("a ball",)), (0.0, 0.0, 0.01), None)
+    joint = replace(HINGE, alternatives=(turn,))
+    same = known_joint(joint)
+    assert ((same.a, same.b), same.type, same.point, same.direction) == (
+        *(HINGE.parts, HINGE.type, HINGE.point, HINGE.direction),
+    )
+    other = known_joint(joint, turn)
+    assert (other.a, other.b, other.type, other.point) == ("x", "y", JointKind.BALL, (0.0, 0.0, 0.01))
+    assert other.why == "stated by the user; a ball"
+    facts = Facts().with_joint(known_fixed(joint)).with_joint(other)
+    assert (facts.rigid, facts.joints) == ((HINGE.parts,), (other,))
 
 
 def test_joint_can_be_confirmed_or_fixed(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def test_rigid_pair_is_one_link() -> None:
 def test_root_is_the_link_of_a_part() -> None:
     """The root is the link of the part that the user names, however small it is."""
     known = KnownJoint("disc", "plate", JointKind.REVOLUTE, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    found = turntable(Facts(joints=(known,), root="block"))
+    found = turntable(Facts(joints=(known,), root=3))
     assert links(found)[found.root] == {"disc", "block"}
     assert [(arc.parent, arc.child) for arc in found.arcs] == [(1, 0)]
 
