@@ -43,7 +43,9 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Show a sidecar's robot, or a STEP file, in a browser: links, joints to move, masses, collisions, verification.
+    """Show a robot in a browser: links, joints to move, masses, collision shapes, verification.
+
+    TARGET is a sidecar, a STEP file, or any URDF, SDFormat or MJCF file.
 
     The page is served on this machine only (127.0.0.1), at an address with a random token; it loads nothing from a
     network. Nothing is written. A STEP file is shown with the joints that `stepbot init` would draft. Ctrl-C ends it.

@@ -111,7 +111,7 @@ class ObservedJoint:
     axis2: Vector3 | None = None
     """Second axis of a universal joint, in the child's frame."""
     anchor: Vector3 = ZERO3
-    """Position of the joint [m] in the child's frame: zero, except in MJCF, which allows others."""
+    """Position of the joint [m] in the child's frame: zero in URDF; MJCF and SDFormat allow others."""
     pitch: float | None = None
     """Advance [m/rad] of a screw joint."""
     limit: Limit | None = None

@@ -10,14 +10,16 @@ from stepbot.assemble import UNREVISED, build_robot
 from stepbot.authoring.draft import Draft
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.robot.shared_meshes import share_meshes
-from stepbot.robot.step_names import step_stem
+from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
+from stepbot.viewing.described import robot_of_description
 from stepbot.viewing.guesses import evidence_of_draft, robot_of_assembly, robot_of_draft
 from stepbot.viewing.scene import scene_document
 
 from .conversion import Options
+from .describing import read_description
 from .drafting import draft_step
 from .loading import Loading
 from .locking import compared_with_lock
@@ -41,7 +43,7 @@ class Shown:
 
 
 def show(target: Path, options: Options) -> Shown:
-    """The scene of a sidecar or a STEP file, without verification; writes nothing.
+    """The scene of a sidecar, a STEP file, or a URDF, SDFormat or MJCF; without verification, writes nothing.
 
     A sidecar with errors has the scene of its STEP file, if that can be read: all parts, and no joints.
     """
@@ -51,7 +53,7 @@ def show(target: Path, options: Options) -> Shown:
     if not target.exists():
         found.add("SB001", "file not found", Span(target.as_posix()))
         return Shown(found)
-    return _show_step(target, options, found)
+    return (_show_step if is_step_name(target.name) else _show_description)(target, options, found)
 
 
 def guessed(shown: Shown, step: Path, options: Options) -> Shown:
@@ -75,6 +77,18 @@ def _show_step(step: Path, options: Options, found: Diagnostics) -> Shown:
         found.extend(error.diagnostics)
         return Shown(found, files=(step,))
     return _parts_alone(assembly, step_stem(step.name), found, None, _files(step, assembly))
+
+
+def _show_description(path: Path, options: Options, found: Diagnostics) -> Shown:
+    description = read_description(path, options, found)
+    if description is None or found.has_errors:
+        return Shown(found, files=(path,))
+    described = robot_of_description(description, path.stem, path.name)
+    if described.missing:
+        count = len(described.missing)
+        message = f"{count} {'detail' if count == 1 else 'details'} of the file not shown"
+        found.add("SB825", message, Span(path.as_posix()), notes=described.missing)
+    return Shown(found, scene_document(described.robot, found=found), files=(path,))
 
 
 def _parts_alone(

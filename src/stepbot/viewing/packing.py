@@ -22,11 +22,15 @@ def packed(mesh: TriMesh) -> dict[str, Any]:
     low = vertices.min(axis=0)
     size = vertices.max(axis=0) - low
     steps = np.rint((vertices - low) / np.where(size > 0.0, size, 1.0) * STEPS).astype("<u2")
-    wide = len(vertices) > _FEW
+    # Formats such as STL repeat each vertex in every triangle; one of each makes edges known.
+    keys = steps.astype(np.uint64) @ np.array([1 << 32, 1 << 16, 1], dtype=np.uint64)
+    _, kept, renumbered = np.unique(keys, return_index=True, return_inverse=True)
+    steps, faces = steps[kept], renumbered[mesh.faces] if len(mesh.faces) else mesh.faces
+    wide = len(steps) > _FEW
     return {
         "low": low.tolist(),
         "size": size.tolist(),
         "vertices": b64encode(steps.tobytes()).decode(),
-        "faces": b64encode(mesh.faces.astype("<u4" if wide else "<u2").tobytes()).decode(),
+        "faces": b64encode(faces.astype("<u4" if wide else "<u2").tobytes()).decode(),
         "wide": wide,
     }

@@ -127,7 +127,7 @@ def _tree(root: str, above: Mapping[str, ObservedJoint]) -> list[str]:
 
 def _points(description: Description, names: Sequence[str]) -> dict[str, Array]:
     found: dict[str, list[Array]] = {name: [np.zeros((0, 3))] for name in names}
-    for shape in description.shapes:
+    for shape in description.seen:
         if shape.link in found:
             found[shape.link].append(shape.points)
     return {name: np.concatenate(points) for name, points in found.items()}

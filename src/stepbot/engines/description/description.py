@@ -3,20 +3,51 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stepbot.geometry.spatial import Array, Pose
+import numpy as np
+
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Array, Pose, Vector3
+from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from ..observation import Observation
+
+Primitive = Box | Cylinder | Sphere | Capsule
 
 
 @dataclass(frozen=True, eq=False)
 class DescribedShape:
-    """A visual of a link, or a collision of a link without visuals."""
+    """A visual or a collision of a link."""
 
     link: str
     name: str
     """Name of the shape, else of its mesh file; may be empty."""
-    points: Array
-    """Vertices (n, 3) [m] in the frame of the link; for a primitive the corners of its bounding box."""
+    geometry: TriMesh | Primitive
+    X_LG: Pose
+    rgba: Rgba | None = None
+    """Colour; None if the file gives none."""
+    collides: bool = False
+    """Whether it is a collision; otherwise a visual."""
+
+    @property
+    def points(self) -> Array:
+        """Vertices (n, 3) [m] in the frame of the link; for a primitive the corners of its bounding box."""
+        if isinstance(self.geometry, TriMesh):
+            return self.X_LG.apply(self.geometry.vertices)
+        signs = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+        return self.X_LG.apply(signs * np.array(half_size(self.geometry)))
+
+
+def half_size(shape: Primitive) -> Vector3:
+    """Half edge lengths [m] of the bounding box of a primitive, in its own frame."""
+    match shape:
+        case Box((x, y, z)):
+            return 0.5 * x, 0.5 * y, 0.5 * z
+        case Cylinder(radius, length):
+            return radius, radius, 0.5 * length
+        case Capsule(radius, length):
+            return radius, radius, 0.5 * length + radius
+        case Sphere(radius):
+            return radius, radius, radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,5 +58,12 @@ class Description:
     X_PC: Mapping[str, Pose]
     """For each child link its pose in its parent with all joints at 0."""
     shapes: tuple[DescribedShape, ...]
+    """Visuals and collisions, in the order of the file."""
     unread: tuple[str, ...] = ()
     """Mesh files that are missing or of an unsupported type, as named in the description."""
+
+    @property
+    def seen(self) -> tuple[DescribedShape, ...]:
+        """The visuals of each link, or its collisions if it has none."""
+        with_visuals = {shape.link for shape in self.shapes if not shape.collides}
+        return tuple(shape for shape in self.shapes if not shape.collides or shape.link not in with_visuals)

@@ -1,11 +1,9 @@
-"""Vertices of mesh files: STL, OBJ and PLY, without materials and without opening referenced files."""
+"""Mesh files of a description: STL, OBJ and PLY, without materials and without opening referenced files."""
 
 from pathlib import Path
 
-import numpy as np
-
-from stepbot.geometry.mesh_files import KINDS, mesh_vertices
-from stepbot.geometry.spatial import Array, Pose, Vector3
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh_files import KINDS, read_mesh
 
 from ..resources import resolve
 
@@ -15,27 +13,25 @@ class MeshFiles:
 
     def __init__(self, description: Path) -> None:
         self._description = description
-        self._vertices: dict[str, Array | None] = {}
+        self._meshes: dict[str, TriMesh | None] = {}
 
-    def vertices(self, uri: str) -> Array | None:
-        """Vertices (n, 3) in the file; None if it is missing or unreadable."""
-        if uri not in self._vertices:
-            self._vertices[uri] = self._read(uri)
-        return self._vertices[uri]
+    def mesh(self, uri: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0)) -> TriMesh | None:
+        """Triangles in the file, scaled; None if it is missing or unreadable."""
+        if uri not in self._meshes:
+            self._meshes[uri] = self._read(uri)
+        mesh = self._meshes[uri]
+        if mesh is None or scale == (1.0, 1.0, 1.0):
+            return mesh
+        faces = mesh.faces if scale[0] * scale[1] * scale[2] > 0.0 else mesh.faces[:, ::-1]  # mirrored
+        return TriMesh.of(mesh.vertices * scale, faces)
 
     @property
     def unread(self) -> tuple[str, ...]:
         """The unreadable files, as named in the description, sorted."""
-        return tuple(sorted(uri for uri, vertices in self._vertices.items() if vertices is None))
+        return tuple(sorted(uri for uri, mesh in self._meshes.items() if mesh is None))
 
-    def _read(self, uri: str) -> Array | None:
+    def _read(self, uri: str) -> TriMesh | None:
         path = resolve(uri, self._description)
         if path is None or path.suffix.lower() not in KINDS:
             return None
-        return mesh_vertices(path)
-
-
-def corners(half: Vector3, X_LG: Pose) -> Array:
-    """The corners (8, 3) of a box, from its half edge lengths, in the link's frame."""
-    signs = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-    return X_LG.apply(signs * np.array(half))
+        return read_mesh(path)

@@ -1,17 +1,17 @@
 """URDF: links and joints as yourdfpy reads them, shapes and the poses of the joints from the XML."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from stepbot.geometry.spatial import ZERO3, Array, Pose
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import ZERO3, Pose
+from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
 from ..observation import EngineRefused, Request
-from .description import DescribedShape, Description
-from .meshes import MeshFiles, corners
+from .description import DescribedShape, Description, Primitive
+from .meshes import MeshFiles
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -32,7 +32,8 @@ def describe_urdf(file: str) -> Description:
     files = MeshFiles(Path(file))
     try:
         X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
-        shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files))
+        materials = {_name(material): material for material in top.findall("material")}
+        shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
     except ValueError as error:
         raise EngineRefused(str(error)) from error
     return Description(observation, X_PC, shapes, files.unread)
@@ -42,30 +43,44 @@ def _name(element: Element | None, key: str = "name") -> str:
     return "" if element is None else element.get(key, "")
 
 
-def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
-    for shape in link.findall("visual") or link.findall("collision"):
-        geometry = shape.find("geometry")
-        mesh = None if geometry is None else geometry.find("mesh")
-        points = _primitive(geometry) if mesh is None else _mesh(mesh, files)
-        if points is not None:
-            name = shape.get("name", "") or Path(_name(mesh, "filename")).stem
-            yield DescribedShape(_name(link), name, _origin(shape).apply(points))
+def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -> Iterator[DescribedShape]:
+    for kind in ("visual", "collision"):
+        for shape in link.findall(kind):
+            geometry = shape.find("geometry")
+            mesh = None if geometry is None else geometry.find("mesh")
+            found = _primitive(geometry) if mesh is None else _mesh(mesh, files)
+            if found is not None:
+                name = shape.get("name", "") or Path(_name(mesh, "filename")).stem
+                rgba = _color(shape.find("material"), materials)
+                yield DescribedShape(_name(link), name, found, _origin(shape), rgba, kind == "collision")
 
 
-def _mesh(mesh: Element, files: MeshFiles) -> Array | None:
-    vertices = files.vertices(mesh.get("filename", ""))
-    return None if vertices is None else vertices * np.array(_numbers(mesh.get("scale"), (1.0, 1.0, 1.0)))
+def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba | None:
+    """Colour of a material, its own or that of the material of the same name at the top of the file."""
+    for one in (material, materials.get(_name(material))):
+        color = None if one is None else one.find("color")
+        if color is not None:
+            r, g, b, a = _numbers(color.get("rgba"), (0.8, 0.8, 0.8, 1.0))
+            return (r, g, b, a)
+    return None
 
 
-def _primitive(geometry: Element | None) -> Array | None:
+def _mesh(mesh: Element, files: MeshFiles) -> TriMesh | None:
+    return files.mesh(mesh.get("filename", ""), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0)))
+
+
+def _primitive(geometry: Element | None) -> Primitive | None:
     for shape in () if geometry is None else geometry:
         if shape.tag == "box":
             x, y, z = _numbers(shape.get("size"), ZERO3)
-            return corners((0.5 * x, 0.5 * y, 0.5 * z), Pose())
-        if shape.tag in ("cylinder", "sphere", "capsule"):
-            (radius,), (length,) = _numbers(shape.get("radius"), (0.0,)), _numbers(shape.get("length"), (0.0,))
-            ends = radius if shape.tag != "cylinder" else 0.0
-            return corners((radius, radius, 0.5 * length + ends), Pose())
+            return Box((x, y, z))
+        (radius,), (length,) = _numbers(shape.get("radius"), (0.0,)), _numbers(shape.get("length"), (0.0,))
+        if shape.tag == "cylinder":
+            return Cylinder(radius, length)
+        if shape.tag == "capsule":
+            return Capsule(radius, length)
+        if shape.tag == "sphere":
+            return Sphere(radius)
     return None
 
 

@@ -1,15 +1,17 @@
 """MJCF as MuJoCo compiles it, without the meshes and textures whose files are missing."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
-from ..description.description import DescribedShape, Description
-from ..description.meshes import corners
+from ..description.description import DescribedShape, Description, Primitive
 from ..observation import EngineRefused, Request
 from .compiled import Compiled
 from .observer import observe_model
@@ -70,33 +72,48 @@ def _is_there(folder: Path, below: str, name: str) -> bool:
     return (folder / below / name).is_file() or (folder / name).is_file()
 
 
-def _shapes(compiled: Compiled, body: int) -> list[DescribedShape]:
-    """Geoms of a body that are visual only; all geoms if there are none."""
+def _shapes(compiled: Compiled, body: int) -> Iterator[DescribedShape]:
+    """Geoms of a body: visuals if they never collide."""
     model = compiled.model
-    geoms = list(range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body]))
-    seen = [g for g in geoms if not (model.geom_contype[g] or model.geom_conaffinity[g])]
-    found = []
-    for g in seen or geoms:
-        points = _points(compiled, g)
-        if points is not None:
-            X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
-            name = compiled.name("GEOM", g) or compiled.name("MESH", int(model.geom_dataid[g]))
-            found.append(DescribedShape(compiled.name("BODY", body), name, X_LG.apply(points)))
-    return found
+    for g in range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body]):
+        geometry = _geometry(compiled, g)
+        if geometry is None:
+            continue
+        X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
+        name = compiled.name("GEOM", g) or compiled.name("MESH", int(model.geom_dataid[g]))
+        collides = bool(model.geom_contype[g] or model.geom_conaffinity[g])
+        material = int(model.geom_matid[g])
+        r, g_, b, a = (model.geom_rgba[g] if material < 0 else model.mat_rgba[material]).tolist()
+        yield DescribedShape(compiled.name("BODY", body), name, geometry, X_LG, (r, g_, b, a), collides)
 
 
-def _points(compiled: Compiled, g: int) -> Array | None:
+def _geometry(compiled: Compiled, g: int) -> TriMesh | Primitive | None:
     engine, model = compiled.engine, compiled.model
     kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
     if kind == engine.mjtGeom.mjGEOM_MESH:
         mesh = model.geom_dataid[g]
-        start = model.mesh_vertadr[mesh]
-        return np.asarray(model.mesh_vert[start : start + model.mesh_vertnum[mesh]], dtype=np.float64)
-    if kind in (engine.mjtGeom.mjGEOM_BOX, engine.mjtGeom.mjGEOM_ELLIPSOID):
-        return corners((size[0], size[1], size[2]), Pose())
+        start, first = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+        return TriMesh.of(vertices, model.mesh_face[first : first + model.mesh_facenum[mesh]])
+    if kind == engine.mjtGeom.mjGEOM_ELLIPSOID:
+        return _ellipsoid(np.array(size))
+    if kind == engine.mjtGeom.mjGEOM_BOX:
+        return Box((2.0 * size[0], 2.0 * size[1], 2.0 * size[2]))
     if kind == engine.mjtGeom.mjGEOM_SPHERE:
-        return corners((size[0], size[0], size[0]), Pose())
-    if kind in (engine.mjtGeom.mjGEOM_CYLINDER, engine.mjtGeom.mjGEOM_CAPSULE):
-        ends = size[0] if kind == engine.mjtGeom.mjGEOM_CAPSULE else 0.0
-        return corners((size[0], size[0], size[1] + ends), Pose())
+        return Sphere(size[0])
+    if kind == engine.mjtGeom.mjGEOM_CYLINDER:
+        return Cylinder(size[0], 2.0 * size[1])
+    if kind == engine.mjtGeom.mjGEOM_CAPSULE:
+        return Capsule(size[0], 2.0 * size[1])
     return None  # planes and height fields
+
+
+def _ellipsoid(radii: Array) -> TriMesh:
+    """An ellipsoid as triangles, for drawing."""
+    rings, columns = 12, 24
+    polar, around = np.meshgrid(np.linspace(0.0, np.pi, rings + 1), np.arange(columns) * 2.0 * np.pi / columns)
+    points = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
+    index = np.arange((rings + 1) * columns).reshape(columns, rings + 1)
+    a, b = index[:, :-1].ravel(), np.roll(index, -1, axis=0)[:, :-1].ravel()
+    faces = np.concatenate([np.column_stack([a, a + 1, b + 1]), np.column_stack([a, b + 1, b])])
+    return TriMesh.of(points.reshape(-1, 3) * radii, faces)

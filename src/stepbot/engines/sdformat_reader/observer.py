@@ -141,11 +141,16 @@ def _kind(joint: Element) -> str:
     return joint.get("type", "")
 
 
+_DECIMALS = 12
+"""Digits [m] of a joint's position in its link: the product of its poses has rounding errors."""
+
+
 def _joint(joint: Element, frames: Frames) -> ObservedJoint:
     parent, child = (frames.link_of(name) for name in ends(joint))
     name, axis, second = joint.get("name", ""), joint.find("axis"), joint.find("axis2")
+    anchor = vector3(np.round((frames.X_M(child).inverse() @ frames.X_M(name)).p, _DECIMALS) + 0.0)
     if axis is None:
-        return ObservedJoint(name, _kind(joint), parent, child, mimic_read=True)
+        return ObservedJoint(name, _kind(joint), parent, child, anchor=anchor, mimic_read=True)
     a_C = frames.X_M(child).inverse().turn(unit(frames.axis(joint, axis)))
     b_C = None if second is None else vector3(frames.X_M(child).inverse().turn(unit(frames.axis(joint, second))))
     limit, dynamics = _limit(axis), _dynamics(axis)
@@ -158,6 +163,7 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
         child,
         axis=vector3(a_C),
         axis2=b_C,
+        anchor=anchor,
         pitch=number_at(joint, "screw_thread_pitch", 0.0) / (2.0 * pi) if _kind(joint) == "screw" else None,
         limit=limit,
         dynamics=dynamics,

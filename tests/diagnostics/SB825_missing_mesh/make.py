@@ -1,0 +1,12 @@
+"""A URDF with a mesh of a type that is not read, as a page shows it: the command would serve it until it is ended."""
+
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.scenes import show
+
+
+def find(found: Diagnostics) -> None:
+    """Show it."""
+    found.extend(show(Path("arm.urdf"), Options(output=Path())).diagnostics)

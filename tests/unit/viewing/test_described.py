@@ -1,0 +1,100 @@
+"""Robots of URDF, SDFormat and MJCF files, as files describe them."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.engines.describe import describe
+from stepbot.formats import FORMATS
+from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import render
+from stepbot.robot.kinematics import independent_joints, initial_configuration, link_poses, moving_joints
+from stepbot.robot.model import JointKind, Robot
+from stepbot.viewing.described import robot_of_description
+from stepbot.viewing.scene import scene_document
+from tests.robots import ROBOTS
+
+AWKWARD = """<mujoco><worldbody>
+  <body name="base" pos="0.1 0 0.3"><geom type="box" size="0.1 0.1 0.02"/>
+    <body name="arm" pos="0 0 0.1" euler="10 20 30">
+      <joint name="swing" type="hinge" axis="0 1 0" pos="0.05 0.01 -0.02" range="-60 60"/>
+      <joint name="push" type="slide" axis="1 0 0" pos="0 0.03 0" range="-0.1 0.1"/>
+      <joint name="roll" type="hinge" axis="1 0 0" pos="-0.01 0 0.02"/>
+      <geom type="capsule" size="0.02 0.1"/>
+      <body name="tip" pos="0.2 0 0">
+        <joint name="nod" axis="0 0 1" pos="0.01 0 0"/><geom type="ellipsoid" size="0.02 0.03 0.01"/>
+      </body>
+    </body>
+  </body>
+  <body name="beside" pos="1 0 0"><geom type="sphere" size="0.05"/></body>
+</worldbody></mujoco>"""
+
+
+def robot_of(path: Path, written_in: str) -> Robot:
+    """The robot that a page shows of a file."""
+    described = robot_of_description(describe(str(path), written_in), path.stem, path.name)
+    assert described.missing == ()
+    return described.robot
+
+
+def test_anchors_and_several_joints_in_one_body(tmp_path: Path) -> None:
+    """Every body is where MuJoCo puts it, for joints beside the body's origin and three in one body."""
+    path = tmp_path / "awkward.xml"
+    path.write_text(AWKWARD, encoding="utf-8")
+    robot = robot_of(path, "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    q = {"swing": 0.7, "push": -0.06, "roll": 1.9, "nod": -0.4}
+    for name, value in q.items():
+        data.joint(name).qpos[0] = value
+    mujoco.mj_kinematics(model, data)
+    poses = link_poses(robot, q)
+    X_WR = np.eye(4)
+    X_WR[:3, :3], X_WR[:3, 3] = data.body("base").xmat.reshape(3, 3), data.body("base").xpos
+    for name in ("base", "arm", "tip", "beside"):
+        X_WL = X_WR @ poses[name].matrix
+        assert X_WL[:3, 3] == pytest.approx(data.body(name).xpos, abs=1e-12)
+        assert X_WL[:3, :3].ravel() == pytest.approx(data.body(name).xmat, abs=1e-12)
+    assert [joint.limit.upper for joint in robot.joints if joint.name == "push"] == [0.1]
+
+
+@pytest.mark.parametrize("format_", ["urdf", "sdf", "mjcf"])
+@pytest.mark.parametrize("name", ["four_bar", "gripper_with_mimic", "primitives", "tree", "two_link_arm"])
+def test_a_written_file_shows_the_robot_that_was_written(name: str, format_: str, tmp_path: Path) -> None:
+    """Links, joints, poses in a moved configuration, masses, and boxes of shapes survive writing and reading."""
+    robot = ROBOTS[name]()
+    for path, content in render(robot, format_, Diagnostics()).items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    written = lower(robot, FORMATS[format_], Diagnostics())
+    read = robot_of(tmp_path / f"{robot.name}{FORMATS[format_].suffix}", format_)
+    names = [joint.name for joint in moving_joints(written)]
+    assert sorted(joint.name for joint in moving_joints(read)) == sorted(names)
+    q = {joint.name: 0.3 * (i + 1) for i, joint in enumerate(independent_joints(written))}
+    q = {key: value for key, value in q.items() if written.joint_by_name[key].kind is not JointKind.PRISMATIC}
+    expected, found = link_poses(written, q), link_poses(read, q)
+    for link in written.links:
+        assert found[link.name].distance_to(expected[link.name]) == pytest.approx((0.0, 0.0), abs=1e-6)
+        assert read.link_by_name[link.name].mass_properties.mass == pytest.approx(link.mass_properties.mass, rel=1e-6)
+        assert bool(read.link_by_name[link.name].visuals) == bool(link.visuals or link.collisions)
+    assert scene_document(read)["name"] == robot.name
+    if format_ == "mjcf":
+        assert len(read.closures) == len(written.closures)
+        assert initial_configuration(read) == pytest.approx(initial_configuration(written), abs=1e-9)
+
+
+def test_joint_beside_the_origin_of_its_link_in_sdformat(tmp_path: Path) -> None:
+    """A link turns about the joint's own pose: half a turn about a point at 0.1 m moves the origin by 0.2 m."""
+    path = tmp_path / "beside.sdf"
+    path.write_text(
+        """<sdf version="1.9"><model name="beside"><link name="base"/><link name="arm"><pose>0.3 0 0 0 0 0</pose></link>
+        <joint name="hinge" type="revolute"><parent>base</parent><child>arm</child><pose>0.1 0 0 0 0 0</pose>
+        <axis><xyz>0 0 1</xyz></axis></joint></model></sdf>""",
+        encoding="utf-8",
+    )
+    robot = robot_of(path, "sdf")
+    assert link_poses(robot, {})["arm"].position == pytest.approx((0.3, 0, 0))
+    assert link_poses(robot, {"hinge": np.pi})["arm"].position == pytest.approx((0.5, 0, 0))
