@@ -21,6 +21,7 @@ COMMANDS = (
     "batch",
     "inspect",
     "view",
+    "watch",
     "render",
     "check",
     "lock",

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.jobs.incremental import produce
+from stepbot.jobs.incremental import convert, produce
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.viewing.faces import clicked_face
@@ -21,18 +21,21 @@ Json = dict[str, Any]
 class Session:
     """A target and its page."""
 
-    def __init__(self, target: Path, options: Options, *, port: int = 0) -> None:
+    def __init__(self, target: Path, options: Options, *, port: int = 0, writes: bool = False) -> None:
         """Bind the port; :meth:`load` shows the target.
 
         Args:
             target: What to show.
             options: Limits and cache; formats and engines for verification.
             port: The port; 0 for any free one.
+            writes: Whether :meth:`prove` writes the files to ``options.output``.
 
         Raises:
             OSError: The port cannot be used.
         """
-        self.target, self._options = target, options
+        self.target, self._options, self._writes = target, options, writes
+        self.files: tuple[Path, ...] = (target,)
+        """The files of the last reading, whether it succeeded or not."""
         self._lock = threading.Lock()
         self._scene = b"null"
         self._shown: Shown | None = None
@@ -43,6 +46,7 @@ class Session:
     def load(self) -> Shown:
         """Read the target and show it; after errors the page keeps the last robot, if there was one."""
         shown = show(self.target, self._options)
+        self.files = shown.files or (self.target,)
         if shown.scene is None or (shown.diagnostics.has_errors and self._shown is not None):
             self.server.tell("findings", {"diagnostics": diagnostic_documents(shown.diagnostics)})
             return shown
@@ -72,7 +76,7 @@ class Session:
             return None
         documents = diagnostic_documents(shown.diagnostics)
         self.server.tell("proof", {"proof": None, "diagnostics": documents, "proving": True})
-        conversion = produce(shown.sidecar, self._options)
+        conversion = (convert if self._writes else produce)(shown.sidecar, self._options)
         if shown is self._shown:
             self._tell_proof(conversion)
         return conversion

@@ -178,4 +178,13 @@ CODES = (
         "The picture would be empty; it was not written.",
         "Look at the contents of the STEP file with `stepbot inspect`. In the sidecar, `visual: false` hides links and parts.",
     ),
+    Code(
+        "SB021",
+        "error",
+        "watchfiles not installed",
+        "`stepbot watch` needs the package watchfiles, which reports saved files.",
+        "Nothing could be watched.",
+        "Install it with `pip install stepbot[view]`. `stepbot view` shows a robot without it.",
+        could_not_run=True,
+    ),
 )

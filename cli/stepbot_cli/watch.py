@@ -1,0 +1,138 @@
+"""``stepbot watch``: show robots in a browser, and convert them again whenever a file is saved."""
+
+import webbrowser
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING
+
+import click
+
+from stepbot.diagnostics import Diagnostics, Span
+
+from .caching import say_trouble
+from .command import Command, display_options, json_option
+from .diagnostic_text import printable
+from .progress import progress_bar
+from .reading import working_options
+from .terminal import Display, show_diagnostics, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.conversion import Conversion, Options
+    from stepbot.pipeline.scenes import Shown
+    from stepbot.serving.session import Session
+
+
+@click.command(
+    cls=Command,
+    short_help="Show robots in a browser, again after each save.",
+    epilog="Example: stepbot watch arm.robot.yaml -o arm",
+)
+@click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Also write the verified files there; of several sidecars, to a folder each.",
+)
+@click.option("--no-open", is_flag=True, help="Print the addresses and do not open a browser.")
+@working_options
+@json_option
+@display_options
+def command(
+    options: "Options",
+    sidecars: tuple[Path, ...],
+    output: Path | None,
+    no_open: bool,
+    as_json: bool,
+    display: Display,
+) -> int:
+    """Show the robots of sidecars in a browser. Each save of a sidecar or its STEP file shows and verifies them again.
+
+    After a save with errors, the page keeps the last good robot and lists the errors; so does the terminal. With -o,
+    files are written whenever they pass verification. Ctrl-C ends it.
+    """
+    from stepbot.serving import watching
+
+    found = Diagnostics()
+    if not watching.can_watch():
+        found.add("SB021", "watchfiles is not installed", Span("stepbot"))
+        return _refuse(found, as_json, display)
+    sessions = _sessions(sidecars, output, options, found)
+    if found.has_errors:
+        return _refuse(found, as_json, display)
+
+    def changed(session: "Session", shown: "Shown") -> None:
+        show_diagnostics(shown.diagnostics, display)
+        write_result(f"{printable(session.target.as_posix())}: {'errors' if shown.diagnostics.has_errors else 'shown'}")
+        if not shown.diagnostics.has_errors:
+            prover.ask(session)
+
+    def proven(session: "Session", conversion: "Conversion") -> None:
+        errors = [one for one in conversion.diagnostics if one.severity == "error"]
+        show_diagnostics(errors, display)
+        verb = "written" if output is not None else "verified"
+        write_result(f"{printable(session.target.as_posix())}: {'verification failed' if errors else verb}")
+
+    try:
+        with ExitStack() as running:
+            for session in sessions:
+                running.callback(session.close)
+            prover = watching.Prover(sessions, proven)
+            running.callback(prover.close)
+            with progress_bar([str(session.target) for session in sessions]) as progress:
+                for session in sessions:
+                    progress(str(session.target))
+                    found.extend(session.load().diagnostics)
+                    session.server.start()
+            say_trouble(options.cache, found)
+            _announce(sessions, found, as_json, display)
+            for session in sessions:
+                prover.ask(session)
+                if not no_open:
+                    webbrowser.open(session.server.url)
+            watching.watch(sessions, changed, Event())
+    except KeyboardInterrupt:
+        return 0
+    return 0
+
+
+def _sessions(
+    sidecars: tuple[Path, ...], output: Path | None, options: "Options", found: Diagnostics
+) -> list["Session"]:
+    """A session for each sidecar; none after errors."""
+    from stepbot.jobs.batch.tasks import plan
+    from stepbot.serving.session import Session
+
+    for path in sidecars:
+        if not path.is_file():
+            found.add("SB001", "file not found", Span(path.as_posix()))
+    tasks = plan(sidecars, output or Path(), found)
+    if found.has_errors:
+        return []
+    folders = [output or Path()] if len(tasks) == 1 else [task.output for task in tasks]
+    return [
+        Session(task.sidecar, replace(options, output=folder), writes=output is not None)
+        for task, folder in zip(tasks, folders, strict=True)
+    ]
+
+
+def _refuse(found: Diagnostics, as_json: bool, display: Display) -> int:
+    if as_json:
+        write_json({"urls": {}, "diagnostics": found, "exit_code": found.exit_code})
+    else:
+        show_diagnostics(found, display)
+    return found.exit_code
+
+
+def _announce(sessions: list["Session"], found: Diagnostics, as_json: bool, display: Display) -> None:
+    """Print the diagnostics of the first reading and the addresses."""
+    urls = {session.target.as_posix(): session.server.url for session in sessions}
+    if as_json:
+        write_json({"urls": urls, "diagnostics": found})
+        return
+    show_diagnostics(found, display)
+    for name, url in urls.items():
+        write_result(url if len(urls) == 1 else f"{printable(name)}: {url}")
