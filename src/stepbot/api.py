@@ -120,6 +120,9 @@ def check(
         timeout: Time limit [s] of the geometry kernel.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
+
+    Returns:
+        The diagnostics; the numbers of links and joints, and the joint table if the STEP was read.
     """
     from stepbot.jobs.incremental import check as check_unless_unchanged
 
@@ -180,6 +183,9 @@ def verify(
         ignore: Codes of warnings and notes to suppress.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
+
+    Returns:
+        The report with every check, and the diagnostics.
     """
     from stepbot.verification import verify_files
 
@@ -206,6 +212,8 @@ def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0)
 
     Raises:
         KeyError: The body does not have a link that a closure refers to.
+        OSError: The report cannot be read.
+        ValueError: The report is not JSON.
     """
     from stepbot.robot.pybullet_closures import add_constraints
 

@@ -17,7 +17,12 @@ class Observer(Protocol):
         """Import the engine's slow modules."""
 
     def observe(self, request: "Request") -> "Observation":
-        """Report what a file contains; runs in a worker process."""
+        """Load a file and report its content; runs in a worker process.
+
+        Raises:
+            EngineRefused: The engine rejects the file.
+            EngineCannotRead: The engine is known not to read such a file; its checks are not run.
+        """
 
 
 @dataclass(eq=False)
@@ -60,7 +65,7 @@ class Engine:
 
     @property
     def observer(self) -> Observer:
-        """The module that observes; imported now."""
+        """The module ``observer`` of the package, imported on first use."""
         return cast(Observer, import_module(f"{self.package}.observer"))
 
 
@@ -75,4 +80,4 @@ def installed(module: str, name: str = "") -> Callable[[], str | None]:
 
 
 def always() -> None:
-    """For an engine that is part of stepbot: it can always run."""
+    """Return None, as ``available`` of an engine that is part of stepbot."""

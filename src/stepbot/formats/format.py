@@ -19,13 +19,13 @@ class Writer(Protocol):
     """How the format expresses each feature."""
 
     def reserves(self, name: str) -> bool:
-        """Whether the format reserves the name for something else."""
+        """Whether the format reserves the name, so that links, joints and frames may not have it."""
 
     def render(self, robot: "Robot") -> bytes:
-        """The main file of a lowered robot."""
+        """The main file of a robot lowered to ``EXPRESSES``, as bytes; deterministic and without side effects."""
 
     def companions(self, robot: "Robot") -> "tuple[Companion, ...]":
-        """Further files, for readers that cannot use the main file alone."""
+        """Additional files of a lowered robot, for readers that cannot use the main file alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Format:
 
     @property
     def writer(self) -> Writer:
-        """The module that writes; imported now."""
+        """The module ``writer`` of the package, imported on first use."""
         return cast(Writer, import_module(f"{self.package}.writer"))
 
     @property

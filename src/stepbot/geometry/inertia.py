@@ -22,12 +22,12 @@ class MassProperties:
 
     @staticmethod
     def of(mass: float, com: Iterable[float], inertia: Array) -> "MassProperties":
-        """From anything array-like; the inertia is made exactly symmetric."""
+        """From mass [kg], com (3,) [m] and inertia (3, 3) [kg m^2] about the com, which is symmetrized."""
         I = np.asarray(inertia, dtype=np.float64)  # noqa: E741 - the field's letter
         return MassProperties(float(mass), vector3(tuple(com)), matrix3(0.5 * (I + I.T)))
 
     def moved(self, X_AB: Pose) -> "MassProperties":
-        """The same body, given in B, expressed in A."""
+        """The same body, given in B, expressed in A; ``X_AB`` in [m]."""
         return MassProperties.of(self.mass, X_AB.apply(self.com).tolist(), turn_inertia(X_AB.R, np.array(self.inertia)))
 
     def scaled(self, factor: float) -> "MassProperties":

@@ -28,7 +28,7 @@ class TriMesh:
 
     @staticmethod
     def of(vertices: ArrayLike, faces: ArrayLike) -> "TriMesh":
-        """Mesh from anything array-like, snapped to the vertex grid.
+        """Mesh from vertices (n, 3) [m] and faces (m, 3), anything array-like, snapped to the vertex grid.
 
         Raises:
             ValueError: A shape is wrong, a face refers to a vertex that does not exist, or a coordinate is not finite.

@@ -256,7 +256,11 @@ def perpendicular_frame(z: ArrayLike) -> Array:
 
 
 def bounds(points: ArrayLike) -> tuple[Vector3, Vector3]:
-    """Lowest and highest corner of points (n, 3)."""
+    """Lowest and highest corner of points (n, 3), in their unit.
+
+    Raises:
+        ValueError: There is no point.
+    """
     a = np.asarray(points, dtype=np.float64)
     return vector3(a.min(axis=0)), vector3(a.max(axis=0))
 

@@ -9,13 +9,13 @@ Bounds = tuple[float, float]
 
 
 def actuator_limit(actuator: Actuator, joint: Joint) -> Limit:
-    """The narrower of the actuator's and the joint's limits, at the joint."""
+    """The narrower of the actuator's and the joint's limits, at the joint [rad, rad/s, N m] or [m, m/s, N]."""
     a, b = actuator.limit, joint.limit
     return Limit(max(a.lower, b.lower), min(a.upper, b.upper), min(a.velocity, b.velocity), min(a.effort, b.effort))
 
 
 def joint_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest input at the joint, after the gear; infinite without a limit."""
+    """Lowest and highest input at the joint, after the gear, in SI; infinite without a limit."""
     limit = actuator_limit(actuator, joint)
     match actuator.kind:
         case ActuatorKind.POSITION:
@@ -27,7 +27,7 @@ def joint_range(actuator: Actuator, joint: Joint) -> Bounds:
 
 
 def control_range(actuator: Actuator, joint: Joint) -> Bounds:
-    """Lowest and highest input at the actuator: position, velocity or effort; infinite without a limit."""
+    """Lowest and highest input at the actuator: position, velocity or effort, in SI; infinite without a limit."""
     scale = 1.0 / actuator.gear if actuator.kind is ActuatorKind.MOTOR else actuator.gear
     low, high = sorted(scale * bound for bound in joint_range(actuator, joint))
     return low, high

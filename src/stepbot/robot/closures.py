@@ -54,7 +54,7 @@ class DoesNotClose(ValueError):
 
 
 def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, float]:
-    """Gap of a closure: distance [m] and angle [rad] between the constrained frames."""
+    """Gap of a closure: distance [m] and angle [rad] between the frames F on both links, given the links' poses."""
     X_FG = (X_WA @ closure.X_AF).inverse() @ (X_WB @ closure.X_BF)
     axis = np.array(closure.axis)
     distance = float(np.linalg.norm(X_FG.p))
@@ -118,7 +118,7 @@ class Loops:
         self.closed_distance = max(CLOSED_DISTANCE, 2.0 * RANK_TOLERANCE * reach)
 
     def constraints(self, u: Array) -> tuple[Array, Array]:
-        """Residual (m,) of all closures and its Jacobian (m, k) over the independent joints, mimics resolved.
+        """Residual (m,) of all closures and its Jacobian (m, k) over the independent joints u (k,), mimics resolved.
 
         Lengths are in units of the mechanism's own reach, to weigh them equally with angles.
         """
@@ -146,7 +146,11 @@ class Loops:
         }
 
     def closed(self, guess: Array, free: Sequence[int]) -> Array:
-        """:func:`close_loops` over the independent joints; those in ``free`` move."""
+        """:func:`close_loops` over the independent joints (k,); those with indices in ``free`` move.
+
+        Raises:
+            DoesNotClose: The residual does not fall below the tolerance.
+        """
         u = guess.copy()
         residual, J = self.constraints(u)
         for _ in range(50 if free else 0):
@@ -176,7 +180,7 @@ class Loops:
         return None
 
     def singular(self, u: Array, free: Sequence[int]) -> bool:
-        """Whether the joints in ``free`` are close to a singularity of the loops."""
+        """Whether the joints with indices in ``free`` are close to a singularity of the loops at u (k,)."""
         if not free:
             return False
         sizes = np.linalg.svd(self.constraints(u)[1][:, list(free)], compute_uv=False)
@@ -290,7 +294,7 @@ def _targets(robot: Robot, driven: Sequence[str], seed: int) -> list[dict[str, f
 
 
 def walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, float]) -> list[Array]:
-    """Closed configurations on the driven joints' straight path from ``start`` to ``target``, as far as possible.
+    """Closed configurations (k,) on the driven joints' straight path from ``start`` to ``target``, as far as possible.
 
     If a step fails, a shorter one is tried, so that the path ends close to the end of the range.
     """

@@ -46,6 +46,9 @@ def equations_of_motion(
         rates: Velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2].
         gravity: Acceleration of gravity [m/s^2].
         tree: The robot's tree, if already computed.
+
+    Raises:
+        KeyError: ``q`` contains a name that is not a moving joint.
     """
     tree = tree or Tree(robot)
     full = complete(robot, q)

@@ -61,7 +61,7 @@ def mimic_relation(robot: Robot, name: str) -> tuple[str, float, float]:
 
 
 def complete(robot: Robot, q: Configuration) -> dict[str, float]:
-    """A position for every moving joint: from ``q``, else 0; mimicking joints always follow their leader.
+    """A position [rad] or [m] of every moving joint: from ``q``, else 0; mimics always follow their leader.
 
     Raises:
         KeyError: ``q`` contains a name that is not a moving joint.
@@ -79,7 +79,7 @@ def complete(robot: Robot, q: Configuration) -> dict[str, float]:
 
 
 def initial_configuration(robot: Robot) -> dict[str, float]:
-    """The pose drawn in the CAD: closures are closed, and simulation starts here."""
+    """Positions [rad] or [m] in the pose drawn in the CAD: closures are closed, and simulation starts here."""
     return {joint.name: joint.drawn_position for joint in moving_joints(robot)}
 
 
@@ -128,11 +128,11 @@ class Tree:
             self.B[row, column[leader]], self.c[row] = multiplier, offset
 
     def follow(self, u: Array) -> Array:
-        """Vector q (n,) of all moving joints from u (k,) of the independent ones."""
+        """Vector q (n,) [rad] or [m] of all moving joints from u (k,) of the independent ones."""
         return self.B @ u + self.c
 
     def vector(self, q: Configuration) -> Array:
-        """Vector u (k,) of a configuration by name; missing coordinates are 0."""
+        """Vector u (k,) [rad] or [m] of a configuration by name; missing coordinates are 0."""
         return np.array([float(q.get(name, 0.0)) for name in self.independent])
 
     def named(self, u: Array) -> dict[str, float]:
@@ -140,7 +140,7 @@ class Tree:
         return dict(zip(self.joints, self.follow(u).tolist(), strict=True))
 
     def frames(self, q: Array) -> Array:
-        """Homogeneous X_WL, shape (links, 4, 4)."""
+        """Homogeneous X_WL [m] of all links, shape (links, 4, 4), at q (n,)."""
         motion = np.tile(np.eye(4), (len(self.joints), 1, 1))
         angle = (self._turn * q)[:, None, None]
         # Rodrigues; 1 - cos as 2 sin^2 of half the angle keeps its digits at small angles.
@@ -206,7 +206,7 @@ def advance(joint: Joint) -> float:
 
 
 def displacement(joint: Joint, q: float) -> Pose:
-    """Pose of the child link at ``q`` in its own frame at q = 0, for joints of at most one degree of freedom."""
+    """Pose [m] of the child link at ``q`` [rad] or [m] in its frame at q = 0, for at most one degree of freedom."""
     if joint.kind not in MOVING:
         return Pose()
     turned = 0.0 if joint.kind is JointKind.PRISMATIC else q
@@ -245,7 +245,7 @@ def sampling_range(joint: Joint) -> tuple[float, float]:
 
 
 def leader_range(robot: Robot, name: str) -> tuple[float, float]:
-    """Bounds of an independent joint that also keep its mimics within their limits.
+    """Bounds [rad] or [m] of an independent joint that also keep its mimics within their limits.
 
     If no position satisfies all of them, the joint's own bounds.
     """
@@ -262,7 +262,7 @@ def leader_range(robot: Robot, name: str) -> tuple[float, float]:
 
 
 def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, float], ...]:
-    """``n`` configurations within the limits, uniform and independent, mimicking joints included; loops stay open.
+    """``n`` configurations [rad] or [m] within all limits, uniform and independent; loops stay open.
 
     The random numbers are from numpy's PCG64 with the given seed, the same on every machine.
     """
@@ -282,7 +282,7 @@ def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, 
 def rates(robot: Robot, n: int = 32, seed: int = 1) -> tuple[tuple[dict[str, float], dict[str, float]], ...]:
     """``n`` velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2] of all moving joints, in [-1, 1].
 
-    Mimicking joints are coordinates like any other here. Random numbers as for :func:`configurations`.
+    Mimics are coordinates like any other here. Random numbers as for :func:`configurations`.
     """
     random = np.random.Generator(np.random.PCG64(seed + 1))
     names = [joint.name for joint in moving_joints(robot)]

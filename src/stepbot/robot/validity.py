@@ -62,7 +62,7 @@ def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit
         robot: Any robot, from any source.
         found: Receives SB410 to SB418, SB420, SB508 to SB510.
         span: Where the robot is described; None for its source as a whole.
-        unit: Length unit of the robot's source, which is questionable if the robot is very large or very light.
+        unit: Length unit of the robot's source, named if the robot is very large or very light.
     """
     place = span if span is not None else Span(robot.source or robot.name)
 
@@ -224,7 +224,7 @@ def _report_massless(members: list[Link], report: Report) -> None:
 
 
 def inertia_fault(properties: MassProperties) -> str:
-    """Why the mass properties are physically impossible; empty if they are possible."""
+    """Why mass [kg] and inertia [kg m^2] are physically impossible; empty if they are possible."""
     moments = np.linalg.eigvalsh(np.array(properties.inertia))
     if properties.mass < 0.0:
         return f"its mass is {properties.mass:g} kg"
