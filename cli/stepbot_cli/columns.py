@@ -36,6 +36,11 @@ def wrapped_rows(rows: Sequence[Sequence[str]], width: int | None) -> list[list[
     ]
 
 
+def table_lines(rows: Sequence[Sequence[str]], width: int | None) -> list[str]:
+    """Rows of cells as lines no wider than ``width``; None for unlimited."""
+    return ["  ".join(line).rstrip() for row in wrapped_rows(rows, width) for line in row]
+
+
 def wrapped(text: str, width: int) -> list[str]:
     """``text`` in lines of ``width`` columns, broken at spaces; a word that is too long is broken anywhere."""
     lines = [""]

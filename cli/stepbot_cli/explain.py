@@ -1,5 +1,6 @@
 """``stepbot explain``: explain a diagnostic code."""
 
+import sys
 import textwrap
 
 import click
@@ -8,9 +9,7 @@ from stepbot.diagnostics import did_you_mean
 from stepbot.diagnostics.codes import CODES, Code
 
 from .command import Command
-from .terminal import write_result
-
-WIDTH = 100
+from .terminal import text_width, write_result
 
 
 @click.command(cls=Command, short_help="Explain a diagnostic code.", epilog="Example: stepbot explain SB301")
@@ -34,14 +33,15 @@ def command(code: str | None) -> int:
 
 
 def _explanation(code: Code) -> str:
+    width = text_width(sys.stdout) - 2
     paragraphs = (("What", code.what), ("Why it matters", code.why), ("How to fix it", code.fix))
-    body = "\n\n".join(f"{title}:\n{textwrap.indent(_filled(text), '  ')}" for title, text in paragraphs)
+    body = "\n\n".join(f"{title}:\n{textwrap.indent(_filled(text, width), '  ')}" for title, text in paragraphs)
     return f"{code.id} ({code.severity}): {code.title}\n\n{body}"
 
 
-def _filled(text: str) -> str:
+def _filled(text: str, width: int) -> str:
     """``text`` in lines that fit a terminal; indented lines are snippets and not wrapped."""
     return "\n".join(
-        line if line.startswith(" ") else textwrap.fill(line, WIDTH, break_long_words=False, break_on_hyphens=False)
+        line if line.startswith(" ") else textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
         for line in text.splitlines()
     )

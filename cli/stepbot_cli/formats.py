@@ -1,14 +1,18 @@
 """``stepbot formats``: list the output formats."""
 
+import sys
+import textwrap
 from typing import TYPE_CHECKING
 
 import click
 
 from .command import Command, json_option
-from .terminal import write_json, write_result
+from .terminal import screen_width, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.formats import Format
+
+_INDENT = " " * 7
 
 
 @click.command(cls=Command, short_help="List the output formats.", epilog="Example: stepbot formats --json")
@@ -31,8 +35,16 @@ def command(as_json: bool) -> int:
         ):
             features = [feature.value for feature, support in written.expresses.items() if support.level is level]
             if features:
-                write_result(f"       {title}: {'; '.join(features)}")
+                write_result("\n".join(_indented(f"{title}: {'; '.join(features)}")))
     return 0
+
+
+def _indented(text: str) -> list[str]:
+    """Lines as wide as the screen; one line for a pipe."""
+    width = screen_width(sys.stdout)
+    if width is None:
+        return [_INDENT + text]
+    return textwrap.wrap(text, width, initial_indent=_INDENT, subsequent_indent=_INDENT + "  ", break_on_hyphens=False)
 
 
 def _described(written: "Format") -> dict[str, object]:

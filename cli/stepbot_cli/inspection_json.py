@@ -67,6 +67,7 @@ def _component(component: Component, inside: Contents) -> dict[str, Any]:
         "product": component.product,
         "occurrence": component.occurrence,
         "by_ordinal_only": component.by_ordinal_only,
+        "missing": component.missing or None,
         "definition": component.definition,
         "body": component.body,
         "pose": _pose(component.X_WC),

@@ -193,6 +193,8 @@ def _telling_names(component: Component) -> str:
 
 
 def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
+    if component.missing:
+        yield f"MISSING: file '{component.missing}' was not read"
     if component.body >= 0:
         body = assembly.bodies[component.body]
         if body.kind is not BodyKind.SOLID:

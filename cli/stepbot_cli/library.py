@@ -1,5 +1,6 @@
 """``stepbot library``: list, show or export the bundled robots."""
 
+import sys
 import textwrap
 from dataclasses import replace
 from pathlib import Path
@@ -9,17 +10,15 @@ import click
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
-from .columns import aligned
+from .columns import aligned, table_lines
 from .command import Command, Group, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import working_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics, text_width, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.jobs.library import LibraryRobot
     from stepbot.pipeline.conversion import Options
-
-WIDTH = 100
 
 
 @click.group(
@@ -44,7 +43,8 @@ def list_(as_json: bool) -> int:
     if as_json:
         write_json({"robots": [_described(robot) for robot in robots]})
     else:
-        write_result("\n".join(aligned([(robot.name, robot.facts(), robot.summary()) for robot in robots])))
+        rows = [(robot.name, robot.facts(), robot.summary()) for robot in robots]
+        write_result("\n".join(table_lines(rows, screen_width(sys.stdout))))
     return 0
 
 
@@ -57,8 +57,9 @@ def show(name: str, as_json: bool) -> int:
     if as_json:
         write_json(_described(robot))
         return 0
-    blocks = [robot.name, textwrap.fill(robot.overview(), WIDTH), robot.facts()]
-    blocks += ["\n".join(aligned(rows)) for rows in (robot.table("Joints"), robot.table("Links")) if rows]
+    width = screen_width(sys.stdout)
+    blocks = [robot.name, textwrap.fill(robot.overview(), text_width(sys.stdout)), robot.facts()]
+    blocks += ["\n".join(table_lines(rows, width)) for rows in (robot.table("Joints"), robot.table("Links")) if rows]
     files = (
         ("sidecar", str(robot.sidecar)),
         ("STEP", str(robot.step)),

@@ -16,6 +16,8 @@ from . import diagnostic_text
 
 NARROWEST = 40
 """Minimum width of the screen for layouts."""
+WIDEST_TEXT = 100
+"""Maximum width of paragraphs."""
 
 
 def wants_color(stream: TextIO) -> bool:
@@ -32,6 +34,11 @@ def screen_width(stream: TextIO) -> int | None:
         return max(os.get_terminal_size(stream.fileno()).columns, NARROWEST)
     except (OSError, ValueError):  # a pipe, or not a file
         return None
+
+
+def text_width(stream: TextIO) -> int:
+    """Width of paragraphs: that of the screen, at most 100, which is easy to read."""
+    return min(screen_width(stream) or WIDEST_TEXT, WIDEST_TEXT)
 
 
 def write_result(text: str) -> None:

@@ -108,6 +108,22 @@ def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
     assert stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf").code == 0
 
 
+def test_an_assembly_with_a_missing_part_is_shown(lever: Path, stepbot: Stepbot) -> None:
+    """`inspect` lists all components, marks the missing one, reports the error, and caches nothing."""
+    complete = json.loads(stepbot("inspect", "machine.step", "--json").out)
+    assert all(component["missing"] is None for component in complete["components"])
+    Path("bar.step").rename("aside.step")
+    run = stepbot("inspect", "machine.step")
+    assert run.code == 1
+    assert "error[SB203]: the geometry of 'bar' is in file 'bar.step', which does not exist" in run.err
+    assert [line for line in run.out.splitlines() if "MISSING: file 'bar.step' was not read" in line]
+    document = json.loads(stepbot("inspect", "machine.step", "--json").out)
+    assert [c["path"] for c in document["components"]] == [c["path"] for c in complete["components"]]
+    assert {c["missing"] for c in document["components"]} == {None, "bar.step"}
+    Path("aside.step").rename("bar.step")
+    assert json.loads(stepbot("inspect", "machine.step", "--json").out) == complete
+
+
 def test_diagnostics_name_a_part_from_the_cache_too(lever: Path, stepbot: Stepbot) -> None:
     """A diagnostic about a part names the part's file, relative to the current folder, also from the cache."""
     bar = parts.draw(lever / "bar.step", drawn("bar", box(80, 10, 10), "", STEEL)).path

@@ -1,10 +1,13 @@
-"""``stepbot formats`` and ``stepbot schema``."""
+"""``stepbot formats``, ``stepbot schema``, and the width of listings."""
 
 import json
 
 import jsonschema
+import pytest
 
 from stepbot.formats import FORMATS
+from stepbot.jobs.library import library_robots
+from stepbot_cli.columns import cells
 
 from .conftest import Stepbot
 
@@ -34,3 +37,31 @@ def test_schema_is_a_schema(stepbot: Stepbot) -> None:
     sidecar = {"version": 1, "robot": "arm", "step": "arm.step", "links": {"base": {"rest": True}}}
     assert validator.is_valid(sidecar)
     assert not validator.is_valid({**sidecar, "colour": "red"})
+
+
+@pytest.mark.parametrize("columns", ["60", "80", "200"])
+@pytest.mark.parametrize(
+    "command", ["formats", "library list", "explain SB203", "explain SB304", "cache info", "--help"]
+)
+def test_a_listing_fits_the_screen(
+    command: str, columns: str, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No line is wider than the terminal; only a path, which cannot be broken, may be."""
+    monkeypatch.setenv("COLUMNS", columns)
+    run = stepbot(*command.split())
+    assert run.code == 0
+    wide = [line for line in run.out.splitlines() if cells(line) > int(columns) and "/" not in line]
+    assert wide == []
+
+
+def test_a_listing_in_a_pipe_has_one_line_for_each_item(stepbot: Stepbot) -> None:
+    """So that grep and cut work."""
+    lines = stepbot("library", "list").out.splitlines()
+    assert len(lines) == len(library_robots())
+
+
+def test_a_table_of_joints_is_wrapped(stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nine columns fit 80 characters."""
+    monkeypatch.setenv("COLUMNS", "80")
+    run = stepbot("library", "show", "delta")
+    assert [line for line in run.out.splitlines() if cells(line) > 80 and "/" not in line] == []

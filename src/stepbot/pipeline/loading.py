@@ -74,10 +74,15 @@ class Loading:
         Raises:
             StepbotError: There are errors.
         """
-        assembly = self._read() if self._known is None else self._known.assembly
-        found.extend(self._found)
+        assembly = self.incomplete_assembly(found)
         found.raise_if_errors()
         assert assembly is not None  # otherwise there is an error with the reason
+        return assembly
+
+    def incomplete_assembly(self, found: Diagnostics) -> Assembly | None:
+        """The same, and after an error what could be read: an assembly without the parts of missing files, or None."""
+        assembly = self._read() if self._known is None else self._known.assembly
+        found.extend(self._found)
         return assembly
 
     def measures(self, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
@@ -131,7 +136,8 @@ class Loading:
         except WorkerDied as death:
             report_death(death, "measures the meshes", Span(str(self._step)), found)
             return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._found))
-        self._cached.put(geometry)
+        if not self._found.has_errors:
+            self._cached.put(geometry)
         return geometry
 
 

@@ -50,6 +50,7 @@ class Inspection:
 
     diagnostics: Diagnostics
     assembly: Assembly | None
+    """After errors what could be read, with missing parts marked; None if that is nothing."""
     measures: tuple[VolumeProperties | None, ...] = ()
     """trimesh's mass properties of each body of the assembly; None for a mesh that encloses no volume."""
     links: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
@@ -194,12 +195,12 @@ def inspect(path: Path, options: Options) -> Inspection:
         sidecar = load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or named_step(sidecar, found)
         with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
-            assembly, measures = loading.assembly(found), loading.measures(found)
-        found.raise_if_errors()
+            assembly = loading.incomplete_assembly(found)
+            measures = () if assembly is None else loading.measures(found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Inspection(found, None)
-    links = {} if sidecar is None else link_components(assembly, sidecar, found)
+    links = {} if sidecar is None or found.has_errors or assembly is None else link_components(assembly, sidecar, found)
     return Inspection(found, assembly, measures, links)
 
 

@@ -154,6 +154,8 @@ class Component:
     """Density [kg/m^3] in the STEP; None if it has none."""
     by_ordinal_only: bool = False
     """Whether only ``#n`` distinguishes it from a sibling: such a path breaks when the CAD inserts a part."""
+    missing: str = ""
+    """Name of the file with its shape, if that could not be read: an error, and the assembly is incomplete."""
 
 
 class Quantity(StrEnum):

@@ -63,13 +63,14 @@ def _put_together(
     tree = grow(definitions, composition.roots, composition.materials, place, found)
     if tree is None:
         return None
-    if not tree.variants:
+    is_complete = not any(definition.missing for definition in definitions)
+    if not tree.variants and is_complete:
         found.add("SB206", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
         return None
-    stated = [
+    stated = [  # of an incomplete assembly, what the file states is of other parts, too
         value
         for content, places in zip(contents.values(), composition.places, strict=True)
-        for value in _stated(content, places, definitions, tree)
+        for value in (_stated(content, places, definitions, tree) if is_complete else ())
     ]
     external = tuple(files[file].name for file in contents if file)
     return Content(_unit(contents), definitions, tree, stated, contents[0].mechanisms, external)

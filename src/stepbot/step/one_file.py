@@ -111,7 +111,11 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
 def _elsewhere(
     file: StepFile, session: Any, products: Products, definitions: list[Definition], found: Diagnostics
 ) -> dict[int, int] | None:
-    """For each definition without own shape the index of the file with its shape; None if one is missing."""
+    """For each definition without own shape the index of the file with its shape.
+
+    A missing file is an error in ``found``; its definition stays without a shape and says so. None if a missing file
+    belongs to no definition.
+    """
     product_of = {id(product.entity): index for index, product in enumerate(products.products)}
     definition_of = {definition.product: index for index, definition in enumerate(definitions)}
     elsewhere: dict[int, int] = {}
@@ -122,9 +126,12 @@ def _elsewhere(
         if index != NONE and (definitions[index].bodies or definitions[index].children or index in elsewhere):
             if elsewhere.get(index) != link.file:
                 _report_unused(link, file.place, found)
-        elif index == NONE or link.file == NO_FILE:
+        elif index == NONE:
             _report_missing(link, file.place, found)
             is_complete = False
+        elif link.file == NO_FILE:
+            _report_missing(link, file.place, found)
+            definitions[index].missing = link.name
         else:
             elsewhere[index] = link.file
     return elsewhere if is_complete else None

@@ -138,6 +138,14 @@ def test_files_below_the_folder(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert list(by_path(assembly)) == [".", "arm", "arm/block"]
 
 
+def missing_files(assembly: Assembly | None) -> tuple[str, ...]:
+    """Names of the files that an incomplete assembly misses; what they leave empty has no body."""
+    assert assembly is not None
+    missing = [component for component in assembly.components if component.missing]
+    assert all(component.body == -1 for component in missing)
+    return tuple(component.missing for component in missing)
+
+
 def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Each missing file is reported with product, file, line and remedy; a file in other case is suggested."""
     parts.write_box(tmp_path / "Plate.step")
@@ -147,7 +155,10 @@ def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -
         "root",
         [Component("plate", "plate.step"), Component("bolt", "bolt.step"), Component("knob", "knob.step")],
     )
-    assert read_here(root, found) is None
+    assembly = read_here(root, found)
+    assert missing_files(assembly) == ("plate.step", "knob.step")
+    assert assembly is not None
+    assert [component.product for component in assembly.components if component.body >= 0] == ["bolt"]
     assert found.codes() == ["SB203", "SB203"]
     first, second = found
     assert first.message == "the geometry of 'plate' is in file 'plate.step', which does not exist"
@@ -159,7 +170,9 @@ def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -
 def test_a_missing_file_of_a_subassembly(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A missing file of a subassembly is reported in the file that refers to it."""
     write_structure(tmp_path / "arm.step", "arm", [Component("block", "block.step")])
-    assert read_here(write_structure(tmp_path / "root.step", "root", [Component("arm", "arm.step")]), found) is None
+    assert missing_files(
+        read_here(write_structure(tmp_path / "root.step", "root", [Component("arm", "arm.step")]), found)
+    )
     (fault,) = found
     assert (fault.code, Path(fault.span.file).name) == ("SB203", "arm.step")
 
@@ -177,7 +190,7 @@ def test_paths_that_leave_the_folder(name: str, tmp_path: Path, found: ReadDiagn
     (tmp_path / "inside").mkdir()
     parts.write_box(tmp_path / "block.step")
     root = write_structure(tmp_path / "inside" / "root.step", "root", [Component("block", name)])
-    assert read_here(root, found) is None
+    assert missing_files(read_here(root, found))
     (fault,) = found
     assert fault.code == "SB203"
     assert "which is not beside it" in fault.message
@@ -197,7 +210,7 @@ def test_links_that_leave_the_folder(through: str, tmp_path: Path, found: ReadDi
         (tmp_path / "inside" / "sub").symlink_to(tmp_path / "outside")
     name = "block.step" if through == "file" else "sub/block.step"
     root = write_structure(tmp_path / "inside" / "root.step", "root", [Component("block", name)])
-    assert read_here(root, found) is None
+    assert missing_files(read_here(root, found))
     assert [d.code for d in found] == ["SB203"]
     assert "link" in next(iter(found)).message
 
@@ -216,7 +229,7 @@ def test_what_is_no_regular_file(tmp_path: Path, found: ReadDiagnostics) -> None
     names = ["folder.step", "pipe.step", "circle.step", "n" * 300 + ".step", "a\\X\\00b.step", "  .step"]
     for name in names:
         root = write_structure(tmp_path / "root.step", "root", [Component("block", name)])
-        assert read_here(root, found) is None
+        assert missing_files(read_here(root, found))
     assert found.codes() == ["SB203"] * len(names)
 
 

@@ -51,6 +51,8 @@ class Definition:
     bodies: list[BodySource] = field(default_factory=list)
     has_spare_curves: bool = False
     """Whether curves or points beside its faces were left out."""
+    missing: str = ""
+    """Name of the file with its shape, which could not be read; empty otherwise."""
 
 
 @dataclass(frozen=True)

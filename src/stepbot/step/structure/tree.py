@@ -172,9 +172,10 @@ def _add(node: _Node, definitions: Sequence[Definition], materials: Sequence[Ste
             color=_color(node, definition, number, above),
             material=material.name,
             density=material.density,
+            missing="" if is_body else definition.missing,
         )
     )
-    if not definition.bodies and not definition.children:
+    if not definition.bodies and not definition.children and not definition.missing:
         growing.empty.append(index)
 
 
