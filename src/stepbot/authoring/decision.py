@@ -4,8 +4,10 @@ A weld joins two clusters unless there is already a joint between them; a joint 
 already joined. Fasteners do not join clusters: they are assigned to their tightest host at the end.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from .clusters import Clusters
 from .draft import CHOSEN
@@ -16,9 +18,13 @@ from .part import box_gap
 from .relations import Relation
 from .structure import Structure
 from .survey import Survey
+from .twins import guesses
 
 _TINY = 2e-3
 """Share of the assembly's volume below which an unconnected cluster does not become a link."""
+_OFFERED = 0.3
+_OUT = 1e-3
+"""Distance [m] from which a body reaches out of another one's bounding box."""
 
 
 @dataclass(eq=False)
@@ -124,18 +130,40 @@ def adopt(made: Decision, structure: Structure) -> None:
     """Assign small unconnected clusters to the nearest cluster, of the same subassembly if there is one."""
     survey, clusters = made.survey, made.clusters
     jointed = {x for h in made.hinges for x in (h.a, h.b)}
-    for members in clusters.groups().values():
+    adopted: dict[int, tuple[list[int], int]] = {}
+    for root, members in clusters.groups().items():
         if jointed.intersection(members) or any({Role.WHEEL, Role.JAW} & structure.names(i) for i in members):
             continue
         if survey.total_volume(members) < _TINY * survey.volume or all(i in survey.small for i in members):
             target = nearest(survey, members)
-            if target is not None and clusters.join(target, members[0]):
-                made.guess(members, "not connected: assigned to the nearest part")
+            if target is not None:
+                adopted[root] = members, target
+    _offer_twins(made, adopted)
+    for members, target in adopted.values():
+        if clusters.join(target, members[0]):
+            made.guess(members, "not connected: assigned to the nearest part")
 
 
-def nearest(survey: Survey, members: Sequence[int]) -> int | None:
-    """The larger part nearest to the given ones; a tie goes to the same subassembly."""
-    box, inside = survey.box_of(members), set(members)
+def _offer_twins(made: Decision, adopted: Mapping[int, tuple[Sequence[int], int]]) -> None:
+    """Offer the motion of equal small bodies that reach out of the body that they are assigned to."""
+    survey = made.survey
+    free = {root: members for root, (members, _) in adopted.items() if not survey.small.issuperset(members)}
+    floating = {i for members in free.values() for i in members}
+    host = {root: nearest(survey, members, floating) for root, members in free.items()}
+    carrier = {root: made.clusters.members(part) if part is not None else [] for root, part in host.items()}
+    for root, guess in guesses(survey, free, carrier).items():
+        box, around = survey.box_of(free[root]), survey.box_of(carrier[root])
+        part = host[root]
+        if part is not None and bool(np.any(box[0] < around[0] - _OUT) or np.any(box[1] > around[1] + _OUT)):
+            a, b = free[root][0], part
+            made.evidence.hinge(
+                Hinge(_OFFERED, a, b, guess.kind, guess.axis, guess.why, review="by shape", fate=Fate.OFFERED)
+            )
+
+
+def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()) -> int | None:
+    """The larger part nearest to the given ones, except ``others``; a tie goes to the same subassembly."""
+    box, inside = survey.box_of(members), {*members, *others}
     home = survey.scene.component(members[0]).parent
     ranked = []
     for i, part in survey.parts.items():

@@ -15,6 +15,7 @@ from .mechanism import Link, Mechanism
 from .names import Role
 from .part import box_gap
 from .structure import Structure
+from .twins import Guess, guesses
 
 _BIG = 0.2
 """Share of the assembly's volume from which an unconnected cluster is a link."""
@@ -22,7 +23,7 @@ _TRIMMINGS = ("pad", "tip", "cover", "nail")
 """Words for parts on a finger that are not fingers."""
 _GROUP = 0.01
 """The same for a subassembly."""
-_BY_NAME = 0.55
+_BY_NAME, _BY_SHAPE = 0.55, 0.5
 
 
 class LooseEnds:
@@ -39,9 +40,13 @@ class LooseEnds:
         loose = [r for r in groups if r not in jointed and r != root]
         standing = [r for r in loose if self._stands_alone(groups[r])]
         named = [r for r in loose if r not in standing and {Role.WHEEL, Role.JAW} & self._roles(groups[r])]
-        for r in standing + named:
-            other = self._nearest_cluster(groups[r], root)
+        near = {r: self._nearest_cluster(groups[r], root) for r in loose}
+        shaped = guesses(self._survey, {r: groups[r] for r in loose}, {r: groups[near[r]] for r in loose})
+        for r in dict.fromkeys((*standing, *named, *shaped)):
+            other = near[r]
             guess = self._by_name(groups, r, other, standing + named)
+            if guess is None and r in shaped and other != r:
+                guess = self._guess(groups, r, other, shaped[r], _BY_SHAPE, "by shape")
             if guess is None and r in standing:
                 guess = self._placeholder(groups, other, r)
             if guess is not None:
@@ -115,9 +120,8 @@ class LooseEnds:
             for i in largest_first:
                 for axis in self._survey.turned.get(i, [])[:3]:
                     if self._survey.parts[i].is_balanced(axis):
-                        return self._guess(
-                            groups, r, other, JointKind.REVOLUTE, axis, "wheel by name; about its own axis"
-                        )
+                        wheel = Guess(JointKind.REVOLUTE, axis, "wheel by name; about its own axis")
+                        return self._guess(groups, r, other, wheel, _BY_NAME, "by name")
         paths = [self._survey.assembly.components[self._structure.link_of.get(i, i)].path.lower() for i in members]
         if Role.JAW not in roles or any(word in path for path in paths for word in _TRIMMINGS):
             return None
@@ -126,11 +130,11 @@ class LooseEnds:
             if s != r and Role.JAW in self._roles(groups[s]):
                 along = direction_between(self._survey, members, groups[s])
                 if along is not None:
-                    axis = Axis(middle, along)
-                    why = "one of two equal fingers by name"
-                    return self._guess(groups, r, other, JointKind.PRISMATIC, axis, why)
+                    finger = Guess(JointKind.PRISMATIC, Axis(middle, along), "one of two equal fingers by name")
+                    return self._guess(groups, r, other, finger, _BY_NAME, "by name")
         return None
 
-    def _guess(self, groups: dict[int, list[int]], r: int, other: int, kind: JointKind, axis: Axis, why: str) -> Link:
-        hinge = Hinge(_BY_NAME, groups[r][0], groups[other][0], kind, axis, why, review="by name", fate=Fate.TAKEN)
+    def _guess(self, groups: dict[int, list[int]], r: int, other: int, guess: Guess, score: float, review: str) -> Link:
+        a, b = groups[r][0], groups[other][0]
+        hinge = Hinge(score, a, b, guess.kind, guess.axis, guess.why, review=review, fate=Fate.TAKEN)
         return Link(hinge, other, r)
