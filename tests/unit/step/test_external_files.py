@@ -16,7 +16,7 @@ from tests.parts import ALUMINIUM, STEEL, drawn
 from tests.separate_files import Component, write_separately, write_structure
 from tests.solids import box, cylinder, sphere
 
-from .here import by_path, read_here
+from .in_process import by_path, read_here
 
 
 def machine() -> Assembly:
