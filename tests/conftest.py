@@ -126,6 +126,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("portable")
 
 
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Reject a pytest-xdist that does not group tests: they would share nothing, in silence."""
+    if session.config.getoption("loadgroup", default=False):
+        grouped = [item for item in session.items if item.get_closest_marker("xdist_group")]
+        if lost := [item.nodeid for item in grouped if "@" not in item.nodeid]:
+            raise pytest.UsageError(f"pytest-xdist ignores the groups of {len(lost)} tests with this version of pytest")
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip tests that require PyBullet if it is not installed."""
     if item.get_closest_marker("pybullet") and importlib.util.find_spec("pybullet") is None:
