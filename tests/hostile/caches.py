@@ -12,7 +12,7 @@ from .robots import files_in, two_versions
 
 def run(setting: Setting) -> Iterator[Trial]:
     """Convert with a full cache in which some or all entries are damaged."""
-    version = two_versions(setting.folder / "versions")
+    version = two_versions()
     sidecar = version.folder / "new.robot.yaml"
     full = setting.folder / "full"
     shutil.copytree(version.cache, full)

@@ -14,7 +14,7 @@ AT_ONCE = 6
 
 def run(setting: Setting) -> Iterator[Trial]:
     """Convert one version six times, or both versions, with the geometry cached or not."""
-    version = two_versions(setting.folder / "versions")
+    version = two_versions()
     for number in range(setting.count):
         rng = Random(f"concurrent:{setting.seed}:{number}")
         place = setting.folder / f"trial{number}"

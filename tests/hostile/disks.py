@@ -17,7 +17,7 @@ _PAGE = 4096
 
 def run(setting: Setting) -> Iterator[Trial]:
     """Convert with one folder on a disk with space for nothing, for some files, or for nearly all."""
-    version = two_versions(setting.folder / "versions")
+    version = two_versions()
     for number in range(setting.count):
         rng = Random(f"disks:{setting.seed}:{number}")
         which = _WHICH[number % len(_WHICH)]

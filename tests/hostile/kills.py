@@ -21,8 +21,7 @@ _CODES = {"SIGKILL": (-9,), "SIGTERM": (143, -15), "SIGINT": (130, -2)}
 
 def run(setting: Setting) -> Iterator[Trial]:
     """Start, send the signal after a random time, inspect the remains, and run again."""
-    versions = {name: two_versions(setting.folder / name, name) for name in _BATCH}
-    batch = _batch_files(setting.folder / "batch", versions)
+    batch: _Batch | None = None
     for number in range(setting.count):
         rng = Random(f"kills:{setting.seed}:{number}")
         sent = _SIGNALS[number % len(_SIGNALS)]
@@ -30,14 +29,16 @@ def run(setting: Setting) -> Iterator[Trial]:
         place = setting.folder / f"trial{number}"
         place.mkdir()
         what = "batch" if is_batch else "convert"
-        tried = _batch(place, batch, sent, rng) if is_batch else _convert(place, versions, sent, rng)
-        outcome, faults = tried
+        if is_batch:
+            batch = batch or _batch_files(setting.folder / "batch", {name: two_versions(name) for name in _BATCH})
+            outcome, faults = _batch(place, batch, sent, rng)
+        else:
+            outcome, faults = _convert(place, two_versions(_BATCH[0]), sent, rng)
         shutil.rmtree(place)
         yield Trial(f"{what}:{sent}:{setting.seed}:{number}", outcome, tuple(faults))
 
 
-def _convert(place: Path, versions: dict[str, Versions], sent: str, rng: Random) -> tuple[str, list[str]]:
-    version = versions[_BATCH[0]]
+def _convert(place: Path, version: Versions, sent: str, rng: Random) -> tuple[str, list[str]]:
     output, cache = place / "out", place / "cache"
     version.put_old(output)
     if rng.random() < 0.8:  # without it, the kernel runs for most of the time

@@ -2,8 +2,11 @@
 
 import shutil
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from stepbot.runtime.cache.keys import own_code
 from tests.command_line import snapshot
 from tests.conftest import ROOT
 
@@ -11,6 +14,8 @@ from .command import stepbot
 
 MANIFEST = ".stepbot.json"
 _STAGING = ".stepbot-"
+_FOLDERS: list[TemporaryDirectory[str]] = []
+"""Removed when the process ends."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +55,15 @@ def files_in(output: Path) -> dict[str, bytes]:
     return {name: content for name, content in files if name != MANIFEST and not name.startswith(_STAGING)}
 
 
-def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:
-    """Convert both versions of a robot of the library; the new one is heavier."""
-    folder.mkdir(parents=True)
+def two_versions(name: str = "stepbot_arm2") -> Versions:
+    """Convert both versions of a robot of the library, once for all experiments; the new one is heavier."""
+    return _converted(name, own_code())
+
+
+@cache
+def _converted(name: str, code: str) -> Versions:
+    _FOLDERS.append(TemporaryDirectory(prefix=f"hostile-{name}-"))
+    folder = Path(_FOLDERS[-1].name).resolve()
     (source,) = (ROOT / "robot_library" / name).glob("*.robot.yaml")
     (step,) = (ROOT / "robot_library" / name).glob("*.step")
     shutil.copy(step, folder)
@@ -61,19 +72,19 @@ def two_versions(folder: Path, name: str = "stepbot_arm2") -> Versions:
     assert heavier != text
     (folder / "old.robot.yaml").write_text(text, encoding="utf-8")
     (folder / "new.robot.yaml").write_text(heavier, encoding="utf-8")
-    cache, written, seconds = folder / "cache", {}, 0.0
+    kept, written, seconds = folder / "cache", {}, 0.0
     known = stepbot(
-        "check", "--step", step.name, "old.robot.yaml", "--cache", cache, folder=folder, temporary=folder / "tmp"
+        "check", "--step", step.name, "old.robot.yaml", "--cache", kept, folder=folder, temporary=folder / "tmp"
     )
     assert known.code == 0, known.text
-    shutil.copytree(cache, folder / "geometry")
+    shutil.copytree(kept, folder / "geometry")
     for version in ("old", "new"):
         output = folder / f"{version}.out"
         ended = stepbot(
-            "convert", f"{version}.robot.yaml", "-o", output, "--cache", cache, folder=folder, temporary=folder / "tmp"
+            "convert", f"{version}.robot.yaml", "-o", output, "--cache", kept, folder=folder, temporary=folder / "tmp"
         )
         assert ended.code == 0, ended.text
         assert not ended.left, ended.left
         written[version], seconds = files_in(output), ended.seconds
-    shutil.rmtree(cache)
+    shutil.rmtree(kept)
     return Versions(folder, written["old"], written["new"], folder / "geometry", seconds)

@@ -16,6 +16,7 @@ from .sidecar_tree import read_tree, written
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("hostile")
 @pytest.mark.parametrize("name", NAMES)
 def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
     """The short form of each experiment finds no traceback, hang, leftover or incomplete file."""
