@@ -1,8 +1,8 @@
 """Cylindrical and conical faces of a body, which define the lines that joints can bind to.
 
 The extent along the axis is that of the trimmed face, so it is computed from the face's edges: exactly at the ends of
-straight lines and of circles about the axis, elsewhere at the extremes of the curve. A swept or revolved face counts if
-it is a cylinder or a cone.
+straight lines and of circles about the axis, elsewhere at the extremes of the curve. A free-form face counts if it is a
+cylinder or a cone.
 """
 
 import math
@@ -13,20 +13,14 @@ from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
 from OCP.gp import gp_Ax1, gp_Cone, gp_Cylinder, gp_Pnt, gp_Vec
-from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 from ..assembly import AxisFace
 from ..kernel import MILLIMETRES_PER_METRE
+from .recognition import FREE_FORMS, revolved
 
-_SWEPT = (
-    GeomAbs_SurfaceType.GeomAbs_SurfaceOfRevolution,
-    GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
-)
-_RECOGNITION_TOLERANCE = 1e-5
-"""Maximum deviation [mm] of a swept surface from a cylinder or cone."""
 _SAMPLES = 16
 """Number of samples on a curve between which its extremes are searched."""
 _SECTIONS = 32
@@ -79,14 +73,7 @@ def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
         return surface.Cylinder()
     if kind == GeomAbs_SurfaceType.GeomAbs_Cone:
         return surface.Cone()
-    if kind in _SWEPT:
-        recognition = ShapeAnalysis_CanonicalRecognition(face)
-        cylinder, cone = gp_Cylinder(), gp_Cone()
-        if recognition.IsCylinder(_RECOGNITION_TOLERANCE, cylinder):
-            return cylinder
-        if recognition.IsCone(_RECOGNITION_TOLERANCE, cone):
-            return cone
-    return None
+    return revolved(face) if kind in FREE_FORMS else None
 
 
 def cone_radius(cone: gp_Cone, at: float) -> float:

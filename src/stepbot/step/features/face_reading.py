@@ -11,7 +11,6 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
 from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Pnt, gp_Sphere, gp_Vec
-from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
@@ -22,15 +21,8 @@ from ..faces import Face, FaceKind
 from ..kernel import MILLIMETRES_PER_METRE
 from ..kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
 from .axis_faces import cone_radius, extent, is_bore
+from .recognition import FREE_FORMS, recognized
 
-_FREE_FORMS = (
-    GeomAbs_SurfaceType.GeomAbs_BSplineSurface,
-    GeomAbs_SurfaceType.GeomAbs_BezierSurface,
-    GeomAbs_SurfaceType.GeomAbs_SurfaceOfRevolution,
-    GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
-)
-_RECOGNITION_TOLERANCE = 1e-5
-"""Maximum deviation [mm] of a free-form surface from a plane or quadric."""
 _SMALLEST = 1e-3
 """Radius [mm] below which a face is ignored."""
 _LARGEST = 1e6
@@ -86,19 +78,7 @@ def _geometry(face: Any, surface: Any) -> Any:
         return surface.Cone()
     if kind == GeomAbs_SurfaceType.GeomAbs_Sphere:
         return surface.Sphere()
-    if kind not in _FREE_FORMS:
-        return None
-    recognition = ShapeAnalysis_CanonicalRecognition(face)
-    plane, cylinder, cone, sphere = gp_Pln(), gp_Cylinder(), gp_Cone(), gp_Sphere()
-    for recognized, geometry in (
-        (recognition.IsPlane, plane),
-        (recognition.IsCylinder, cylinder),
-        (recognition.IsCone, cone),
-        (recognition.IsSphere, sphere),
-    ):
-        if recognized(_RECOGNITION_TOLERANCE, geometry):
-            return geometry
-    return None
+    return recognized(face) if kind in FREE_FORMS else None
 
 
 def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3]) -> Face:
@@ -153,7 +133,7 @@ def _outwards(face: Any, surface: Any) -> tuple[Array, Array]:
 
 def _span(surface: Any) -> float:
     """Angle about the axis that a face covers; the full circle for a free-form surface, whose parameter is no angle."""
-    if surface.GetType() in _FREE_FORMS:
+    if surface.GetType() in FREE_FORMS:
         return _ALL_ROUND
     return min(_ALL_ROUND, abs(float(surface.LastUParameter() - surface.FirstUParameter())))
 
