@@ -64,6 +64,7 @@ def command(
     lines are marked REVIEW. Unknown limits are `todo`. The draft passes `check --step` and can be converted without
     changes.
     """
+    from stepbot.pipeline.drafted_sidecar import write_draft
     from stepbot.pipeline.drafting import draft_step
 
     if interactive and as_json:
@@ -86,7 +87,7 @@ def command(
     draft = drafting.draft
     if draft is not None:
         draft = replace(draft, robot=default_output(sidecar).name)
-        _write(draft, sidecar, step, options.encoding, found)
+        write_draft(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
     return _told(draft, sidecar, step, found, as_json=as_json, display=display)
 
@@ -95,20 +96,6 @@ def _beside(step: Path) -> Path:
     from stepbot.sidecar.starter import starter_name
 
     return step.with_name(starter_name(step))
-
-
-def _write(draft: "Draft", sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> None:
-    """Write the sidecar, and the schema for editors if it does not exist."""
-    from stepbot.authoring.sidecar_text import SCHEMA_FILE, sidecar_text
-    from stepbot.authoring.step_path import relative_step
-    from stepbot.runtime.file import write_file
-    from stepbot.sidecar.schema import schema_text
-
-    text = sidecar_text(draft, relative_step(step, sidecar), encoding=encoding)
-    schema = sidecar.with_name(SCHEMA_FILE)
-    write_file(sidecar, text.encode("utf-8"), found)
-    if not found.has_errors and not schema.exists():
-        write_file(schema, schema_text().encode("utf-8"), found)
 
 
 def _told(

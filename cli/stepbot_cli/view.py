@@ -2,6 +2,7 @@
 
 import threading
 import webbrowser
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ from stepbot.diagnostics import Diagnostics, Span
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
+from .convert import default_output
+from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
     epilog="Example: stepbot view arm.robot.yaml",
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@click.option("--edit", is_flag=True, help="Edit the sidecar in the page; for a STEP file without one, draft it first.")
 @click.option("--no-open", is_flag=True, help="Print the address and do not open a browser.")
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port; the default is any free one."
@@ -37,6 +41,7 @@ if TYPE_CHECKING:
 def command(
     options: "Options",
     target: Path,
+    edit: bool,
     no_open: bool,
     port: int,
     no_verify: bool,
@@ -48,44 +53,82 @@ def command(
     TARGET is a sidecar, a STEP file, or any URDF, SDFormat or MJCF file.
 
     The page is served on this machine only (127.0.0.1), at an address with a random token; it loads nothing from a
-    network. Nothing is written. A STEP file is shown with the joints that `stepbot init` would draft. Ctrl-C ends it.
+    network. A STEP file is shown with the joints that `stepbot init` would draft. Ctrl-C ends it.
+
+    With --edit the page writes to the sidecar, each change checked before, and undone with one click. Otherwise nothing
+    is written.
     """
     from stepbot.serving.session import Session
+    from stepbot.serving.watching import Prover
 
     found = Diagnostics()
+    drafted = ""
+    if edit:
+        target, drafted = _editable(target, options, found)
+    if found.has_errors:
+        return _say(found, "", as_json, display)
     try:
-        session = Session(target, replace(options, verify=not no_verify), port=port)
+        session = Session(target, replace(options, verify=not no_verify), port=port, edits=edit)
     except OSError as error:
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
         return _say(found, "", as_json, display)
-    try:
+    with ExitStack() as running:
+        running.callback(session.close)
         with progress_bar(("read",)) as progress:
             progress("read")
             shown = session.load()
-        say_trouble(options.cache, shown.diagnostics)
+        found.extend(shown.diagnostics)
+        say_trouble(options.cache, found)
         if shown.scene is None:
-            return _say(shown.diagnostics, "", as_json, display)
+            return _say(found, "", as_json, display)
         session.server.start()
-        _say(shown.diagnostics, session.server.url, as_json, display)
-        if not no_open:
-            webbrowser.open(session.server.url)
-        session.guess()
-        if not no_verify:
-            session.prove()
-        threading.Event().wait()
-    except KeyboardInterrupt:
-        return 0
-    finally:
-        session.close()
+        _say(found, session.server.url, as_json, display, drafted)
+        try:
+            if not no_open:
+                webbrowser.open(session.server.url)
+            session.guess()
+            if not no_verify:
+                prover = Prover([session], lambda *result: None)
+                running.callback(prover.close)
+                session.heard = lambda: prover.ask(session)
+                prover.ask(session)
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            return 0
     return 0
 
 
-def _say(found: Diagnostics, url: str, as_json: bool, display: Display) -> int:
+def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Path, str]:
+    """The sidecar to edit: the target, or the one beside a STEP file, drafted if there is none; and what was done."""
+    from stepbot.pipeline.drafted_sidecar import write_draft
+    from stepbot.pipeline.drafting import draft_step
+    from stepbot.pipeline.scenes import SIDECAR_SUFFIXES
+    from stepbot.robot.step_names import is_step_name
+    from stepbot.sidecar.starter import starter_name
+
+    if target.suffix.lower() in SIDECAR_SUFFIXES:
+        return target, ""
+    if not is_step_name(target.name):
+        raise click.UsageError("--edit needs a sidecar or a STEP file")
+    sidecar = target.with_name(starter_name(target))
+    if sidecar.exists():
+        return sidecar, ""
+    with progress_bar(("draft",)) as progress:
+        progress("draft")
+        drafting = draft_step(target, options)
+    found.extend(drafting.diagnostics)
+    if drafting.draft is not None and not found.has_errors:
+        draft = replace(drafting.draft, robot=default_output(sidecar).name)
+        write_draft(draft, sidecar, target, options.encoding, found)
+    return sidecar, f"wrote {printable(sidecar.as_posix())}, as `stepbot init` does"
+
+
+def _say(found: Diagnostics, url: str, as_json: bool, display: Display, drafted: str = "") -> int:
     """Print diagnostics and the address of the page; returns the exit code."""
     if as_json:
         write_json({"url": url, "diagnostics": found, "exit_code": found.exit_code})
     else:
         show_diagnostics(found, display)
-        if url:
-            write_result(url)
+        for line in filter(None, (drafted, url)):
+            write_result(line)
     return found.exit_code

@@ -56,6 +56,11 @@ def show(target: Path, options: Options) -> Shown:
     return (_show_step if is_step_name(target.name) else _show_description)(target, options, found)
 
 
+def show_text(path: Path, text: str, options: Options) -> Shown:
+    """The scene of a sidecar with another text than its file has: what a change would give."""
+    return _show_sidecar(path, options, text)
+
+
 def guessed(shown: Shown, step: Path, options: Options) -> Shown:
     """The same STEP file with the links and joints that `stepbot init` would draft."""
     assembly, drafting = shown.assembly, draft_step(step, options)
@@ -102,12 +107,12 @@ def _files(step: Path, assembly: Assembly) -> tuple[Path, ...]:
     return (step, *(step.parent / name for name in assembly.external_files))
 
 
-def _show_sidecar(path: Path, options: Options) -> Shown:
+def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Shown:
     found = Diagnostics()
     assembly: Assembly | None = None
     files: tuple[Path, ...] = (path,)
     try:
-        sidecar = load(path, options, found)
+        sidecar = load(path, options, found, text)
         step = options.step or named_step(sidecar, found)
         files = (path, step)
         with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:

@@ -7,21 +7,27 @@ from stepbot.assemble.reading import read_options
 from stepbot.diagnostics import Diagnostics, Ignore, Span, did_you_mean
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.ignored import ignores
-from stepbot.sidecar.load import load_sidecar
+from stepbot.sidecar.load import load_sidecar, parse_sidecar
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import ReadOptions
 
 from .conversion import Options
 
 
-def load(path: Path, options: Options, found: Diagnostics) -> Sidecar:
+def load(path: Path, options: Options, found: Diagnostics, text: str | None = None) -> Sidecar:
     """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.
+
+    Args:
+        path: The sidecar.
+        options: Codes to ignore.
+        found: Receives the diagnostics.
+        text: Text to take in place of the file's, before it is written; with line feeds at line ends.
 
     Raises:
         StepbotError: There are errors.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
-    sidecar = load_sidecar(path, found)
+    sidecar = load_sidecar(path, found) if text is None else parse_sidecar(text, path, found)
     if sidecar is not None:
         check_sidecar(sidecar, found)
         found.ignore(ignores(sidecar.root))

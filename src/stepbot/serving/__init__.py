@@ -1,5 +1,8 @@
 """A robot's page with a server behind it, on this machine alone. For ``api`` and above.
 
 local_server   HTTP on 127.0.0.1: one token, one origin, no files
-session        what one page shows and asks: the scene, verification, faces
+session        what one page shows and asks: the scene, verification, faces, axes that parts share
+edits          what a person does in the page, as changes of the sidecar
+editor         writes edits: checked, undone, redone
+watching       shows a target again whenever one of its files is saved
 """

@@ -1,6 +1,8 @@
 """What one page shows and asks: a scene, its verification, faces that were clicked."""
 
 import threading
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +12,11 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.viewing.faces import clicked_face
 from stepbot.viewing.findings import diagnostic_documents, proof_document
+from stepbot.viewing.joining import shared_lines
 from stepbot.viewing.page import page_html
 from stepbot.viewing.scene import scene_text
 
+from .editor import Editor
 from .local_server import LocalServer, Refused
 
 Json = dict[str, Any]
@@ -21,13 +25,16 @@ Json = dict[str, Any]
 class Session:
     """A target and its page."""
 
-    def __init__(self, target: Path, options: Options, *, port: int = 0, writes: bool = False) -> None:
+    def __init__(
+        self, target: Path, options: Options, *, port: int = 0, writes: bool = False, edits: bool = False
+    ) -> None:
         """Bind the port; :meth:`load` shows the target.
 
         Args:
             target: What to show.
             options: Limits and cache; formats and engines for verification.
             port: The port; 0 for any free one.
+            edits: Whether the page may change the target, a sidecar.
             writes: Whether :meth:`prove` writes the files to ``options.output``.
 
         Raises:
@@ -40,7 +47,14 @@ class Session:
         self._scene = b"null"
         self._shown: Shown | None = None
         self._revision = 0
+        self.heard: Callable[[], None] = lambda: None
+        """Called after an edit was shown."""
+        self._editor: Editor | None = None
         answers = {"face": self._face}
+        if edits:
+            self._editor = Editor(target, options, self._edited)
+            editor = self._editor
+            answers |= {"edit": editor.edit, "undo": editor.undo, "redo": editor.redo, "between": self._between}
         self.server = LocalServer(self._page, lambda: self._scene, answers, port)
 
     def load(self) -> Shown:
@@ -67,7 +81,12 @@ class Session:
             self._revision += 1
         for event in ("findings", "proof", "busy"):
             self.server.forget(event)
-        self.server.tell("scene", {"revision": self._revision})
+        edit = None if self._editor is None else self._editor.state()
+        self.server.tell("scene", {"revision": self._revision, "edit": edit})
+
+    def _edited(self, shown: Shown) -> None:
+        self._set(shown)
+        self.heard()
 
     def prove(self) -> Conversion | None:
         """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""
@@ -91,7 +110,19 @@ class Session:
         self.server.close()
 
     def _page(self) -> str:
-        return page_html(self.target.name, None, modules=("live",), connect="'self'")
+        modules = ("live",) if self._editor is None else ("edit",)
+        return page_html(self.target.name, None, modules=modules, connect="'self'")
+
+    def _between(self, question: Json) -> Json:
+        """The axes that two components share: ``{a, b}``."""
+        shown = self._shown
+        if shown is None or shown.assembly is None:
+            return {"lines": []}
+        indices = {one.path: one.index for one in shown.assembly.components}
+        a, b = (indices.get(str(question.get(name))) for name in ("a", "b"))
+        if a is None or b is None:
+            raise Refused("no such part")
+        return {"lines": [asdict(one) for one in shared_lines(shown.assembly, a, b)]}
 
     def _face(self, question: Json) -> Json:
         """The axis of a clicked face: ``{component, triangle}``."""

@@ -24,4 +24,15 @@ def robot_name(stem: str) -> str:
 def scalar(text: str) -> str:
     """A string as a YAML scalar on one line, quoted if necessary."""
     plain = _PLAIN.fullmatch(text) and text.casefold() not in _NOT_TEXTS
-    return text if plain else json.dumps(text, ensure_ascii=not text.isprintable())
+    if plain:
+        return text
+    # JSON escapes a character beyond U+FFFF as two, which YAML rejects.
+    return _PAIR.sub(_as_one_escape, json.dumps(text, ensure_ascii=not text.isprintable()))
+
+
+_PAIR = re.compile(r"\\u(d[89ab][0-9a-f]{2})\\u(d[c-f][0-9a-f]{2})")
+
+
+def _as_one_escape(pair: re.Match[str]) -> str:
+    high, low = int(pair[1], 16), int(pair[2], 16)
+    return f"\\U{0x10000 + ((high - 0xD800) << 10) + (low - 0xDC00):08x}"

@@ -6,7 +6,10 @@ motion         what the page needs to move it: one-dof joints, loops, driven joi
 connections    joints and closures with their evidence, and marks where it is weak
 findings       the verification table, overlapping links, diagnostics
 components     the tree of the STEP file
-guesses        the robot of a drafted sidecar, without masses
+guesses        the robot of a plain STEP file, with the joints of a draft and without masses
+described      the robot of a URDF, SDFormat or MJCF file
+faces          the axis of a clicked face
+joining        the axes that two components share
 page           HTML, style and scripts in one file
 
 The page needs no server and no network. A server may send it another scene.

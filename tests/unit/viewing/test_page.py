@@ -67,8 +67,8 @@ def test_policy_allows_this_style_and_script_alone() -> None:
 
 
 def test_every_module_is_in_the_bundle() -> None:
-    """The live page has every script of the folder, each once and after those that it imports."""
-    text = bundle(["live"])
+    """The page to edit with has every script of the folder, each once and after those that it imports."""
+    text = bundle(["edit"])
     names = re.findall(r"^const module_(\w+) = ", text, re.MULTILINE)
     folder = Path(page.__file__).with_name("page")
     assert sorted(names) == sorted(path.stem for path in folder.glob("*.js"))

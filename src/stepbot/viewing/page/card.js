@@ -24,7 +24,7 @@ function partCard(state, selection) {
   const source = link.sources.find((one) => one.component === selection.component);
   const lines = [element("h2", {}, selection.component || `link ${link.name}`)];
   if (selection.component) {
-    lines.push(copyable(component?.quoted ?? selection.component, { id: "path" }));
+    lines.push(ancestors(state, selection), copyable(component?.quoted ?? selection.component, { id: "path" }));
     lines.push(pairs([
       ["link", link.name],
       ["product", component?.product],
@@ -33,7 +33,7 @@ function partCard(state, selection) {
       ["from", source?.origin],
       ["density", source?.density ? `${short(source.density)} kg/m³` : null],
     ]));
-    return lines;
+    return lines.filter(Boolean);
   }
   lines.push(pairs([
     ["mass", body.mass > 0 ? mass(body.mass) : "none"],
@@ -43,6 +43,17 @@ function partCard(state, selection) {
     ["collision", count(link.collisions.length, "shape")],
   ]));
   return lines;
+}
+
+// The subassemblies above a part, each to select as a whole.
+function ancestors(state, selection) {
+  const names = selection.component.match(/(?:\\.|[^/\\])+/g) ?? [];
+  const paths = names.slice(0, -1).map((_, i) => names.slice(0, i + 1).join("/"));
+  if (!paths.length) return null;
+  return element("p.above.quiet", {}, "in ", paths.map((path, i) => [
+    i ? " / " : "",
+    element("button", { type: "button", "data-above": path, onclick: () => state.select({ link: selection.link, component: path }) }, names[i]),
+  ]));
 }
 
 const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;

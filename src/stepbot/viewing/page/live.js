@@ -7,6 +7,9 @@ import { millimetres } from "./numbers.js";
 const { state } = app;
 let revision = -1;
 
+// Functions that hear of every scene event.
+export const live = [];
+
 function status(tone, text) {
   Object.assign(byId("live"), { className: tone, textContent: text });
 }
@@ -32,8 +35,9 @@ function connect() {
   const on = (name, act) => events.addEventListener(name, (event) => {
     last = last.then(() => act(JSON.parse(event.data))).catch((error) => status("bad", error.message));
   });
-  on("scene", async ({ revision: newer }) => {
-    await take(newer);
+  on("scene", async (content) => {
+    await take(content.revision);
+    live.forEach((heard) => heard(content));
     status("good", "live");
   });
   on("busy", ({ text }) => status("busy", text));

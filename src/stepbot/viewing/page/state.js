@@ -24,6 +24,7 @@ export class State {
     this.drawn = this.loops.closed(this.tree.drawn()) ?? this.tree.drawn();
     this.settle(this.drawn);
     if (same) this.restore(former);
+    if (this.wanted && this.find(this.wanted)) [this.selection, this.wanted] = [this.wanted, null];
     if (this.selection && !this.find(this.selection)) this.selection = null;
     this.tell("scene");
   }
@@ -65,9 +66,19 @@ export class State {
   }
 
   // selection: { link, component, triangle, point, X } or { connection }.
+  // What the scene does not have yet is selected when it comes.
   select(selection) {
-    this.selection = selection;
+    this.wanted = selection && !this.find(selection) ? selection : null;
+    if (this.wanted) return;
+    this.selection = this.picking ? this.picking(selection) : selection;
     this.tell("selection");
+  }
+
+  // Whether a part is one of those selected, or below one of them.
+  isPicked(component) {
+    const { selection } = this;
+    const paths = selection?.picked ?? (selection?.component ? [selection.component] : []);
+    return Boolean(component) && paths.some((path) => component === path || component.startsWith(`${path}/`));
   }
 
   find(selection) {

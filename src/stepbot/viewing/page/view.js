@@ -103,6 +103,7 @@ export class View {
       glow: this.glow(item),
       edge: item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : undefined,
     }));
+    for (const one of drawn) if (!one.edge && one.color[3] < 0.5) one.edge = [ink, ink, ink, 0.12];
     const { center, low } = this.extent();
     const floor = ground(center, this.radius, low[2], [ink, ink, ink, dark ? 0.1 : 0.13]);
     this.renderer.draw(camera, drawn, { below: floor, above: this.lines() }, dark ? [0, 0, 0, 0.45] : [0.05, 0.08, 0.14, 0.42]);
@@ -125,10 +126,9 @@ export class View {
   glow(item) {
     const { selection } = this.state;
     if (!selection || item.kind === "collision") return null;
-    if (selection.picked?.includes(item.component) && item.component) return [0.25, 0.55, 1, 0.75];
+    if (this.state.isPicked(item.component)) return [0.25, 0.55, 1, 0.75];
     if (selection.connection) return this.ends()[1] === item.link ? [0.25, 0.55, 1, 0.35] : null;
-    if (selection.link !== item.link) return null;
-    return selection.component && selection.component === item.component ? [0.25, 0.55, 1, 0.7] : [0.25, 0.55, 1, 0.3];
+    return selection.link === item.link && !selection.picked ? [0.25, 0.55, 1, 0.3] : null;
   }
 
   lines() {

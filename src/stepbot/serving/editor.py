@@ -1,0 +1,141 @@
+"""Writes edits to a sidecar: one step each, checked before it is written, undone and redone.
+
+A change is read, built and checked as `stepbot check --step` does. Only if there is no error the file is replaced, and
+every byte outside the change stays.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.scenes import Shown, show_text
+from stepbot.runtime.file import write_file
+from stepbot.sidecar.editing import CannotEdit, edited
+from stepbot.sidecar.load import parse_sidecar
+
+from .edits import changes_of
+from .local_server import Refused
+
+Json = dict[str, Any]
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+@dataclass(frozen=True)
+class _Step:
+    before: bytes
+    after: bytes
+
+
+class Editor:
+    """The edits of one sidecar."""
+
+    def __init__(self, sidecar: Path, options: Options, show: Callable[[Shown], None]) -> None:
+        """Edit a sidecar.
+
+        Args:
+            sidecar: The file.
+            options: Limits and cache.
+            show: Shows what was written.
+        """
+        self._sidecar, self._options, self._show = sidecar, options, show
+        self._lock = Lock()
+        self._done: list[_Step] = []
+        self._undone: list[_Step] = []
+
+    def edit(self, question: Json) -> Json:
+        """Do what the page asks for (:mod:`.edits`).
+
+        Raises:
+            Refused: The change is not possible, or `check` would reject the result.
+        """
+        with self._lock:
+            before = self._content()
+            text, newline = _lines(before)
+            sidecar = parse_sidecar(text, self._sidecar, found := Diagnostics())
+            if sidecar is None:
+                raise Refused(_reasons(found, "the sidecar has errors"))
+            try:
+                changed = edited(text, changes_of(sidecar.document, question))
+            except CannotEdit as error:
+                raise Refused(str(error)) from error
+            mark = _BYTE_ORDER_MARK if before.startswith(_BYTE_ORDER_MARK) else b""
+            after = mark + changed.replace("\n", newline).encode()
+            if after != before:
+                shown = self._written(after)
+                self._done.append(_Step(before, after))
+                self._undone.clear()
+                self._show(shown)
+            return self.state()
+
+    def undo(self, question: Json) -> Json:  # noqa: ARG002 - every answer gets a question
+        """Take back the last step.
+
+        Raises:
+            Refused: There is none, or the file was changed elsewhere.
+        """
+        return self._move(self._done, self._undone, back=True)
+
+    def redo(self, question: Json) -> Json:  # noqa: ARG002
+        """Do the last undone step again.
+
+        Raises:
+            Refused: There is none, or the file was changed elsewhere.
+        """
+        return self._move(self._undone, self._done, back=False)
+
+    def state(self) -> Json:
+        """Numbers of steps that can be undone and redone."""
+        return {"undo": len(self._done), "redo": len(self._undone)}
+
+    def _move(self, taken: list[_Step], given: list[_Step], *, back: bool) -> Json:
+        with self._lock:
+            if not taken:
+                raise Refused("nothing to undo" if back else "nothing to redo")
+            step = taken[-1]
+            now, then = (step.after, step.before) if back else (step.before, step.after)
+            if self._content() != now:
+                raise Refused("the sidecar was changed elsewhere; its steps cannot be undone any more")
+            shown = self._written(then)
+            given.append(taken.pop())
+            self._show(shown)
+            return self.state()
+
+    def _content(self) -> bytes:
+        try:
+            return self._sidecar.read_bytes()
+        except OSError as error:
+            raise Refused(f"the sidecar cannot be read: {error.strerror}") from error
+
+    def _written(self, content: bytes) -> Shown:
+        """Check, then write; returns what to show."""
+        shown = show_text(self._sidecar, _lines(content)[0], self._options)
+        if shown.diagnostics.has_errors:
+            raise Refused(_reasons(shown.diagnostics, "`check` would reject this"))
+        found = Diagnostics()
+        write_file(self._sidecar, content, found)
+        if found.has_errors:
+            raise Refused(_reasons(found, "the sidecar cannot be written"))
+        return shown
+
+
+def _lines(content: bytes) -> tuple[str, str]:
+    """The text with line feeds at line ends, and the line end of the file."""
+    try:
+        text = content.removeprefix(_BYTE_ORDER_MARK).decode()
+    except UnicodeDecodeError as error:
+        raise Refused("the sidecar is not UTF-8") from error
+    newline = "\r\n" if "\r\n" in text else "\n"
+    if newline == "\r\n" and text.count("\n") != text.count("\r\n"):
+        raise Refused("the sidecar mixes line ends; save it with one kind in an editor")
+    return text.replace("\r\n", "\n"), newline
+
+
+def _reasons(found: Diagnostics, otherwise: str) -> str:
+    """The errors, each with its first remedy."""
+    errors = [one for one in found if one.severity == "error"]
+    lines = [f"{one.message} ({one.code}){': ' + one.remedies[0] if one.remedies else ''}" for one in errors[:3]]
+    return "\n".join([f"{otherwise}:", *lines]) if lines else otherwise

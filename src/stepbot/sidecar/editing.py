@@ -1,0 +1,251 @@
+"""Changes single values in the text of a sidecar; every other byte is unchanged.
+
+The text is spliced at the positions of YAML nodes, because a YAML writer would lay the file out anew. The result is
+read again and must hold the former values with exactly these changes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
+
+from stepbot.diagnostics import Diagnostics
+
+from .load import parse_sidecar
+from .starter import scalar
+from .tree import plain_data
+
+Keys = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Put:
+    """Set the value at keys; what does not exist on the way is created."""
+
+    keys: Keys
+    value: Any
+    """A string, number, bool, list or dictionary."""
+
+
+@dataclass(frozen=True)
+class Append:
+    """Add an item to the list at keys; a missing list is created."""
+
+    keys: Keys
+    value: Any
+
+
+@dataclass(frozen=True)
+class Remove:
+    """Remove the entry or item at keys, which must exist; of a list or mapping that would be empty, all of it."""
+
+    keys: Keys
+
+
+Change = Put | Append | Remove
+
+
+class CannotEdit(Exception):
+    """The text is written in a way that allows no such change; the message says why."""
+
+
+def edited(text: str, changes: Sequence[Change]) -> str:
+    """The text of a sidecar with changes, one after the other.
+
+    Args:
+        text: With line feeds at line ends; without syntax errors.
+        changes: The changes.
+
+    Raises:
+        CannotEdit: The result would be no sidecar, or not have exactly these changes.
+    """
+    expected = _values(text)
+    for change in changes:
+        text = _spliced(text, change)
+        expected = _applied(expected, change)
+    if _values(text) != expected:
+        raise CannotEdit("the sidecar is written in a way that this change does not fit; edit it in an editor")
+    return text
+
+
+def _values(text: str) -> Any:
+    found = Diagnostics()
+    sidecar = parse_sidecar(text, Path("sidecar"), found)
+    if sidecar is None:
+        first = next((one.message for one in found if one.severity == "error"), "it cannot be read")
+        raise CannotEdit(f"the result would not be a sidecar: {first}")
+    return _copied(plain_data(sidecar.root))
+
+
+def _copied(data: Any) -> Any:
+    """A copy without shared objects, which aliases create: a change at one place must not appear at another."""
+    if isinstance(data, dict):
+        return {key: _copied(value) for key, value in data.items()}
+    return [_copied(value) for value in data] if isinstance(data, list) else data
+
+
+def _applied(data: Any, change: Change) -> Any:
+    """The values after a change, computed on plain data."""
+    *above, last = change.keys
+    at = data
+    for key in above:
+        at = at.setdefault(key, {}) if isinstance(at, dict) else at[key]
+    if isinstance(change, Put):
+        at[last] = change.value
+    elif isinstance(change, Append):
+        at.setdefault(last, []).append(change.value)
+    else:
+        del at[last]
+        if not at and above:
+            return _applied(data, Remove(tuple(above)))
+    return data
+
+
+def _spliced(text: str, change: Change) -> str:
+    try:
+        root = YAML(typ="safe", pure=True).compose(text)
+    except YAMLError as error:
+        raise CannotEdit(f"the sidecar has a syntax error: {error}") from error
+    if not isinstance(root, MappingNode):
+        raise CannotEdit("the sidecar is not a mapping")
+    nodes = _way(root, change.keys)
+    missing = change.keys[len(nodes) - 1 :]
+    if isinstance(change, Remove):
+        if missing:
+            raise CannotEdit(f"there is no {'.'.join(map(str, change.keys))}")
+        return _without(text, nodes, change.keys)
+    if isinstance(change, Append) and not missing:
+        return _with_item(text, nodes[-1], change.value)
+    value = [change.value] if isinstance(change, Append) else change.value
+    if not missing:
+        return text[: nodes[-1].start_mark.index] + _flow(value) + text[_end(nodes[-1]) :]
+    return _with_entry(text, nodes[-1], missing, value)
+
+
+def _way(root: Node, keys: Keys) -> list[Node]:
+    """The nodes from the root along keys, as far as they exist."""
+    nodes = [root]
+    for key in keys:
+        node = _child(nodes[-1], key)
+        if node is None:
+            break
+        nodes.append(node)
+    return nodes
+
+
+def _child(node: Node, key: str | int) -> Node | None:
+    if isinstance(node, MappingNode):
+        return next((value for name, value in node.value if name.value == key), None)
+    if isinstance(node, SequenceNode) and isinstance(key, int) and 0 <= key < len(node.value):
+        found: Node = node.value[key]
+        return found
+    return None
+
+
+def _end(node: Node) -> int:
+    """Where the text of a node ends; a block collection ends with its last value."""
+    if isinstance(node, MappingNode | SequenceNode) and not node.flow_style and node.value:
+        last = node.value[-1]
+        return _end(last[1] if isinstance(node, MappingNode) else last)
+    return int(node.end_mark.index)
+
+
+def _with_entry(text: str, node: Node, keys: Keys, value: Any) -> str:
+    if not isinstance(node, MappingNode):
+        raise CannotEdit(f"'{keys[0]}' cannot be added to a single value or a list")
+    for key in reversed(keys[1:]):
+        value = {str(key): value}
+    if node.flow_style:
+        return _into_flow(text, node, f"{scalar(str(keys[0]))}: {_flow(value)}")
+    indent = node.value[0][0].start_mark.column if node.value else 0
+    return _as_lines(text, _end(node), _block(str(keys[0]), value, indent))
+
+
+def _with_item(text: str, node: Node, value: Any) -> str:
+    if not isinstance(node, SequenceNode):
+        raise CannotEdit("a single value is no list")
+    if node.flow_style:
+        return _into_flow(text, node, _flow(value))
+    dash = node.start_mark.column
+    return _as_lines(text, _end(node), [f"{' ' * dash}- {_flow(value)}"])
+
+
+def _into_flow(text: str, node: Node, entry: str) -> str:
+    if not node.value:
+        at = node.start_mark.index + 1
+        return text[:at] + entry + text[at:]
+    last = node.value[-1]
+    at = _end(last[1] if isinstance(last, tuple) else last)
+    return f"{text[:at]}, {entry}{text[at:]}"
+
+
+def _as_lines(text: str, after: int, lines: Sequence[str]) -> str:
+    """Lines inserted below the line that holds a position."""
+    stop = text.find("\n", after)
+    head, tail = (text, "") if stop < 0 else (text[:stop], text[stop + 1 :])
+    return "\n".join([head, *lines, ""]) + tail
+
+
+def _without(text: str, nodes: Sequence[Node], keys: Keys) -> str:
+    parent, node = nodes[-2], nodes[-1]
+    if len(parent.value) == 1 and len(nodes) > 2:
+        return _without(text, nodes[:-1], keys[:-1])
+    is_mapping = isinstance(parent, MappingNode)
+    start = next(name for name, value in parent.value if value is node).start_mark.index if is_mapping else None
+    first = node.start_mark.index if start is None else start
+    stop = _end(node)
+    if isinstance(parent, MappingNode | SequenceNode) and parent.flow_style:
+        members = [value for _, value in parent.value] if is_mapping else list(parent.value)
+        index = next(i for i, member in enumerate(members) if member is node)
+        if index + 1 < len(members):
+            following = parent.value[index + 1]
+            return text[:first] + text[(following[0] if is_mapping else following).start_mark.index :]
+        return text[: _end(members[index - 1])] + text[stop:]
+    line = text.rfind("\n", 0, first) + 1
+    end = text.find("\n", stop)
+    return text[:line] + (text[end + 1 :] if end >= 0 else "")
+
+
+def _block(key: str, value: Any, indent: int) -> list[str]:
+    """An entry of a block mapping: its values in one line each, unless they fit into one line as a whole."""
+    head = f"{' ' * indent}{scalar(key)}:"
+    line = f"{head} {_flow(value)}"
+    if not isinstance(value, dict) or (len(line) <= _LONGEST_LINE and indent > 0):
+        return [line]
+    return [head, *(part for name, one in value.items() for part in _block(name, one, indent + 2))]
+
+
+_LONGEST_LINE = 120
+
+
+def _flow(value: Any) -> str:
+    """A value on one line."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{scalar(key)}: {_flow(one)}' for key, one in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_flow, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return value if _is_quantity(value) else scalar(value)
+    return repr(value)
+
+
+def _is_quantity(text: str) -> bool:
+    """Whether a text is a number with a unit, or an axis, which need no quotes: ``-90 deg``, ``-z``."""
+    number, _, unit = text.partition(" ")
+    if text in _AXES:
+        return True
+    try:
+        float(number)
+    except ValueError:
+        return False
+    return unit in _UNITS
+
+
+_AXES = frozenset(("x", "y", "z", "-x", "-y", "-z"))
+_UNITS = frozenset(("deg", "mm", "kg/m^3"))

@@ -1,0 +1,149 @@
+"""``stepbot view --edit``: every edit is a small, checked, undoable change of the sidecar."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from stepbot.api import check
+from stepbot.pipeline.conversion import Options
+from stepbot.runtime.cache import Cache
+from stepbot.serving.session import Session
+
+from .page import Page
+
+BARE = """# Nothing but the parts.
+version: 1
+robot: four_bar
+step: four_bar.step
+
+defaults: {density: 2700 kg/m^3}
+links:
+  ground: {rest: true}   # everything so far
+"""
+
+
+@pytest.fixture
+def edited(robot_library: Path, tmp_path: Path, page: Page) -> Iterator[Callable[[str], Session]]:
+    """Serves the four-bar linkage with another sidecar, for editing; errors of refused edits are expected."""
+    running: list[Session] = []
+    page.expected_errors = ["400 (Bad Request)"]
+
+    def serve(text: str) -> Session:
+        shutil.copy(robot_library / "stepbot_four_bar" / "four_bar.step", tmp_path)
+        sidecar = tmp_path / "four_bar.robot.yaml"
+        sidecar.write_text(text, encoding="utf-8", newline="")
+        session = Session(sidecar, Options(output=Path(), cache=Cache(tmp_path / "cache")), edits=True)
+        running.append(session)
+        session.load()
+        session.server.start()
+        page.open(session.server.url)
+        page.wait("return document.querySelector('#live').textContent === 'live'")
+        return session
+
+    yield serve
+    for session in running:
+        session.close()
+
+
+def text_of(session: Session) -> str:
+    """The sidecar on disk; it passes `check --step`."""
+    result = check(session.target, open_step=True, cache=False)
+    assert not result.diagnostics.has_errors, list(result.diagnostics)
+    return session.target.read_text(encoding="utf-8")
+
+
+def press(page: Page, name: str) -> None:
+    """Press a button of the card."""
+    page.run("document.querySelector(`#card [data-edit='${arguments[0]}']`).click()", name)
+
+
+def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session]) -> None:
+    """Two clicks and `joint here` make a joint that moves; the YAML has it, comments stay, undo takes it back."""
+    session = edited(BARE)
+    paths = {
+        name: page.run(
+            "return stepbot.state.scene.components.find(one => one.has_body && one.path.includes(arguments[0])).path",
+            name,
+        )
+        for name in ("ground bar", "crank")
+    }
+    page.click(page.pixel_of("ground", paths["ground bar"]))
+    page.wait("return stepbot.state.selection?.component === arguments[0]", paths["ground bar"])
+    page.click(page.pixel_of("ground", paths["crank"]), with_control=True)
+    page.wait("return stepbot.state.selection?.picked?.length === 2")
+    page.wait("return document.querySelector('#joint-form select[data-edit=origin]').value !== ''")
+    page.run("document.querySelector('#joint-form [data-edit=name]').value = 'crank_turn'")
+    page.run("document.querySelector('#joint-form [data-edit=child]').value = 'crank'")
+    press(page, "add")
+    page.wait("return stepbot.state.scene.connections.some(one => one.name === 'crank_turn')")
+    text = text_of(session)
+    assert text.startswith(BARE.rstrip().removesuffix("  ground: {rest: true}   # everything so far"))
+    assert "  ground: {rest: true}   # everything so far\n" in text
+    assert "crank_turn:" in text
+    assert "mate: [" in text
+    page.slide("crank_turn", 45.0)
+    assert page.positions()["crank_turn"] == pytest.approx(0.7853981633974483)
+    assert page.text("#undo") == "Undo"
+    page.element("#undo").click()
+    page.wait("return stepbot.state.scene.connections.length === 0")
+    assert text_of(session) == BARE
+    page.element("#redo").click()
+    page.wait("return stepbot.state.scene.connections.length === 1")
+    assert text_of(session) == text
+
+
+def test_axis_and_limits(page: Page, edited: Callable[[str], Session], robot_library: Path) -> None:
+    """`flip axis` and the sliders of limits change their values alone; each is one step back."""
+    good = (robot_library / "stepbot_four_bar" / "four_bar.robot.yaml").read_text(encoding="utf-8")
+    session = edited(good)
+    page.run("stepbot.state.select({connection: 'rocker_swing'})")
+    press(page, "flip")
+    page.wait("return stepbot.state.scene.connections.find(one => one.name === 'rocker_swing').axis[2] === 1")
+    flipped = good.replace("child: rocker, axis: -z,", "child: rocker, axis: z,")
+    assert flipped != good
+    assert session.target.read_text(encoding="utf-8") == flipped
+    page.run(
+        "const bar = document.querySelector('#card [data-limit=upper]'); bar.value = 75;"
+        "bar.dispatchEvent(new Event('input')); bar.dispatchEvent(new Event('change'));"
+    )
+    page.until(lambda: session.target.read_text(encoding="utf-8") != flipped, "the limit is written")
+    changed = flipped.replace("lower: -15 deg, upper: 70 deg", "lower: -15 deg, upper: 75 deg")
+    assert session.target.read_text(encoding="utf-8") == changed
+    for expected in (flipped, good):
+        page.element("#undo").click()
+        page.until(lambda expected=expected: session.target.read_text(encoding="utf-8") == expected, "undone")
+
+
+def test_parts_to_links(page: Page, edited: Callable[[str], Session]) -> None:
+    """Parts are assigned to a new link by clicking; a link that hangs on no joint is refused and nothing is written."""
+    session = edited(BARE)
+    path = page.run(
+        "return stepbot.state.scene.components.find(one => one.path.includes('rocker') && one.has_body).path"
+    )
+    page.run("stepbot.state.select({link: 'ground', component: arguments[0]})", path)
+    page.run("document.querySelector('#card [data-edit=link]').value = ''")
+    page.run("document.querySelector('#card [data-edit=new-link]').value = 'rocker'")
+    press(page, "assign")
+    page.wait("return document.querySelector('#card .refusal').textContent.includes('check')")
+    assert "SB453" in page.text("#card .refusal")
+    assert session.target.read_text(encoding="utf-8") == BARE
+
+
+def test_line_ends_and_other_editors(page: Page, edited: Callable[[str], Session], robot_library: Path) -> None:
+    """Windows line ends stay; what another editor saved meanwhile is kept, and steps before it cannot be undone."""
+    good = (robot_library / "stepbot_four_bar" / "four_bar.robot.yaml").read_text(encoding="utf-8")
+    session = edited(good.replace("\n", "\r\n"))
+    page.run("stepbot.state.select({connection: 'rocker_swing'})")
+    press(page, "flip")
+    page.wait("return stepbot.state.scene.connections.find(one => one.name === 'rocker_swing').axis[2] === 1")
+    expected = good.replace("child: rocker, axis: -z,", "child: rocker, axis: z,").replace("\n", "\r\n").encode()
+    assert session.target.read_bytes() == expected
+    session.target.write_bytes(expected + b"# a note\r\n")
+    page.element("#undo").click()
+    page.wait("return document.querySelector('#card .refusal').textContent.includes('changed elsewhere')")
+    assert session.target.read_bytes() == expected + b"# a note\r\n"
+    press(page, "flip")
+    page.wait("return stepbot.state.scene.connections.find(one => one.name === 'rocker_swing').axis[2] === -1")
+    assert session.target.read_bytes().endswith(b"# a note\r\n")
