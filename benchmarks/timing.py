@@ -32,13 +32,13 @@ def timed(command: Sequence[str], folder: Path, environment: Mapping[str, str]) 
     Raises:
         CommandFailed: Its exit code is not 0.
     """
-    with tempfile.TemporaryFile() as told:
+    with tempfile.TemporaryFile() as output:
         start = time.perf_counter()
-        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=told, stderr=told)
+        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=output)
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - start
         process.returncode = os.waitstatus_to_exitcode(status)
-        _check(command, process.returncode, told)
+        _check(command, process.returncode, output)
     return Cost(wall, usage.ru_utime + usage.ru_stime)
 
 
@@ -50,20 +50,22 @@ def peak_memory(command: Sequence[str], folder: Path, environment: Mapping[str, 
     Raises:
         CommandFailed: Its exit code is not 0.
     """
-    with tempfile.TemporaryFile() as told:
-        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=told, stderr=told)
+    with tempfile.TemporaryFile() as output:
+        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=output)
         peak = 0.0
         while process.poll() is None:
             peak = max(peak, sum(map(_proportional_set_size, _tree(process.pid))))
             time.sleep(_BETWEEN_SAMPLES)
-        _check(command, process.returncode, told)
+        _check(command, process.returncode, output)
     return peak / 1024.0
 
 
-def _check(command: Sequence[str], code: int, told: "tempfile._TemporaryFileWrapper[bytes]") -> None:
+def _check(command: Sequence[str], code: int, output: "tempfile._TemporaryFileWrapper[bytes]") -> None:
     if code:
-        told.seek(0)
-        raise CommandFailed(f"{' '.join(command)}: exit code {code}\n{told.read()[-2000:].decode('utf-8', 'replace')}")
+        output.seek(0)
+        raise CommandFailed(
+            f"{' '.join(command)}: exit code {code}\n{output.read()[-2000:].decode('utf-8', 'replace')}"
+        )
 
 
 def _tree(pid: int) -> list[int]:

@@ -68,20 +68,20 @@ def convert_once(temporary: pytest.TempPathFactory, name: str, sidecar: Path, *o
     """Convert a sidecar once for all tests that use this name, in any process."""
     root = temporary.getbasetemp()
     folder = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "converted" / name
-    told = folder / "run.json"
+    file = folder / "run.json"
     try:
         folder.mkdir(parents=True)
     except FileExistsError:
         deadline = time.monotonic() + 1.1 * LONGEST
-        while not told.exists():
+        while not file.exists():
             assert time.monotonic() < deadline, f"nobody converted {name}"
             time.sleep(0.05)
-        run = Run(**json.loads(told.read_text(encoding="utf-8")))
+        run = Run(**json.loads(file.read_text(encoding="utf-8")))
     else:
         run = stepbot("convert", sidecar, "-o", "out", *options, cwd=folder)
         draft = folder / "run.json.draft"
         draft.write_text(json.dumps(asdict(run)), encoding="utf-8")
-        draft.replace(told)
+        draft.replace(file)
     return assert_converted(Conversion(folder / "out", run))
 
 

@@ -147,12 +147,12 @@ def pytest_report_header() -> str:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Report in the summary what was skipped because the corpus or PyBullet is missing."""
-    told = [
+    reported = [
         str(report.longrepr[2])
         for report in terminalreporter.getreports("skipped")
         if isinstance(report.longrepr, tuple)
     ]
     for reason in (CORPUS_ABSENT, PYBULLET_ABSENT):
-        if count := sum(reason in one for one in told):
+        if count := sum(reason in one for one in reported):
             terminalreporter.section("not tested", yellow=True)
             terminalreporter.line(f"{count} tests skipped: {reason}", yellow=True)

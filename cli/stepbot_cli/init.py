@@ -74,7 +74,7 @@ def command(
     if sidecar.exists() and not force:
         help = ["write another file with -o, or overwrite it with --force"]
         found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
-        return _told(None, sidecar, step, found, as_json=as_json, display=display)
+        return _show_result(None, sidecar, step, found, as_json=as_json, display=display)
     with ExitStack() as bar:
         bar.enter_context(progress_bar(("read",)))("read")
 
@@ -89,7 +89,7 @@ def command(
         draft = replace(draft, robot=default_output(sidecar).name)
         write_draft(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
-    return _told(draft, sidecar, step, found, as_json=as_json, display=display)
+    return _show_result(draft, sidecar, step, found, as_json=as_json, display=display)
 
 
 def _beside(step: Path) -> Path:
@@ -98,7 +98,7 @@ def _beside(step: Path) -> Path:
     return step.with_name(starter_name(step))
 
 
-def _told(
+def _show_result(
     draft: "Draft | None", sidecar: Path, step: Path, found: Diagnostics, *, as_json: bool, display: Display
 ) -> int:
     if as_json:

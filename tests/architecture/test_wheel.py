@@ -96,8 +96,8 @@ def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
     run("stepbot", "convert", "arm2.robot.yaml", "--no-verify", "--no-cache")
     assert (tmp_path / "arm2" / "arm2.urdf").is_file()
     assert "robots/robot-1" not in run("stepbot", "schema", "--vscode")
-    told = run("stepbot", "library", "export", "four_bar", "-f", "mjcf", "-o", "four_bar", "--no-cache")
-    assert "files in four_bar" in told
+    reported = run("stepbot", "library", "export", "four_bar", "-f", "mjcf", "-o", "four_bar", "--no-cache")
+    assert "files in four_bar" in reported
     assert (tmp_path / "four_bar" / "four_bar.xml").is_file()
     load = "import mujoco; print(mujoco.MjModel.from_xml_path('four_bar/four_bar.xml').nbody)"
     assert run("python", "-c", load).strip() == "5"  # the world and four links

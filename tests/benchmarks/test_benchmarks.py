@@ -28,13 +28,13 @@ def test_volume_in_closed_form(tmp_path: Path, assembly: Assembly) -> None:
     sidecar = generate(assembly, tmp_path, "made")
     script = [sys.executable, str(ROOT / "benchmarks" / "bare_occt.py"), "made.step"]
     run = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=True)
-    told = json.loads(run.stdout.splitlines()[-1])
-    assert told["solids"] == (assembly.definitions or 1)
-    assert told["volume"] * assembly.occurrences == pytest.approx(assembly.volume, rel=1e-9)
+    reported = json.loads(run.stdout.splitlines()[-1])
+    assert reported["solids"] == (assembly.definitions or 1)
+    assert reported["volume"] * assembly.occurrences == pytest.approx(assembly.volume, rel=1e-9)
     assert case_of(sidecar, None, tmp_path / "case").step.name == "made.step"
 
 
-def test_assemblies_are_as_large_as_their_names_say() -> None:
+def test_assemblies_have_the_size_in_their_names() -> None:
     """Assemblies have a thousand definitions, ten thousand occurrences, twenty thousand faces, as named."""
     assert ASSEMBLIES["definitions"].definitions == 1000
     assert ASSEMBLIES["occurrences"].occurrences == 10_000

@@ -41,7 +41,7 @@ def statuses(document: dict[str, Any]) -> dict[str, str]:
     return {robot["name"]: robot["status"] for robot in document["robots"]}
 
 
-def test_one_failure_stops_nobody_and_the_next_run_goes_on(library: Path, stepbot: Stepbot) -> None:
+def test_a_failed_robot_does_not_stop_the_others_and_is_repeated(library: Path, stepbot: Stepbot) -> None:
     """A failed robot does not stop the others; the next run skips finished robots and repeats changed ones."""
     run = stepbot("batch", "lib", "-o", "out", "--json", "--junit", "ci/junit.xml", *FAST)
     document = json.loads(run.out)

@@ -128,7 +128,7 @@ def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, 
     assert asked == READ
 
 
-def test_spoilt_entries_harm_nobody(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
+def test_corrupt_entries_are_ignored(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
     """Corrupt entries are ignored and the output is identical."""
     assert stepbot("convert", four_bar.name, "-o", "one", *FAST).code == 0
     assert asked == []
@@ -150,7 +150,7 @@ def test_errors_are_not_kept(four_bar: Path, cache: Path, stepbot: Stepbot, aske
 
 
 @pytest.mark.parametrize("options", [(), ("--step",)])
-def test_check_says_the_same_again(
+def test_cached_diagnostics_are_identical(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], options: tuple[str, ...]
 ) -> None:
     """Cached diagnostics are identical, including remedies, and the kernel does not run."""
@@ -178,12 +178,12 @@ def test_edited_sidecar_loads_no_kernel(tmp_path: Path, four_bar: Path, cache: P
 
 def test_info_and_clear(cache: Path, stepbot: Stepbot) -> None:
     """`cache info` reports size and entries; `cache clear` removes them."""
-    told = json.loads(stepbot("cache", "info", "--json").out)
-    assert Path(told["folder"]) == cache
-    assert told["entries"] > 0
-    assert 0 < told["size"] < told["limit"]
-    assert f"entries  {told['entries']}" in stepbot("cache", "info").out
-    assert json.loads(stepbot("cache", "clear", "--json").out)["entries"] == told["entries"]
+    reported = json.loads(stepbot("cache", "info", "--json").out)
+    assert Path(reported["folder"]) == cache
+    assert reported["entries"] > 0
+    assert 0 < reported["size"] < reported["limit"]
+    assert f"entries  {reported['entries']}" in stepbot("cache", "info").out
+    assert json.loads(stepbot("cache", "clear", "--json").out)["entries"] == reported["entries"]
     assert json.loads(stepbot("cache", "info", "--json").out)["entries"] == 0
 
 

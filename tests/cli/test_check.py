@@ -8,7 +8,7 @@ import pytest
 from .conftest import Stepbot
 
 
-def spoil(sidecar: Path, old: str, new: str) -> None:
+def damage(sidecar: Path, old: str, new: str) -> None:
     """Replace a part of a sidecar."""
     text = sidecar.read_text(encoding="utf-8")
     assert old in text
@@ -28,7 +28,7 @@ def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> N
     """With several sidecars, those without errors are listed."""
     bad = arm / "bad.robot.yaml"
     bad.write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
-    spoil(bad, "child: forearm", "child: forarm")
+    damage(bad, "child: forearm", "child: forarm")
     run = stepbot("check")
     assert run.code == 1
     assert [line for line in run.out.splitlines() if "ok: " in line] == ["arm2.robot.yaml: ok: 5 links, 4 joints"]
@@ -36,8 +36,8 @@ def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> N
 
 def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
     """Two errors in one file are reported together, each with its code frame, and counted."""
-    spoil(arm / "arm2.robot.yaml", "base: fixed", "base: fixxed")
-    spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    damage(arm / "arm2.robot.yaml", "base: fixed", "base: fixxed")
+    damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "arm2.robot.yaml")
     assert (run.code, run.err) == (1, "")
     assert "arm2.robot.yaml:6:7: error[" in run.out
@@ -48,7 +48,7 @@ def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
 
 def test_concise_is_one_line_each(arm: Path, stepbot: Stepbot) -> None:
     """`--concise` prints one line per finding."""
-    spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "--concise", "arm2.robot.yaml")
     assert len(run.out.splitlines()) == 1
     assert run.out.startswith("arm2.robot.yaml:")
@@ -57,7 +57,7 @@ def test_concise_is_one_line_each(arm: Path, stepbot: Stepbot) -> None:
 
 def test_json_is_one_document(arm: Path, stepbot: Stepbot) -> None:
     """`--json` prints one document with files, findings and exit code."""
-    spoil(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "--json", "arm2.robot.yaml")
     document = json.loads(run.out)
     assert document["files"] == ["arm2.robot.yaml"]
@@ -69,7 +69,7 @@ def test_several_files(arm: Path, stepbot: Stepbot) -> None:
     """Findings of several files are in the order of the arguments; a missing file does not hide the others."""
     bad = arm / "bad.robot.yaml"
     bad.write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
-    spoil(bad, "child: forearm", "child: forarm")
+    damage(bad, "child: forearm", "child: forarm")
     run = stepbot("check", "--concise", "gone.robot.yaml", "arm2.robot.yaml", "bad.robot.yaml")
     assert [line.partition(":")[0] for line in run.out.splitlines()] == ["gone.robot.yaml", "bad.robot.yaml"]
     assert run.code == 2
@@ -78,7 +78,7 @@ def test_several_files(arm: Path, stepbot: Stepbot) -> None:
 @pytest.mark.parametrize("arguments", [["--step", "arm2.robot.yaml"], ["arm2.robot.yaml", "--step", "arm2.step"]])
 def test_against_the_step(arm: Path, stepbot: Stepbot, arguments: list[str]) -> None:
     """`--step`, alone or with a file, finds component names that are not in the CAD."""
-    spoil(arm / "arm2.robot.yaml", "{parts: [forearm]}", "{parts: [forarm]}")
+    damage(arm / "arm2.robot.yaml", "{parts: [forearm]}", "{parts: [forarm]}")
     assert stepbot("check", "arm2.robot.yaml").code == 0
     run = stepbot("check", *arguments)
     assert run.code == 1

@@ -77,16 +77,16 @@ def test_killed_worker_loses_nothing(
         shutil.copy(source / "four_bar.robot.yaml", folder / f"robot{number}.robot.yaml")
     fast = ("-f", "urdf", "--no-verify")
     command = [*COMMAND, "batch", "lib", "-o", "out", "--json", "--scheduler", address, *fast]
-    with (tmp_path / "told.json").open("wb") as out, (tmp_path / "told.txt").open("wb") as err:
+    with (tmp_path / "batch.json").open("wb") as out, (tmp_path / "batch.txt").open("wb") as err:
         batch = subprocess.Popen(command, cwd=tmp_path, env=environment(), stdout=out, stderr=err)
     deadline = time.monotonic() + 240
     while not list((tmp_path / "out").glob("robot*/report.json")):
-        assert time.monotonic() < deadline, (tmp_path / "told.txt").read_text(encoding="utf-8")
+        assert time.monotonic() < deadline, (tmp_path / "batch.txt").read_text(encoding="utf-8")
         assert batch.poll() is None, "all was done before a worker could be killed"
         time.sleep(0.05)
     workers[0].kill()
-    assert batch.wait(timeout=300) == 0, (tmp_path / "told.txt").read_text(encoding="utf-8")
-    document = json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))
+    assert batch.wait(timeout=300) == 0, (tmp_path / "batch.txt").read_text(encoding="utf-8")
+    document = json.loads((tmp_path / "batch.json").read_text(encoding="utf-8"))
     assert [robot["name"] for robot in document["robots"]] == [f"robot{number}" for number in range(COPIES)]
     assert document["summary"] == {"converted": COPIES, "unchanged": 0, "failed": 0}
     sidecar = Path("lib") / "robot0" / "robot0.robot.yaml"

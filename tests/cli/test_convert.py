@@ -27,7 +27,7 @@ def replaced(old: str, new: str) -> list[tuple[str, str]]:
     return [(old, new)]
 
 
-def spoil(folder: Path, replacements: list[tuple[str, str]]) -> None:
+def damage(folder: Path, replacements: list[tuple[str, str]]) -> None:
     """Put errors into the sidecar."""
     sidecar = folder / "arm2.robot.yaml"
     text = sidecar.read_text(encoding="utf-8")
@@ -79,7 +79,7 @@ def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
 
 def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
     """A feature that a format lacks is a warning, and with `--strict` an error without output."""
-    spoil(arm, replaced("friction: 0.02}", "friction: 0.02, armature: 0.01}"))
+    damage(arm, replaced("friction: 0.02}", "friction: 0.02, armature: 0.01}"))
     run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "sdf")
     assert run.code == 1
     assert "arm2.sdf: error[SB703]" in run.err
@@ -132,7 +132,7 @@ def test_error_leaves_the_former_output(
     out = arm / "out"
     out.mkdir()
     (out / "arm2.urdf").write_text("former", encoding="utf-8")
-    spoil(arm, replacements)
+    damage(arm, replacements)
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out")
     assert run.code in (1, 2)
     assert "arm2.robot.yaml:" in run.err

@@ -72,8 +72,8 @@ def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         if made.returncode == 0:
             changes["LOCPATH"] = str(folder)
     ask = "import locale; locale.setlocale(locale.LC_ALL, ''); print(locale.str(0.5))"
-    told = subprocess.run([sys.executable, "-c", ask], env=environment(changes), capture_output=True, check=False)
-    if told.stdout.strip() != b"0,5":
+    reported = subprocess.run([sys.executable, "-c", ask], env=environment(changes), capture_output=True, check=False)
+    if reported.stdout.strip() != b"0,5":
         pytest.skip("no locale with a decimal comma on this system, and none could be made")
     return changes
 

@@ -63,8 +63,8 @@ def test_convert_proves_what_it_writes(
 
 def test_batch_and_inspect(folder: Path) -> None:
     """`batch` and `inspect` handle such names; their JUnit and JSON are valid."""
-    told = json.loads(run(folder, "batch", ".", "-o", BAR, "--json", "--no-verify", "--junit", "tests.xml").out)
-    assert told["summary"]["converted"] == 2
+    reported = json.loads(run(folder, "batch", ".", "-o", BAR, "--json", "--no-verify", "--junit", "tests.xml").out)
+    assert reported["summary"]["converted"] == 2
     ET.parse(folder / "tests.xml")
     for robot in (folder / BAR).glob("*/*.urdf"):
         ET.parse(robot)

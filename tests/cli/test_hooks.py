@@ -71,7 +71,7 @@ class Repository:
         run = self.run(sys.executable, "-P", "-m", "pre_commit", "run", "--color", "never", "--verbose", *options)
         lines = [line for line in run.stdout.splitlines() if line.startswith("stepbot ") and "..." in line]
         assert lines, run.stdout + run.stderr
-        self.told = run.stdout
+        self.reported = run.stdout
         return {line.partition("...")[0]: line.rpartition(".")[2] for line in lines}
 
 
@@ -86,7 +86,7 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
     urdf.write_bytes(before.replace(b"0.", b"1.", 1))
     repository.run("git", "add", "-A")
     assert repository.hooks() == {"stepbot check": "Passed", "stepbot uptodate": "Failed"}
-    assert "robots/four_bar/four_bar.urdf: error[SB007]" in repository.told
+    assert "robots/four_bar/four_bar.urdf: error[SB007]" in repository.reported
     urdf.write_bytes(before)
 
     sidecar = robots / "four_bar.robot.yaml"
@@ -103,7 +103,7 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
     step.write_bytes(original[: len(original) // 2])
     repository.run("git", "add", "-A")
     assert repository.hooks() == {"stepbot check": "Failed", "stepbot uptodate": "Failed"}
-    assert "SB204" in repository.told
+    assert "SB204" in repository.reported
 
 
 def test_hooks_import_nothing_of_a_repository(tmp_path: Path, robot_library: Path) -> None:

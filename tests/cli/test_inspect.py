@@ -263,8 +263,8 @@ def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
     kernel = (
         "import sys; from pathlib import Path; from stepbot.step.kernel import read_model;read_model(Path(sys.argv[1]))"
     )
-    told = subprocess.run([sys.executable, "-c", kernel, str(path)], capture_output=True, text=True, check=True)
-    assert "ERR" in told.stdout
+    reported = subprocess.run([sys.executable, "-c", kernel, str(path)], capture_output=True, text=True, check=True)
+    assert "ERR" in reported.stdout
     run = command_line.stepbot("inspect", path, "--json", cwd=tmp_path)
     document = json.loads(run.out)
     assert [finding["code"] for finding in document["diagnostics"]] == ["SB223"]

@@ -21,7 +21,7 @@ def test_list_names_every_robot(stepbot: Stepbot, robot_library: Path) -> None:
     assert all(Path(robot["step"]).is_file() and Path(robot["page"]).is_file() for robot in document["robots"])
 
 
-def test_show_tells_joints_links_and_files(stepbot: Stepbot, robot_library: Path) -> None:
+def test_show_lists_joints_links_and_files(stepbot: Stepbot, robot_library: Path) -> None:
     """`library show` summarizes a robot's page; the maker's name is optional."""
     run = stepbot("library", "show", "ur5e")
     assert run.code == 0

@@ -48,7 +48,7 @@ def name_material(file: StepEditor, product: str, item: str) -> None:
     file.add(f"PROPERTY_DEFINITION_REPRESENTATION(#{meaning},#{representation})")
 
 
-def test_each_gram_says_where_it_came_from(cart: Path, stepbot: Stepbot) -> None:
+def test_each_mass_has_its_source(cart: Path, stepbot: Stepbot) -> None:
     """The density comes from the material table, else from the default; a measured mass takes precedence."""
     (cart / "cart.robot.yaml").write_text(SIDECAR.format(materials=TABLE), encoding="utf-8")
     run = stepbot("convert", "cart.robot.yaml", "--no-verify", "-o", "out", "--json")

@@ -23,7 +23,7 @@ def written(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> Pat
     return arm / "out" / "arm2"
 
 
-def test_what_changed_is_told(written: Path, stepbot: Stepbot) -> None:
+def test_changed_files_are_reported(written: Path, stepbot: Stepbot) -> None:
     """Current files cause no output; an edited, removed or obsolete file is reported."""
     run = stepbot(*UPTODATE)
     assert (run.code, run.out, run.err) == (0, "", "")
@@ -51,7 +51,7 @@ def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> N
     assert "out/arm2/arm2.urdf: error[SB007]: no longer written" in run.out
 
 
-def test_faulty_sidecar_is_told_as_such(written: Path, stepbot: Stepbot) -> None:
+def test_invalid_sidecar_is_reported_as_such(written: Path, stepbot: Stepbot) -> None:
     """An invalid sidecar is reported instead of the missing files."""
     Path("arm2.robot.yaml").write_text("version: 1\n", encoding="utf-8")
     run = stepbot(*UPTODATE)

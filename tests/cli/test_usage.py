@@ -51,7 +51,7 @@ def test_unknown_command_without_neighbours_lists_all(stepbot: Stepbot) -> None:
 
 
 @pytest.mark.parametrize("value", ["abc", "0", "-1", "nan", "inf", "5 min"])
-def test_timeout_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
+def test_invalid_timeout_is_rejected(stepbot: Stepbot, value: str) -> None:
     """An invalid time limit is rejected with the accepted form."""
     run = stepbot("convert", "a.yaml", "--timeout", value)
     assert run.code == 2
@@ -59,7 +59,7 @@ def test_timeout_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["abc", "0", "1.5"])
-def test_jobs_says_what_it_takes(stepbot: Stepbot, value: str) -> None:
+def test_invalid_jobs_are_rejected(stepbot: Stepbot, value: str) -> None:
     """An invalid number of cores is rejected with the accepted form."""
     run = stepbot("batch", ".", "-o", "out", "-j", value)
     assert run.code == 2

@@ -53,8 +53,8 @@ def test_snippet_runs(heading: str, module: str, printed: str, folder: Path) -> 
     command = [sys.executable, "-c", block(heading, "python")]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=300)
     assert run.returncode == 0, run.stderr
-    said = "\n".join(line for line in run.stdout.splitlines() if not line.startswith("pybullet build time"))
-    assert re.search(printed, said), run.stdout
+    stated = "\n".join(line for line in run.stdout.splitlines() if not line.startswith("pybullet build time"))
+    assert re.search(printed, stated), run.stdout
 
 
 def test_world_for_gazebo_includes_the_model(folder: Path) -> None:

@@ -88,16 +88,16 @@ def test_every_name_is_in_the_file(name: str, format_: str) -> None:
     files = render(ROBOTS[name](), format_, Diagnostics())
     top = etree.fromstring(files[f"{robot.name}{FORMATS[format_].suffix}"])
     names = {element.get("name") for element in top.iter("*")} | {top.get("model")}
-    said = {robot.name, *(link.name for link in robot.links), *(frame.name for frame in robot.frames)}
-    said |= {shape.name for link in robot.links for shape in (*link.visuals, *link.collisions)}
-    said |= {closure.name for closure in robot.closures}
+    stated = {robot.name, *(link.name for link in robot.links), *(frame.name for frame in robot.frames)}
+    stated |= {shape.name for link in robot.links for shape in (*link.visuals, *link.collisions)}
+    stated |= {closure.name for closure in robot.closures}
     if format_ != "sdf":  # plugins refer to actuators by their joints
-        said |= {actuator.name for actuator in robot.actuators}
+        stated |= {actuator.name for actuator in robot.actuators}
     if format_ == "mjcf":  # fixed joints and the parts of a multi-dof joint have no names
-        said |= {step.name for steps in steps_by_child(robot).values() for step in steps if step.kind != "fixed"}
+        stated |= {step.name for steps in steps_by_child(robot).values() for step in steps if step.kind != "fixed"}
     else:
-        said |= {joint.name for joint in robot.joints}
-    assert said <= names
+        stated |= {joint.name for joint in robot.joints}
+    assert stated <= names
 
 
 @every_format

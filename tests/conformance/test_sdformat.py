@@ -81,13 +81,13 @@ def test_joints_say_axis_limits_and_dynamics(name: str, write: Write) -> None:
         bounds = {"lower": max(limit.lower, -1e16), "upper": min(limit.upper, 1e16)}
         assert numbers == {**bounds, "effort": limit.effort, "velocity": limit.velocity}
         dynamics = joint.dynamics
-        said = {
+        stated = {
             "damping": dynamics.damping,
             "friction": dynamics.friction,
             "spring_stiffness": dynamics.stiffness,
             "spring_reference": dynamics.spring_reference,
         }
-        assert {key: float(axis.findtext(f"dynamics/{key}") or 0) for key in said} == said
+        assert {key: float(axis.findtext(f"dynamics/{key}") or 0) for key in stated} == stated
 
 
 @every_robot

@@ -175,8 +175,8 @@ def _keep(trial: Trial[Mutant], bases: Path, folder: Path) -> None:
     path = folder / trial.mutant.file_name
     path.write_bytes(trial.mutant.content(bases))
     verdict = trial.verdict
-    told = "\n".join((trial.mutant.name, verdict.outcome, verdict.message, *verdict.notes, *verdict.faults))
-    path.with_suffix(".txt").write_text(told + "\n", encoding="utf-8", newline="\n")
+    reported = "\n".join((trial.mutant.name, verdict.outcome, verdict.message, *verdict.notes, *verdict.faults))
+    path.with_suffix(".txt").write_text(reported + "\n", encoding="utf-8", newline="\n")
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:

@@ -187,7 +187,7 @@ def test_judge_finds_faults(read: Callable[[Path, Diagnostics], Assembly | None]
     assert fault in "\n".join(verdict.faults)
 
 
-def test_unsound_assemblies_are_noticed() -> None:
+def test_invalid_assemblies_are_detected() -> None:
     """NaN, invalid indices and inconsistent meshes are defects."""
     sound = _box()
     assert not list(unsound(sound))

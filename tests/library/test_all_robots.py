@@ -68,7 +68,7 @@ def test_sidecar_names_its_neighbours(robot: str) -> None:
 
 
 @every_robot
-def test_step_tells_nothing_of_where_and_when(robot: str) -> None:
+def test_step_header_has_no_person_folder_or_time(robot: str) -> None:
     """The STEP header has no person, folder or time of drawing, so that drawing is reproducible."""
     (step,) = (LIBRARY / robot).glob("*.step")
     header = step.read_text(encoding="utf-8").split("ENDSEC;", 1)[0]

@@ -41,7 +41,7 @@ def test_there_are_robots_with_limbs() -> None:
 @pytest.mark.mujoco
 @every_converted_limbed_robot
 @pytest.mark.parametrize("suffix", [".urdf", ".xml"])
-def test_feet_and_hands_are_where_the_formula_says(robot: str, suffix: str, converted: Converted) -> None:
+def test_feet_and_hands_equal_the_closed_forms(robot: str, suffix: str, converted: Converted) -> None:
     """Feet and hands in the written files, as drawn and at 20 random positions, equal the closed forms to 1e-9."""
     motions, root = expected(robot)["motions"], converted(robot).report["robot"]["root"]
     engine = {".urdf": "poses_in_yourdfpy", ".xml": "poses_in_mujoco"}[suffix]

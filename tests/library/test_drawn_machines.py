@@ -80,7 +80,7 @@ def test_slider_crank_follows_its_formula(converted: Converted) -> None:
 
 @pytest.mark.long
 @pytest.mark.mujoco
-def test_scara_is_where_its_formula_says(converted: Converted) -> None:
+def test_scara_equals_its_closed_form(converted: Converted) -> None:
     """The tool at random joint positions, turns of the screw included; the inverse kinematics returns the positions."""
     robot = "stepbot_scara"
     formulas, known = closed_form(robot), expected(robot)
@@ -97,7 +97,7 @@ def test_scara_is_where_its_formula_says(converted: Converted) -> None:
 
 @pytest.mark.long
 @pytest.mark.mujoco
-def test_stewart_platform_is_where_its_formula_says(converted: Converted) -> None:
+def test_stewart_platform_equals_its_closed_form(converted: Converted) -> None:
     """The leg lengths of the inverse kinematics move the platform to the given pose."""
     robot = "stepbot_stewart"
     formulas, poses = closed_form(robot), expected(robot)["poses"]
@@ -113,7 +113,7 @@ def test_stewart_platform_is_where_its_formula_says(converted: Converted) -> Non
 
 @pytest.mark.long
 @pytest.mark.mujoco
-def test_delta_is_where_its_formula_says(converted: Converted) -> None:
+def test_delta_equals_its_closed_form(converted: Converted) -> None:
     """The shoulder angles of the inverse kinematics move the platform to the given position, and it stays level."""
     robot = "stepbot_delta"
     formulas, places = closed_form(robot), expected(robot)["places"]
@@ -135,7 +135,7 @@ def test_delta_is_where_its_formula_says(converted: Converted) -> None:
 
 @pytest.mark.long
 @pytest.mark.mujoco
-def test_diff_drive_rolls_where_its_formula_says(converted: Converted) -> None:
+def test_diff_drive_follows_its_odometry(converted: Converted) -> None:
     """Driven on a floor, the base follows its odometry to 2 % of the distance and 2 degrees, since wide wheels slip."""
     robot = "stepbot_diff_drive"
     formulas = closed_form(robot)

@@ -74,9 +74,9 @@ def test_the_two_closed_forms_agree() -> None:
     """Freudenstein's equation here and the law of cosines in the robot's folder agree."""
     motion = expected()["linkage"]["motion"]
     assert len(motion) == len(TURN)
-    for turn, said in zip(TURN, motion, strict=True):
+    for turn, stated in zip(TURN, motion, strict=True):
         true = closed_form(turn)
-        assert max(abs(remainder(said[name] - true[name], 2 * pi)) for name in true) < 1e-10
+        assert max(abs(remainder(stated[name] - true[name], 2 * pi)) for name in true) < 1e-10
 
 
 @pytest.mark.mujoco
@@ -136,7 +136,7 @@ def test_sdformat_holds_the_loop_and_fixes_the_base(four_bar: Conversion) -> Non
     assert model.find("static") is None
 
 
-def test_urdf_is_the_spanning_tree_and_says_so(four_bar: Conversion) -> None:
+def test_urdf_is_the_spanning_tree_and_reports_the_omitted_closure(four_bar: Conversion) -> None:
     """Each link has one parent joint; the omitted closure is named on the terminal and in the report."""
     root = etree.parse(four_bar.file(".urdf")).getroot()
     joints = {joint.get("name"): joint for joint in root.findall("joint") if joint.get("type") != "fixed"}
@@ -149,16 +149,16 @@ def test_urdf_is_the_spanning_tree_and_says_so(four_bar: Conversion) -> None:
         np.testing.assert_allclose(X_TL[link], _pose_of(frame), atol=1e-9)
         axis = X_TL[link][:3, :3] @ numbers(joints[joint].find("axis").get("xyz"))
         np.testing.assert_allclose(axis, expected()["joints"][joint]["axis"], atol=1e-9)
-    (said,) = (entry for entry in four_bar.report["diagnostics"] if entry["code"] == "SB701")
-    assert said["file"] == "four_bar.urdf"
-    assert "'rocker_pin'" in said["message"]
+    (stated,) = (entry for entry in four_bar.report["diagnostics"] if entry["code"] == "SB701")
+    assert stated["file"] == "four_bar.urdf"
+    assert "'rocker_pin'" in stated["message"]
     assert "warning[SB701]" in four_bar.run.err
-    told = {
+    reported = {
         (check["file"], check["engine"]): (check["status"], check["why"])
         for check in four_bar.report["checks"]
         if check["quantity"] == "closures"
     }
-    assert told["four_bar.urdf", "mujoco"] == ("not run", "URDF cannot represent closed loops")
+    assert reported["four_bar.urdf", "mujoco"] == ("not run", "URDF cannot represent closed loops")
 
 
 def _pose_of(frame: Mapping[str, Any]) -> np.ndarray:

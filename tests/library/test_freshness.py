@@ -30,10 +30,10 @@ def test_the_gallery_shows_every_robot() -> None:
 @every_converted_robot
 def test_the_page_has_the_numbers_of_a_fresh_conversion(robot: str, converted: Converted) -> None:
     """Joints, limits, masses, centres and inertias in the tables equal a fresh conversion, to the digits shown."""
-    told, page = converted(robot).report["robot"], LibraryRobot(LIBRARY / robot, sidecar_of(robot))
+    reported, page = converted(robot).report["robot"], LibraryRobot(LIBRARY / robot, sidecar_of(robot))
     for title, expected in (("Joints", joint_cells), ("Links", link_cells)):
         rows = {row[0]: row[1:] for row in page.table(title)}
-        for entry in told[title.lower()]:
+        for entry in reported[title.lower()]:
             for cell, value in zip(rows[entry["name"]], expected(entry), strict=True):
                 assert (cell.split(",")[0] if isinstance(value, str) else numbers(cell)) == value, entry["name"]
 

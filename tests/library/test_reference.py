@@ -44,7 +44,7 @@ def _description(robot: str) -> Description:
 
 
 @every_described_robot
-def test_the_drawing_is_where_the_sidecar_says(robot: str) -> None:
+def test_the_drawn_positions_are_the_sidecars_zeros(robot: str) -> None:
     """The drawn joint positions are the sidecar's `zero`."""
     content = YAML(typ="safe", pure=True).load(sidecar_of(robot).read_text(encoding="utf-8"))
     zeros = {name: _plain(joint["zero"]) for name, joint in content["joints"].items() if "zero" in joint}
@@ -110,8 +110,8 @@ def test_closed_loops_hold_what_the_maker_lets_mimic(robot: str, converted: Conv
             np.testing.assert_allclose(a[:3, 3], b[:3, 3], atol=CLOSE, err_msg=f"{closure['name']} at {q}")
 
 
-def _given(said: Mapping[str, Any]) -> Any:
-    return DescribedJoint("", "fixed", "", "", tuple(said["xyz"]), tuple(said["rpy"])).X_PC
+def _given(stated: Mapping[str, Any]) -> Any:
+    return DescribedJoint("", "fixed", "", "", tuple(stated["xyz"]), tuple(stated["rpy"])).X_PC
 
 
 @every_converted_described_robot
@@ -201,8 +201,8 @@ def _described_in(source: Mapping[str, str]) -> Mapping[str, Any]:
     for file in sorted(REFERENCE.glob("*.yaml")):
         for part in YAML(typ="safe", pure=True).load(file.read_text(encoding="utf-8")).values():
             if isinstance(part, dict) and "fk" in part and part["source"].get("path") == source["path"]:
-                said: Mapping[str, Any] = part
-                return said
+                stated: Mapping[str, Any] = part
+                return stated
     raise AssertionError(f"no description from {source['repo']}, {source['path']}")
 
 
@@ -211,10 +211,10 @@ def _described_in(source: Mapping[str, str]) -> Mapping[str, Any]:
 def test_expected_json_is_the_makers_description(robot: str) -> None:
     """expected.json has the joints and poses of the maker's description."""
     content, description = _expected(robot), _description(robot)
-    said = _described_in(content["source"])
-    assert said["source"]["commit"] == content["source"]["commit"]
-    assert {joint["name"] for joint in said["joints"]} == set(description.joints)
-    for joint in said["joints"]:
+    stated = _described_in(content["source"])
+    assert stated["source"]["commit"] == content["source"]["commit"]
+    assert {joint["name"] for joint in stated["joints"]} == set(description.joints)
+    for joint in stated["joints"]:
         ours = description.joints[joint["name"]]
         assert (ours.kind, ours.parent, ours.child) == (joint["type"], joint["parent"], joint["child"])
         if ours.kind != "fixed":
@@ -223,7 +223,7 @@ def test_expected_json_is_the_makers_description(robot: str) -> None:
             if joint.get(bound) is not None:
                 published = content["joints"][ours.name].get("published", {}).get(bound, getattr(ours, bound))
                 assert published == pytest.approx(joint[bound], abs=1e-12), (ours.name, bound)
-    for link in said["links"]:
+    for link in stated["links"]:
         mass = content["links"][link["name"]].get("mass")
         assert mass == (None if link.get("mass") is None else pytest.approx(link["mass"], rel=1e-12))
         inertia = content["links"][link["name"]]
@@ -231,8 +231,8 @@ def test_expected_json_is_the_makers_description(robot: str) -> None:
         if link.get("mass") is not None and not any(link.get("com_rpy") or ()):
             assert inertia == pytest.approx({key: float(value) for key, value in link["inertia"].items()}, abs=1e-12)
     for case in ("zero", "test"):
-        poses = description.poses(said["fk"][case]["q"])
-        for link, pose in said["fk"][case]["poses"].items():
+        poses = description.poses(stated["fk"][case]["q"])
+        for link, pose in stated["fk"][case]["poses"].items():
             np.testing.assert_allclose(poses[link][:3, 3], pose["xyz"], atol=2e-9, err_msg=link)
             np.testing.assert_allclose(poses[link][:3, :3], _rotation(pose["quat_wxyz"]), atol=1e-8, err_msg=link)
 

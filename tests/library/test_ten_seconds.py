@@ -34,9 +34,9 @@ def test_ten_seconds_in_pybullet(robot: str, converted: Converted) -> None:
     """PyBullet's motors drive the same joints; the snippet of report.json closes the loops."""
     pytest.importorskip("pybullet")
     conversion = converted(robot)
-    told = conversion.report["robot"]
+    reported = conversion.report["robot"]
     file = str(conversion.file(".urdf"))
-    seen = call_isolated("tests.engines:driven_at_random_in_pybullet", file, SECONDS, told, timeout=LONGEST)
+    seen = call_isolated("tests.engines:driven_at_random_in_pybullet", file, SECONDS, reported, timeout=LONGEST)
     assert seen["printed"] == []
     assert seen["finite"]
     assert seen["driven"] > 0

@@ -142,7 +142,7 @@ def test_a_required_engine_that_is_unknown_or_missing(
         ("yourdfpy", "pip install yourdfpy"),
     ],
 )
-def test_a_required_engine_says_how_to_get_it(
+def test_a_missing_required_engine_names_its_package(
     engine: str, install: str, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SB005 names the package to install, which may differ from the engine's name."""
@@ -152,7 +152,9 @@ def test_a_required_engine_says_how_to_get_it(
     assert (missing.code, missing.help) == ("SB005", (install,))
 
 
-def test_nobody_to_read_a_file(arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_without_an_engine_is_a_warning(
+    arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A file without an engine that reads it is a warning, since nothing passed."""
     for engine in engines():
         monkeypatch.setattr(engine, "available", lambda: "not installed")

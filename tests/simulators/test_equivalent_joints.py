@@ -81,9 +81,9 @@ def differences(*files: Path) -> dict[str, list[str]]:
         check.quantity for check in across if check.status is not Status.NOT_RUN
     }
     failed = {check.quantity for check in report.checks if check.status is Status.FAILED}
-    told = {one.message.split(": ")[1]: [one.message.split(": ", 2)[2], *one.notes] for one in found}
-    assert set(told) == failed
-    return told
+    reported = {one.message.split(": ")[1]: [one.message.split(": ", 2)[2], *one.notes] for one in found}
+    assert set(reported) == failed
+    return reported
 
 
 def _changed(folder: Folder, written_in: str, *changes: tuple[str, str]) -> Path:
@@ -281,8 +281,8 @@ def test_what_is_no_such_ball_joint_is_found(name: str, written: Callable[[str],
     """Three joints that do not reach every rotation, intersect elsewhere, or resist differently are reported."""
     folder = written("ball")
     joint, changes, quantity, words = WRONG_BALLS[name]
-    told = differences(_changed_joint(folder, joint, *changes), folder.written["mjcf"].path)
-    assert any(words in line for line in told[quantity]), told
+    reported = differences(_changed_joint(folder, joint, *changes), folder.written["mjcf"].path)
+    assert any(words in line for line in reported[quantity]), reported
 
 
 @pytest.mark.mujoco
@@ -302,9 +302,9 @@ def test_a_link_between_that_weighs_something_is_found(kind: str, written: Calla
     heavy = heavy.replace('yy="0"', 'yy="1e-6"').replace('zz="0"', 'zz="1e-6"')
     path = _changed(folder, "urdf", (right, heavy))
     for other in ("mjcf", "sdf"):
-        told = differences(path, folder.written[other].path)
-        assert f"link '{link}' is missing" in told["links"]
-        assert any(f"'{joint}'" in line for line in told["joints"])
+        reported = differences(path, folder.written[other].path)
+        assert f"link '{link}' is missing" in reported["links"]
+        assert any(f"'{joint}'" in line for line in reported["joints"])
 
 
 WRONG: dict[str, tuple[str, str, tuple[tuple[str, str], ...], str, str]] = {
@@ -380,8 +380,8 @@ def test_what_is_no_such_joint_is_found(name: str, written: Callable[[str], Fold
     """A joint that differs is reported by the number, under the joint's name."""
     kind, joint, changes, quantity, words = WRONG[name]
     folder = written(kind)
-    told = differences(_changed_joint(folder, joint, *changes), folder.written["mjcf"].path)
-    assert any(words in line for line in told[quantity]), told
+    reported = differences(_changed_joint(folder, joint, *changes), folder.written["mjcf"].path)
+    assert any(words in line for line in reported[quantity]), reported
 
 
 @pytest.mark.mujoco

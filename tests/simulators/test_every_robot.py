@@ -48,7 +48,7 @@ UNKNOWN_TO_PYBULLET = {JointKind.BALL, JointKind.UNIVERSAL, JointKind.SCREW, Joi
 """Kinds of joints that SDFormat has, or that are written as such, and that PyBullet does not read there."""
 
 
-def _told(written_in: str, engine: str, name: str) -> set[str]:
+def _reported(written_in: str, engine: str, name: str) -> set[str]:
     """The quantities that an engine compares in a robot's file."""
     kinds = {joint.kind for joint in ROBOTS[name]().joints}
     if (written_in, engine) == ("sdf", "pybullet") and kinds & UNKNOWN_TO_PYBULLET:
@@ -137,7 +137,7 @@ def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) 
             passed[check.format, check.engine].add(check.quantity)
     for written_in, engine in COMPARED:
         if engine in installed:
-            assert passed[written_in, engine] == _told(written_in, engine, name)
+            assert passed[written_in, engine] == _reported(written_in, engine, name)
 
 
 def test_self_collision_is_checked(proof: tuple[str, Report, list[str]]) -> None:

@@ -49,13 +49,13 @@ def test_pybullet_is_kept_from_joints_of_one_name(arm: Folder) -> None:
 
 
 @pytest.mark.pybullet
-def test_pybullet_takes_inertia_from_the_file_only_when_told(arm: Folder) -> None:
+def test_pybullet_reads_inertia_only_with_its_flag(arm: Folder) -> None:
     """By default PyBullet computes inertia from collision shapes; stepbot sets the flag that reads the file's."""
     skip_without("pybullet")
     file = str(arm.written["urdf"].path)
-    plain, told = call_isolated("tests.simulators.raw_engines:principal_moments", file, timeout=60.0)
+    plain, reported = call_isolated("tests.simulators.raw_engines:principal_moments", file, timeout=60.0)
     right = np.linalg.eigvalsh(np.array(arm.robot.link_by_name["forearm"].mass_properties.inertia))
-    np.testing.assert_allclose(sorted(told), right, rtol=1e-4)
+    np.testing.assert_allclose(sorted(reported), right, rtol=1e-4)
     assert not np.allclose(sorted(plain), right, rtol=1e-2)
 
 
@@ -114,7 +114,7 @@ def test_pybullet_is_asked_of_mjcf_whether_it_loads_and_no_more(arm: Folder) -> 
 
 
 @pytest.mark.mujoco
-def test_mujoco_lets_the_base_touch_the_first_link_unless_told(arm: Folder) -> None:
+def test_mujoco_collides_a_fixed_base_with_the_first_link(arm: Folder) -> None:
     """MuJoCo filters contacts with a parent, except with one fixed to the world; there stepbot writes an exclude."""
     path = _changed(arm, "mjcf", "touching.xml", "<contact>.*?</contact>", "")
     seen = look("mujoco", replace(arm.request("mjcf"), file=str(path), simulate=0.0))

@@ -166,7 +166,7 @@ def test_boxes_of_shapes_and_missing_meshes(tmp_path: Path) -> None:
     assert seen.missing_meshes == ("model://m/no.obj",)
 
 
-def test_joints_without_kinematics_are_told_but_not_moved(tmp_path: Path) -> None:
+def test_joints_without_kinematics_are_read_and_poses_not_run(tmp_path: Path) -> None:
     """A gearbox joint is read; poses are not run, with the reason."""
     seen = read(
         tmp_path,

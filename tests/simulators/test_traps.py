@@ -28,7 +28,7 @@ def _link(observation: Observation, name: str) -> object:
 
 
 @pytest.mark.pybullet
-def test_pybullet_tells_the_mass_of_a_fixed_base(arm: Folder) -> None:
+def test_pybullet_reports_no_mass_of_a_fixed_base(arm: Folder) -> None:
     """PyBullet reports 0 kg for a fixed base: the mass is read from a second, floating body."""
     base = arm.robot.root
     seen = next(link for link in look("pybullet", arm.request("urdf")).links if link.name == base.name)
@@ -73,7 +73,7 @@ def test_pybullet_takes_a_link_without_inertial_for_a_kilogram(arm: Folder) -> N
 
 @pytest.mark.pybullet
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-def test_pybullet_crashes_on_two_roots_and_takes_nobody_along(arm: Folder) -> None:
+def test_pybullet_crashes_on_two_roots_in_a_process_of_its_own(arm: Folder) -> None:
     """Two roots crash PyBullet; its last output is kept, and the other engines report."""
     skip_without("pybullet")
     path = arm.path / "two_roots.urdf"
@@ -128,7 +128,7 @@ def test_pybullet_refuses_what_is_not_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.pybullet
-def test_pybullet_says_which_mesh_is_missing(tmp_path: Path) -> None:
+def test_pybullet_names_the_missing_mesh(tmp_path: Path) -> None:
     """A missing mesh rejects the whole file; the message has the given names and no local folder."""
     skip_without("pybullet")
     folder = write(ROBOTS["two_link_arm"](), tmp_path)
@@ -167,7 +167,7 @@ def test_mujoco_keeps_base_visuals_and_folders_of_a_urdf(arm: Folder) -> None:
 
 
 @pytest.mark.mujoco
-def test_mujoco_tells_the_mass_matrix_without_armature(arm: Folder) -> None:
+def test_mujoco_mass_matrix_is_compared_without_armature(arm: Folder) -> None:
     """MuJoCo's mass matrix includes armature; stepbot compares without it, and armature separately."""
     seen, expected = look("mujoco", arm.request("mjcf")), arm.expected("mjcf")
     assert arm.robot.joint_by_name["shoulder"].dynamics.armature > 0.0
@@ -196,7 +196,7 @@ def test_mujoco_swapped_limits_are_noticed(arm: Folder) -> None:
 
 
 @pytest.mark.mujoco
-def test_mujoco_says_what_it_refuses(arm: Folder) -> None:
+def test_mujoco_rejections_have_its_own_message(arm: Folder) -> None:
     """Reasons of a rejection are MuJoCo's message, without local folders."""
     skip_without("mujoco")
     path = arm.path / "broken.xml"

@@ -65,11 +65,11 @@ def _check(sensor: Sensor, found: ObservedSensor) -> None:
 
 def test_springs_are_in_gazebo(converted: etree._Element) -> None:
     """The spring of a joint has its rest position; other joints have none."""
-    told = {
+    reported = {
         joint.get("name"): tuple(float(joint.findtext(f"axis/dynamics/{name}") or 0.0) for name in SPRING)
         for joint in converted.findall("joint")
     }
     dynamics = {joint.name: joint.dynamics for joint in _robot().joints if joint.kind is not JointKind.FIXED}
-    assert {name: told[name] for name in dynamics} == {
+    assert {name: reported[name] for name in dynamics} == {
         name: (one.stiffness, one.spring_reference) for name, one in dynamics.items()
     }

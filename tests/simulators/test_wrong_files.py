@@ -124,7 +124,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Folder]:
     return {name: write(ROBOTS[name](), tmp_path_factory.mktemp(name)) for name in names}
 
 
-def spoil(text: str, pattern: str, factor: float) -> str:
+def damage(text: str, pattern: str, factor: float) -> str:
     """The text with the first number found by the pattern's second group multiplied."""
     match = re.search(pattern, text)
     assert match is not None, f"nothing to spoil: {pattern}"
@@ -146,7 +146,7 @@ def test_a_wrong_number_is_noticed(
     folder = folders[robot]
     right = folder.written[written_in].path
     wrong = right.with_name(f"wrong{right.suffix}")
-    wrong.write_text(spoil(right.read_text(encoding="utf-8"), pattern, factor), encoding="utf-8")
+    wrong.write_text(damage(right.read_text(encoding="utf-8"), pattern, factor), encoding="utf-8")
     request = replace(folder.request(written_in), file=str(wrong), simulate=0.0)
     assert quantity in failures(folder.expected(written_in), look(engine, request))
 

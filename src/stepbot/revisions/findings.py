@@ -38,14 +38,14 @@ class _Reporter:
         self._accept = f"if the change is intended: `{compared.command('lock')}`"
         self._paths = ComponentPaths(compared.assembly.components)
         broken = compared.rebinding.broken
-        self._told = {pair.old for one in broken for pair in one.pairs}
+        self._reported = {pair.old for one in broken for pair in one.pairs}
         self._lost = [path for one in broken if not one.pairs for path in one.old]
         self._offered = {path for one in broken for path in one.candidates}
         self._nodes = {one.node for one in broken}
         self._replaced = {
             pair.old: pair
             for pair in compared.match.pairs
-            if pair.certainty is Certainty.PROBABLE and pair.old not in self._told
+            if pair.certainty is Certainty.PROBABLE and pair.old not in self._reported
         }
         """Old parts that may correspond to a new one, if nothing in the sidecar depends on it."""
 
@@ -67,7 +67,7 @@ class _Reporter:
         kept: dict[str, list[str]] = {}
         for pair in self._c.match.pairs:
             old, new = self._c.old.parts[pair.old], self._c.new.parts[pair.new]
-            if pair.certainty is not Certainty.CERTAIN or pair.old in self._told or not (old.link or new.link):
+            if pair.certainty is not Certainty.CERTAIN or pair.old in self._reported or not (old.link or new.link):
                 continue
             words = f"'{old.path}' to '{new.path}'"
             if old.link == new.link:

@@ -130,7 +130,7 @@ def test_misspelt_part_comes_with_near_matches(tmp_path: Path, found: ReadDiagno
     assert fault.help == ("did you mean 'horn'?",)
 
 
-def test_every_unbound_path_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_every_unbound_path_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
     """All unknown and ambiguous paths in links and rules are reported in one run."""
     shop = _motor_shop()
     other = shop.group("other")

@@ -165,7 +165,7 @@ def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadD
     _expect(built(shop, tmp_path, _joint(fault.help[1].removeprefix("origin: "))), (-10, 0, 0))
 
 
-def test_no_axis_tells_near_misses(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_no_axis_reports_near_misses(tmp_path: Path, found: ReadDiagnostics) -> None:
     """If two links share no line, lines less than 2 mm apart are reported, with snippets."""
     shop = _two([axis((10, 0, 0), radius=5), axis((30, 0, 0), radius=1)], [axis((11.57, 0, 0), radius=4)])
     assert build(shop, tmp_path, _joint("auto"), found) is None
@@ -338,7 +338,7 @@ def test_named_frames(tmp_path: Path) -> None:
         ("{xyz: [1 mm, 0, 0]}", 'numbers, relative to "assembly"'),
     ],
 )
-def test_what_gave_an_origin_is_told(origin: str, source: str, tmp_path: Path) -> None:
+def test_source_of_an_origin_is_in_the_joint_table(origin: str, source: str, tmp_path: Path) -> None:
     """The joint table has the source of each frame."""
     shop = _two([axis((20, 0, 0), radius=8)], [axis((20, 0, 0), radius=8)], at(0, 0, 0))
     made = build_robot(shop.assembly, sidecar(tmp_path, _joint(origin)), lambda: shop.measures, Diagnostics())

@@ -58,7 +58,7 @@ def test_the_drawn_pose_is_q_equal_zero_key(zero_a: float, zero_b: float, tmp_pa
     np.testing.assert_allclose(_com_in_world(robot, "lower", {}), R_a @ ((0, 0, 0.1) + R_b @ (0, 0, 0.05)), atol=1e-12)
 
 
-def test_the_joint_frame_is_where_the_origin_says(tmp_path: Path) -> None:
+def test_the_joint_frame_is_the_origins(tmp_path: Path) -> None:
     """At q = 0 the child's frame is that of the origin for any ``zero``; everything below it is rotated back."""
     text = (
         CHAIN

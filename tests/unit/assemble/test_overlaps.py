@@ -203,7 +203,7 @@ def test_little_overlaps_are_a_note(tmp_path: Path, found: ReadDiagnostics) -> N
     assert note.notes == ('link \'base\': 0.084 g are counted twice, most of it in "block" and "pin": 80 mm^3, 0.08 g',)
 
 
-def test_what_was_not_checked_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_unchecked_pairs_are_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Pairs beyond the limit of faces, or with open meshes, are listed with their largest possible mass."""
     shop = Workshop()
     shop.box("a", (40, 10, 10))
@@ -298,7 +298,7 @@ def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-def test_the_death_of_that_process_is_told(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_the_death_of_the_worker_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A worker that dies is an error: the mass counted twice is unknown."""
     with Worker(MESH_WORKER) as process:
         os.kill(process.pid, signal.SIGKILL)

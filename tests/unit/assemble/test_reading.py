@@ -38,7 +38,7 @@ def _shop() -> Workshop:
     "parts",
     [{"arm": "arm", "motor": "motor"}, {"arm": "arm/tube", "motor": "arm"}, {"arm": "**/tube", "motor": "**/motor"}],
 )
-def test_each_body_is_meshed_as_its_link_says(tmp_path: Path, fine: tuple[str, ...], parts: dict[str, str]) -> None:
+def test_each_body_has_the_tolerance_of_its_link(tmp_path: Path, fine: tuple[str, ...], parts: dict[str, str]) -> None:
     """A part assigned separately has the tolerance of its own link; a link with `rest` has tolerances, too."""
     claims = {"base": "rest: true", **{link: f"parts: ['{path}']" for link, path in parts.items()}}
     links = "".join(

@@ -52,7 +52,7 @@ def test_arms_in_all_orientations(up: Direction, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "root", ["root: {up: z}", "root: {up: y}", "root: {forward: y}", "root: {frame: {component: foot}}"]
 )
-def test_a_sidecar_that_says_it(root: str, tmp_path: Path) -> None:
+def test_a_sidecar_that_sets_the_axis(root: str, tmp_path: Path) -> None:
     """A sidecar that sets an axis or a frame causes no warning."""
     assert codes("y", tmp_path, root) == []
 

@@ -123,12 +123,12 @@ def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
 def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
     """Lowering keeps mass and the poses of links, in the drawn pose and around it."""
     robot = ROBOTS[name]()
-    said = lower(robot, FORMATS[format_], Diagnostics())
-    assert sum(link.mass_properties.mass for link in said.links) == pytest.approx(
+    stated = lower(robot, FORMATS[format_], Diagnostics())
+    assert sum(link.mass_properties.mass for link in stated.links) == pytest.approx(
         sum(link.mass_properties.mass for link in robot.links), rel=1e-15
     )
     # Names and zeros may differ, the parent joint of a link may not.
-    above = {joint.child: joint for joint in said.joints}
+    above = {joint.child: joint for joint in stated.joints}
     renamed = {joint.name: above[joint.child] for joint in robot.joints}
     for q in (initial_configuration(robot), *configurations(robot, 3)):
         q_said = dict(q)
@@ -136,15 +136,15 @@ def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
             if name in q:
                 shift = robot.joint_by_name[name].drawn_position - joint.drawn_position
                 q_said[joint.name] = q_said.pop(name) - shift
-        poses = link_poses(said, complete(said, q_said))
+        poses = link_poses(stated, complete(stated, q_said))
         for link, X_WL in link_poses(robot, q).items():
             assert poses[link].distance_to(X_WL) == pytest.approx((0, 0), abs=1e-12)
 
 
 def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
     """An omitted closure is a warning that names the closure and both links."""
-    said = lower(four_bar(), FORMATS["urdf"], found)
-    assert said.closures == ()
+    stated = lower(four_bar(), FORMATS["urdf"], found)
+    assert stated.closures == ()
     (message,) = [str(d) for d in found if d.code == "SB701"]
     assert message.startswith("four_bar.urdf: warning[SB701]: URDF: ")
     assert all(name in message for name in ("'rocker_pin'", "'coupler'", "'rocker'"))
@@ -153,17 +153,17 @@ def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
 
 def test_urdf_bounds_what_is_unlimited() -> None:
     """Missing and one-sided limits get a number; a revolute joint without position limits becomes continuous."""
-    said = lowered(slider(), "urdf", "SB704", "SB725")
-    assert said.joint_by_name["slide"].limit == Limit(-UNLIMITED, 0.25, 0.5, 30.0)
-    assert said.joint_by_name["lift"].limit == Limit(-0.02, 0.1, UNLIMITED, UNLIMITED)
+    stated = lowered(slider(), "urdf", "SB704", "SB725")
+    assert stated.joint_by_name["slide"].limit == Limit(-UNLIMITED, 0.25, 0.5, 30.0)
+    assert stated.joint_by_name["lift"].limit == Limit(-0.02, 0.1, UNLIMITED, UNLIMITED)
     robot = pendulum()
     free = replace(robot.joints[0], kind=JointKind.REVOLUTE, limit=Limit(effort=3.0))
-    said = lowered(replace(robot, joints=(free,)), "urdf", "SB704")
-    assert said.joints[0].kind is JointKind.CONTINUOUS
-    assert said.joints[0].limit == Limit(-inf, inf, UNLIMITED, 3.0)
+    stated = lowered(replace(robot, joints=(free,)), "urdf", "SB704")
+    assert stated.joints[0].kind is JointKind.CONTINUOUS
+    assert stated.joints[0].limit == Limit(-inf, inf, UNLIMITED, 3.0)
 
 
-def test_springs_and_armatures_are_said_where_there_is_room() -> None:
+def test_springs_and_armatures_are_written_where_supported() -> None:
     """URDF has springs in an extension and no armature, SDFormat springs and no armature, MJCF both."""
     robot = pendulum()
     dynamics = JointDynamics(damping=1.0, friction=2.0, stiffness=3.0, spring_reference=0.5, armature=4.0)
@@ -175,20 +175,20 @@ def test_springs_and_armatures_are_said_where_there_is_room() -> None:
 
 def test_frames_become_links_in_urdf() -> None:
     """A frame is a massless link at the end, on a fixed joint with a free name."""
-    said = lowered(two_link_arm(), "urdf", "SB703", "SB706", "SB708", "SB725")
-    assert said.links[-2:] == (Link("tool0"), Link("camera"))
-    assert [joint.name for joint in said.joints[-2:]] == ["tool0_mount", "camera_mount"]
-    assert said.links[-1].mass_properties == MassProperties()
-    assert said.frames == ()
+    stated = lowered(two_link_arm(), "urdf", "SB703", "SB706", "SB708", "SB725")
+    assert stated.links[-2:] == (Link("tool0"), Link("camera"))
+    assert [joint.name for joint in stated.joints[-2:]] == ["tool0_mount", "camera_mount"]
+    assert stated.links[-1].mass_properties == MassProperties()
+    assert stated.frames == ()
 
 
 def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> None:
     """Where links, joints and frames share one namespace, duplicate joints and frames are renamed everywhere."""
     robot = odd_names()
     robot = replace(robot, frames=(*robot.frames, Frame("joint no. 1", "末端"), Frame("звено 1,5", "末端")))
-    said = lower(robot, FORMATS["sdf"], found)
-    assert [joint.name for joint in said.joints] == ["joint no. 1", "末端_joint"]
-    assert [frame.name for frame in said.frames] == ["Werkzeug (rechts)", "joint no. 1_frame", "звено 1,5_frame"]
+    stated = lower(robot, FORMATS["sdf"], found)
+    assert [joint.name for joint in stated.joints] == ["joint no. 1", "末端_joint"]
+    assert [frame.name for frame in stated.frames] == ["Werkzeug (rechts)", "joint no. 1_frame", "звено 1,5_frame"]
     messages = [d.message for d in found if d.code == "SB710"]
     assert messages[0].endswith("'末端' is now '末端_joint'")
     assert len(messages) == 2
@@ -198,9 +198,9 @@ def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> 
 def test_capsules_become_cylinder_and_spheres() -> None:
     """A cylinder and two spheres have the extent of the capsule."""
     robot = primitives()
-    said = lowered(robot, "urdf", "SB709")
+    stated = lowered(robot, "urdf", "SB709")
     (capsule,) = [c for c in robot.links[1].collisions if c.name.startswith("capsule")]
-    parts = [c for c in said.links[1].collisions if c.name.startswith("capsule")]
+    parts = [c for c in stated.links[1].collisions if c.name.startswith("capsule")]
     assert [part.name for part in parts] == [f"capsule touched_{end}" for end in ("middle", "top", "bottom")]
     top, bottom = (part.X_LG.p for part in parts[1:])
     np.testing.assert_allclose(top - bottom, capsule.X_LG.turn((0, 0, 0.05)), atol=1e-15)
@@ -209,13 +209,13 @@ def test_capsules_become_cylinder_and_spheres() -> None:
 
 def test_loop_zeros_move_only_in_loops() -> None:
     """Joints above or outside the loop keep their zero."""
-    said = lowered(four_bar_with_zeros(), "sdf", "SB704", "SB711", "SB725")
-    assert [joint.drawn_position for joint in said.joints] == [0.0, 0.0, 0.0]
+    stated = lowered(four_bar_with_zeros(), "sdf", "SB704", "SB711", "SB725")
+    assert [joint.drawn_position for joint in stated.joints] == [0.0, 0.0, 0.0]
     robot = four_bar_with_zeros()
     extra = replace(robot.joints[0], name="turntable", child="plate", drawn_position=0.25)
     robot = replace(robot, links=(*robot.links, Link("plate")), joints=(*robot.joints, extra))
-    said = lowered(robot, "sdf", "SB704", "SB706", "SB711", "SB725")
-    assert said.joint_by_name["turntable"].drawn_position == 0.25
+    stated = lowered(robot, "sdf", "SB704", "SB706", "SB711", "SB725")
+    assert stated.joint_by_name["turntable"].drawn_position == 0.25
 
 
 @pytest.mark.parametrize(
@@ -235,11 +235,11 @@ def test_joints_of_several_freedoms_are_split(
 ) -> None:
     """A multi-dof joint becomes single joints; the links between them have neither mass nor shape, with a warning."""
     robot = pendulum()
-    said = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
-    assert {joint.name: joint.kind for joint in said.joints} == {f"swing{end}": k for end, k in chain.items()}
-    between = [link for link in said.links if link.name not in robot.link_by_name]
+    stated = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
+    assert {joint.name: joint.kind for joint in stated.joints} == {f"swing{end}": k for end, k in chain.items()}
+    between = [link for link in stated.links if link.name not in robot.link_by_name]
     assert between == [Link(f"swing{end}_link") for end in list(chain)[:-1]]
-    assert [joint.child for joint in said.joints] == [*(link.name for link in between), "bob"]
+    assert [joint.child for joint in stated.joints] == [*(link.name for link in between), "bob"]
     assert "SB720" in found.codes()
 
 
@@ -256,43 +256,43 @@ def test_formats_keep_the_joints_that_they_have(format_: str, found: ReadDiagnos
 def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, found: ReadDiagnostics) -> None:
     """The effort limit of a ball joint is omitted in both formats, damping in SDFormat, each with a warning."""
     robot = ROBOTS["ball"]()
-    said = lower(robot, FORMATS[format_], found).joints[0]
-    assert said.limit == Limit()
-    assert (said.dynamics.damping == robot.joints[0].dynamics.damping) is forces
+    stated = lower(robot, FORMATS[format_], found).joints[0]
+    assert stated.limit == Limit()
+    assert (stated.dynamics.damping == robot.joints[0].dynamics.damping) is forces
     assert found.codes().count("SB721") == (1 if forces else 2)
 
 
 def test_a_sliding_closure_is_cut_at_a_pin(found: ReadDiagnostics) -> None:
     """MJCF has no sliding constraint: the cylinder becomes a joint, and the wrist closes the loop."""
     robot = sliding_closure()
-    said = lower(robot, FORMATS["mjcf"], found)
-    assert [(closure.name, closure.kind) for closure in said.closures] == [("wrist", JointKind.REVOLUTE)]
-    assert said.joint_by_name["cylinder"].kind is JointKind.PRISMATIC
-    assert (said.joint_by_name["cylinder"].parent, said.joint_by_name["cylinder"].child) == ("block", "piston")
-    assert degrees_of_freedom(said) == degrees_of_freedom(robot) == 1
+    stated = lower(robot, FORMATS["mjcf"], found)
+    assert [(closure.name, closure.kind) for closure in stated.closures] == [("wrist", JointKind.REVOLUTE)]
+    assert stated.joint_by_name["cylinder"].kind is JointKind.PRISMATIC
+    assert (stated.joint_by_name["cylinder"].parent, stated.joint_by_name["cylinder"].child) == ("block", "piston")
+    assert degrees_of_freedom(stated) == degrees_of_freedom(robot) == 1
     assert "SB722" in found.codes()
 
 
 @pytest.mark.parametrize("actuated", [(), ("big_end",), ("shaft",), ("wrist", "big_end")])
-def test_a_loop_cut_elsewhere_moves_alike(actuated: tuple[str, ...]) -> None:
+def test_a_loop_cut_elsewhere_moves_equally(actuated: tuple[str, ...]) -> None:
     """For any joint that closes the loop, every point of every link moves equally, and masses are unchanged."""
     robot = sliding_closure()
     robot = replace(robot, actuators=tuple(Actuator(name, name, ActuatorKind.MOTOR) for name in actuated))
-    said = reroot_loops(robot)
-    assert said.closures != robot.closures
-    check_robot(said, sound := Diagnostics())
+    stated = reroot_loops(robot)
+    assert stated.closures != robot.closures
+    check_robot(stated, sound := Diagnostics())
     assert not list(sound)
     for way in loop_ways(robot, 6):
         for q in way:
             driven = driven_joints(robot)
-            known = {name: q[name] for name in driven if name in said.joint_by_name}
+            known = {name: q[name] for name in driven if name in stated.joint_by_name}
             if len(known) < len(driven):  # the driven joint closes the loop now
                 continue
-            guess = {name: q.get(name, 0.0) for name in said.joint_by_name}
-            closed = close_loops(said, guess, driven)
-            before, after = link_poses(robot, q), link_poses(said, closed)
+            guess = {name: q.get(name, 0.0) for name in stated.joint_by_name}
+            closed = close_loops(stated, guess, driven)
+            before, after = link_poses(robot, q), link_poses(stated, closed)
             for link in robot.links:
-                com, moved = link.mass_properties.com, said.link_by_name[link.name].mass_properties.com
+                com, moved = link.mass_properties.com, stated.link_by_name[link.name].mass_properties.com
                 np.testing.assert_allclose(before[link.name].apply(com), after[link.name].apply(moved), atol=1e-9)
 
 
@@ -316,7 +316,7 @@ def test_reserved_names_are_errors(format_: str, name: str, found: ReadDiagnosti
     assert "SB714" in found.codes()
 
 
-def test_floating_base_is_said_where_it_can_be(found: ReadDiagnostics) -> None:
+def test_floating_base_is_written_where_supported(found: ReadDiagnostics) -> None:
     """Only URDF leaves the base to its reader."""
     robot = replace(pendulum(), base=Base.FLOATING)
     for format_ in FORMATS:

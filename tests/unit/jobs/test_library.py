@@ -43,7 +43,7 @@ def _robot(place: Path, folder: str = "maker_crank", page: str = PAGE) -> Librar
     return LibraryRobot(at, sidecar)
 
 
-def test_page_tells_overview_facts_and_tables(tmp_path: Path) -> None:
+def test_page_has_overview_facts_and_tables(tmp_path: Path) -> None:
     """A page is read without markup: paragraphs as one line, tables as rows."""
     robot = _robot(tmp_path)
     assert (robot.name, robot.short_name, robot.step) == ("maker_crank", "crank", robot.folder / "crank.step")
@@ -54,13 +54,13 @@ def test_page_tells_overview_facts_and_tables(tmp_path: Path) -> None:
     assert robot.table("Links") == [["link"], ["bed"]]
 
 
-def test_page_that_is_not_generated_yet_tells_less(tmp_path: Path) -> None:
+def test_page_without_a_generated_part_has_no_facts(tmp_path: Path) -> None:
     """A page without a generated part has no facts and no tables."""
     robot = _robot(tmp_path, page="# crank\n\nA crank.\n")
     assert (robot.summary(), robot.facts(), robot.table("Joints")) == ("A crank.", "", [])
 
 
-def test_every_robot_of_the_checkout_is_found_and_told(robot_library: Path) -> None:
+def test_every_robot_of_the_checkout_is_found(robot_library: Path) -> None:
     """In an editable install the robots are those of the checkout; each has a summary."""
     robots = library_robots()
     assert [robot.folder for robot in robots] == sorted(path.parent for path in robot_library.glob("*/*.robot.yaml"))

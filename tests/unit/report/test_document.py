@@ -63,7 +63,7 @@ def test_the_worst_is_the_nearest_to_its_tolerance() -> None:
     assert Report((NAMES,)).rows()[0].worst is None
 
 
-def test_same_reasons_are_told_once() -> None:
+def test_equal_reasons_are_merged() -> None:
     """Equal reasons are merged, with all their quantities."""
     row = Report((NOT_RUN, replace(NOT_RUN, quantity="limits"))).rows()[0]
     assert row.why == "mimic, limits not run: mujoco does not tell"
@@ -130,7 +130,7 @@ def test_files_without_a_robot_keep_the_schema(validator: jsonschema.Draft202012
     assert document["summary"] == {"passed": 1, "failed": 1, "not_run": 1, "passed_by_own_parsers": 0, "ignored": {}}
 
 
-def test_what_no_engine_tells_is_counted_apart() -> None:
+def test_checks_by_own_parsers_only_are_counted_separately() -> None:
     """Checks passed in stepbot's own parsers only are counted as passed, and separately."""
     read_back = replace(PASSED, file="a.sdf", format="sdf", engine="reader")
     report = Report(

@@ -69,7 +69,7 @@ def test_same_shape_elsewhere_is_probable() -> None:
     assert found.pairs[1].motion.distance == pytest.approx(0.003, abs=1e-12)
 
 
-def test_equal_parts_are_told_apart_by_place() -> None:
+def test_equal_parts_are_distinguished_by_pose() -> None:
     """Equal parts that were all renamed are matched by position, in any order of the file."""
     places: list[Vector3] = [(0.1 * i, 0, 0) for i in range(1, 5)]
     old = assembly(BASE, *(part(f"screw {i}", 1, at) for i, at in enumerate(places)))

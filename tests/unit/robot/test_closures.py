@@ -156,7 +156,7 @@ def test_actuated_joints_drive_first() -> None:
     assert driven_joints(two_link_arm()) == ("shoulder", "elbow")
 
 
-def test_what_cannot_close_says_how_far_it_stays_open() -> None:
+def test_an_open_loop_reports_its_residual() -> None:
     """For a rocker that is too short Newton's method stalls, and the residual is the missing length."""
     robot = four_bar()
     X = robot.closures[0].X_BF

@@ -48,7 +48,7 @@ def test_two_link_arm_of_the_textbook(q1: float, q2: float) -> None:
 
 
 @pytest.mark.parametrize(("q1", "q2"), [(0.3, -1.1), (2.0, 0.7), (-1.5, pi / 2)])
-def test_speeds_cost_what_the_textbook_says(q1: float, q2: float) -> None:
+def test_coriolis_forces_are_the_textbooks(q1: float, q2: float) -> None:
     """C(q, v) v equals h (2 v1 v2 + v2^2) and -h v1^2 with h = -m2 a1 c2 sin q2, in addition to M a + g."""
     q, v, a = {"one": q1, "two": q2}, {"one": 0.7, "two": -1.3}, {"one": -0.4, "two": 2.0}
     h = -m2 * a1 * c2 * sin(q2)

@@ -30,7 +30,7 @@ def test_equal_meshes_become_the_first(found: ReadDiagnostics) -> None:
     assert [asset.name for asset in robot.meshes] == ["bolt", "nut"]
 
 
-def test_meshes_that_nobody_uses_are_left_out(found: ReadDiagnostics) -> None:
+def test_unused_meshes_are_removed(found: ReadDiagnostics) -> None:
     """An unused mesh is removed."""
     assert share_meshes(Robot("r", (Link("a"),), meshes=(MeshAsset("m", _mesh(1.0)),))).meshes == ()
 

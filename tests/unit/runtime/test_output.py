@@ -164,7 +164,7 @@ def test_links_are_replaced_and_not_followed(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "arm.urdf").read_bytes() == b"new"
 
 
-def test_folders_of_killed_runs_go_in_time(tmp_path: Path) -> None:
+def test_folders_of_killed_runs_are_removed_after_a_day(tmp_path: Path) -> None:
     """A staging folder older than a day is removed; a younger one may belong to a concurrent run."""
     old, young = tmp_path / ".stepbot-old", tmp_path / ".stepbot-young"
     for folder in (old, young):

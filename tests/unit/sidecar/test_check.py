@@ -173,7 +173,7 @@ def test_defaults_fill_limits_that_are_to_do() -> None:
     assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
 
 
-def test_fault_of_a_default_is_told_where_it_stands() -> None:
+def test_error_in_a_default_is_reported_at_the_default() -> None:
     """Swapped limits of a default are reported at the default."""
     text = JOINT.format(elbow="type: revolute", wrist=TURNS) + "joint_defaults: {'*': {limits: {lower: 2, upper: 1}}}\n"
     (diagnostic,) = checked(text)

@@ -67,7 +67,7 @@ def test_fragments_are_sound(text: str) -> None:
     assert faults(json.dumps(robot)) == []
 
 
-def test_faults_are_those_that_are_told() -> None:
+def test_errors_of_examples_are_those_on_the_page() -> None:
     """The errors of the example are the lines below it."""
     (text,) = re.findall(r"^```yaml faults\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
     (lines,) = re.findall(r"^```text faults\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)

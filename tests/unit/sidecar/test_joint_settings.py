@@ -63,7 +63,7 @@ def test_defaults_give_only_what_the_type_has(kind: JointKind) -> None:
     assert ("damping" in settings) == (kind not in ("fixed", "planar", "cylindrical", "floating"))
 
 
-def test_what_the_joint_says_itself_is_never_dropped() -> None:
+def test_own_values_of_a_joint_are_kept() -> None:
     """A limit that the joint's type does not have is kept, for the check to report."""
     assert "lower" in joint_settings(document({"type": "fixed", "limits": {"lower": 1}}, {}), "left_elbow")
 

@@ -108,7 +108,7 @@ def test_places_of_values_and_keys(found: Diagnostics) -> None:
         ("{mate: [a, b]}", "MateOrigin"),
     ],
 )
-def test_form_of_an_origin_is_told_by_its_keys(origin: str, form: str, found: Diagnostics) -> None:
+def test_form_of_an_origin_is_determined_by_its_keys(origin: str, form: str, found: Diagnostics) -> None:
     """The form of an origin is determined by its keys; without one it is `auto`."""
     text = FULL.replace("    limits: {lower: -150", f"    origin: {origin}\n    limits: {{lower: -150", 1)
     assert type(loaded(text, found).document.joints["pan"].origin).__name__ == form
@@ -148,7 +148,7 @@ def test_all_faults_at_once_in_the_order_of_the_file() -> None:
     assert lines == sorted(lines)
 
 
-def test_same_file_says_the_same_again(tmp_path: Path) -> None:
+def test_loading_twice_gives_equal_results(tmp_path: Path) -> None:
     """Loading twice gives equal documents and findings."""
     path = tmp_path / "a.robot.yaml"
     path.write_text(FULL, encoding="utf-8")

@@ -31,7 +31,7 @@ FILE = "a.robot.yaml"
         ("{a: 1}}\n", 1, 7, "unexpected '}'"),
     ],
 )
-def test_fault_is_told_at_its_place(text: str, line: int, column: int, message: str) -> None:
+def test_error_is_reported_at_its_place(text: str, line: int, column: int, message: str) -> None:
     """An error is described at the place to edit."""
     found = Diagnostics()
     assert not compose_around_faults(text, FILE, found).whole
@@ -50,7 +50,7 @@ def test_sections_around_faults_are_read() -> None:
     assert [(d.span.line, d.span.column) for d in found] == [(1, 4), (3, 8), (6, 4)]
 
 
-def test_tabs_are_told_line_by_line() -> None:
+def test_tabs_are_reported_line_by_line() -> None:
     """Each line indented by a tab is reported, and parsed as if it had spaces."""
     found = Diagnostics()
     composed = compose_around_faults("a:\n\tb: 1\n\tc: 2\nd:\n  e: 3\n", FILE, found)

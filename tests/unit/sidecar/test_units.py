@@ -196,7 +196,7 @@ def test_schema_pattern_accepts_every_quantity(text: str) -> None:
         ("1" * 200, units.LENGTH, "...': expected a length", ""),
     ],
 )
-def test_says_what_is_wrong(text: str, dimension: Dimension, message: str, hint: str) -> None:
+def test_message_and_hint_of_an_invalid_quantity(text: str, dimension: Dimension, message: str, hint: str) -> None:
     """A message contains the text; a hint suggests a correction."""
     with pytest.raises(UnitError) as caught:
         read_quantity(text, dimension)
@@ -213,7 +213,7 @@ def test_mass_for_a_weight_is_known(text: str, meant: str) -> None:
     assert read_quantity(text, units.TORQUE, units.FORCE).taken_as == meant
 
 
-def test_one_of_several_dimensions_is_told() -> None:
+def test_one_of_several_dimensions_is_returned() -> None:
     """The dimension of the unit is returned; a text of another dimension is rejected with the accepted ones."""
     assert read_quantity("45 deg", units.ANGLE, units.LENGTH).dimension is units.ANGLE
     assert read_quantity("45 mm", units.ANGLE, units.LENGTH) == (0.045, units.LENGTH, "")

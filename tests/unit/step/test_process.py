@@ -140,7 +140,7 @@ def test_a_kernel_that_does_not_load(
     assert words[1] in diagnostic.help[0]
 
 
-def test_all_missing_libraries_are_told_at_once(found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_missing_libraries_are_reported_at_once(found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """All missing libraries are reported, although the loader names only the first."""
     monkeypatch.setattr(reader, "_loads", lambda library: library == "libexpat.so.1")
     error = RemoteError("ImportError", "libGL.so.1: cannot open shared object file: No such file or directory", "")

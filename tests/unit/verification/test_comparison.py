@@ -246,7 +246,7 @@ SILENCES: dict[str, tuple[Change, Quantity]] = {
 
 
 @pytest.mark.parametrize("name", SILENCES)
-def test_what_is_not_told_is_not_run(name: str) -> None:
+def test_a_missing_value_is_not_run(name: str) -> None:
     """A missing value is not run, with a reason."""
     change, quantity = SILENCES[name]
     results = {one.quantity: one for one in compare(ARM, change(ARM))}
@@ -256,7 +256,7 @@ def test_what_is_not_told_is_not_run(name: str) -> None:
     assert check.deviation is None
 
 
-def test_a_reason_of_the_engine_is_not_run_even_where_it_tells() -> None:
+def test_a_quantity_with_a_reason_is_not_run_even_if_reported() -> None:
     """A quantity that an engine is known to get wrong is not run, even if reported."""
     silent = replace(ARM, not_run={Quantity.MASS: "it lies"})
     results = {one.quantity: one for one in compare(ARM, on_link("base", mass=0.0)(silent))}
@@ -264,7 +264,7 @@ def test_a_reason_of_the_engine_is_not_run_even_where_it_tells() -> None:
     assert check_of(Subject("f", "mjcf", "e"), results[Quantity.MASS]).status is Status.NOT_RUN
 
 
-def test_fields_that_are_not_told_are_named() -> None:
+def test_missing_fields_are_named() -> None:
     """A check that covers only part of its quantity names the missing fields."""
     observed = on_joint("elbow", lambda j: replace(j, limit_fields=("lower", "upper")))(ARM)
     results = {one.quantity: one for one in compare(ARM, observed)}
@@ -323,7 +323,7 @@ def test_closures_differ_by_place_links_and_residual() -> None:
     assert _closure(residual=5e-10, angle_error=5e-10) == set()
 
 
-def test_a_closure_told_from_its_other_end_is_the_same() -> None:
+def test_a_reversed_closure_is_the_same() -> None:
     """A reversed closure is the same, since in SDFormat the root is never a child."""
     loop = seen(four_bar())
     assert loop.closures is not None
@@ -377,7 +377,7 @@ def test_a_failure_is_one_diagnostic_with_the_worst_first(found: ReadDiagnostics
     assert len(diagnostic.notes) == 2
 
 
-def test_a_check_says_where_and_how_far() -> None:
+def test_a_check_has_place_and_deviation() -> None:
     """A passed check has the place and value of its largest deviation."""
     observed = on_link("upper_arm", mass=MASS * (1 + 5e-10))(ARM)
     results = {one.quantity: one for one in compare(ARM, observed)}
@@ -398,7 +398,7 @@ def test_a_check_says_where_and_how_far() -> None:
         (Fate.BROKEN, Status.FAILED, "SB901"),
     ],
 )
-def test_an_engine_that_says_nothing(fate: Fate, load: Status, code: str | None, found: ReadDiagnostics) -> None:
+def test_a_file_without_an_observation(fate: Fate, load: Status, code: str | None, found: ReadDiagnostics) -> None:
     """Without an observation the load check fails if the engine rejected the file or died; others are not run."""
     outcome = Outcome("arm.xml", "mjcf", "mujoco", fate, reason="because\nof that", last_lines=("last words",))
     quantities = (Quantity.LOAD, Quantity.MASS)

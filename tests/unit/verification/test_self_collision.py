@@ -120,7 +120,7 @@ def test_neighbours_are_left_out() -> None:
     assert overlaps(replace(pair, joints=direct)) == ()
 
 
-def test_the_deepest_of_several_shapes_is_told() -> None:
+def test_the_deepest_of_several_shapes_is_reported() -> None:
     """Of several shapes of two links, the deepest overlap is reported."""
     pair = robot(Box((1, 1, 1)), Box((1, 1, 1)), 0.9)
     more = (*pair.links[2].collisions, Collision("more", Box((1, 1, 1)), Pose.of(position=(-0.2, 0, 0))))

@@ -69,7 +69,7 @@ def test_a_body_within_another() -> None:
         (box_mesh(0.1, 0.1, 3), Pose.from_xyz_rpy((0.85, 0.85, 0), (0, 0, 0.5)), False),  # in the corner of its box
     ],
 )
-def test_what_cannot_meet_is_told_without_intersecting(mesh: TriMesh, X_AB: Pose, meets: bool) -> None:
+def test_separate_bodies_are_recognized_without_intersecting(mesh: TriMesh, X_AB: Pose, meets: bool) -> None:
     """A tube and bodies in, on, around and beside it: those classified as separate do not intersect."""
     tube, other = _tube(0.7, 0.4, 1.0, 24), Solid(mesh)
     assert tube.may_meet(other, X_AB) == meets

@@ -133,7 +133,7 @@ def test_all_that_is_kept_has_a_codec(kind: type) -> None:
     assert kind in seen
 
 
-def test_damage_is_refused_or_harmless() -> None:
+def test_damaged_bytes_are_rejected_or_valid() -> None:
     """Any damaged bytes give a value of the type, or the codec's error, never another one."""
     data = codec_of(Everything).encode(example())
     generator = random.Random(7)

@@ -99,7 +99,7 @@ def test_clear_removes_entries_and_nothing_else(tmp_path: Path) -> None:
     assert mine.exists()
 
 
-def test_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+def test_unwritable_folder_is_reported(tmp_path: Path) -> None:
     """A cache that cannot be written reports the reason, and all else works."""
     (tmp_path / "file").write_bytes(b"")
     cache = Cache(tmp_path / "file" / "cache")

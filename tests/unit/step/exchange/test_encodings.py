@@ -96,7 +96,7 @@ def test_a_wrong_code_page(
     assert diagnostic.help
 
 
-def test_nobody_says_what_names_are(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_undeclared_encoding_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Without a declaration a warning shows the first name in each code page in which all names are valid."""
     assembly = read(named(tmp_path / "box.step", RUSSIAN.encode("cp1251")), "", found)
     assert assembly is not None

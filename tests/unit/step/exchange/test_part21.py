@@ -143,7 +143,7 @@ def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> Non
     ]
 
 
-def test_documents_that_are_no_geometry_are_harmless(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_references_to_other_documents_are_ignored(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A reference to a manual is not a reference to a part."""
     text = DATA.replace("DATA;\n", "DATA;\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n")
     assert check_step(write(tmp_path, HEADER + text), "x", found) is not None
@@ -160,7 +160,7 @@ def test_encodings(name: str, encoding: str, tmp_path: Path, found: ReadDiagnost
     assert part21.encoding == encoding
 
 
-def test_names_in_an_unknown_encoding_are_said(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_names_in_an_unknown_encoding_are_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Bytes that are not UTF-8 are a warning with their line."""
     content = (HEADER + DATA).encode().replace(b"ADVANCED_FACE(''", "ADVANCED_FACE('Деталь'".encode("cp1251"))
     part21 = check_step(write(tmp_path, content), "x", found)

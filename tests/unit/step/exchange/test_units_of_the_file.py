@@ -69,7 +69,7 @@ def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None
         ("DERIVED_UNIT((", "DERIVED_UNIT((#9001,", ""),
     ],
 )
-def test_a_density_that_is_none(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_density_without_its_unit(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
     """A value without a unit of density is ignored with a diagnostic."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     assert density_of(read_here(rewrite(path, (old, new)), found)) is None
@@ -127,7 +127,7 @@ def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> Non
     assert body.exact.volume == pytest.approx(100 * 60 * 40 * scale**3, rel=1e-9, abs=0)
 
 
-def test_an_inch_that_is_none(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_inch_of_another_size(tmp_path: Path, found: ReadDiagnostics) -> None:
     """An inch that is not 25.4 mm has its declared size, with a warning."""
     path = parts.write_box(tmp_path / "box.step").path
     extra = EXTRA.replace("0.0254", "0.025")

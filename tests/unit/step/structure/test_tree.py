@@ -140,7 +140,7 @@ def test_materials_reach_bodies_but_not_components(found: ReadDiagnostics) -> No
     assert grown.definition_count == 3
 
 
-def test_empty_components_are_told(found: ReadDiagnostics) -> None:
+def test_empty_components_are_reported(found: ReadDiagnostics) -> None:
     """A product without content is a component, and one note lists all of them."""
     definitions = [
         Definition(0, "root", children=[Child(1, str(i), at(0.0)) for i in range(5)] + [Child(2, "p", at(0.0))]),

@@ -42,7 +42,7 @@ def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -
         assert validation.deviation < 1e-9
 
 
-def test_what_differs_is_said(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_differences_are_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A wrong volume and a wrong centroid are reported with both values, the deviation and the part."""
     drawing = parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0))
     file = StepEditor(drawing.path)
