@@ -10,13 +10,13 @@ class Energies:
     """Energies of a body in PyBullet."""
 
     def __init__(self, body: int, links: Sequence[Mapping[str, Any]], gravity: Sequence[float]) -> None:
-        """Remember where the body is now.
+        """Record the current pose of the body.
 
         Args:
             body: The body in PyBullet, at rest.
-            links: What report.json says of the links: ``name``, ``mass`` [kg], ``com`` [m] and ``inertia`` [kg m^2]
-                about the com, along the link's own axes.
-            gravity: [m/s^2]
+            links: Links of report.json: ``name``, ``mass`` [kg], ``com`` [m] and ``inertia`` [kg m^2] about the com,
+                along the link's axes.
+            gravity: Acceleration of gravity [m/s^2].
         """
         import pybullet
 

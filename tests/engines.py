@@ -98,10 +98,10 @@ def mujoco_axes(file: str) -> dict[str, tuple[list[float], list[float]]]:
 def closed_by_newton(file: str, driven: str, angles: Sequence[float]) -> tuple[list[dict[str, float]], int]:
     """Follow a joint through ``angles`` [rad], solving the loop's equations for the others.
 
-    Only the rows of equality constraints are solved: rows of limits, friction or contacts would pull elsewhere.
+    Only rows of equality constraints are solved: rows of limits, friction or contacts would change the solution.
 
     Returns:
-        All joint positions at each angle, and the freedom that the loop leaves.
+        All joint positions at each angle, and the remaining degrees of freedom.
     """
     import mujoco
 
@@ -131,10 +131,10 @@ def closed_by_newton(file: str, driven: str, angles: Sequence[float]) -> tuple[l
 
 
 def driven_in_mujoco(file: str, actuator: str, speed: float) -> tuple[list[dict[str, float]], float, list[int]]:
-    """Turn an actuator's target once round at ``speed`` [rad/s].
+    """Turn an actuator's target by a full turn at ``speed`` [rad/s].
 
     Returns:
-        Joint positions every 10 ms, the widest gap [m] between the sites of any connect, and MuJoCo's warning counts.
+        Joint positions every 10 ms, the largest gap [m] between the sites of a connect, and MuJoCo's warning counts.
     """
     import mujoco
 
@@ -155,17 +155,17 @@ def driven_in_mujoco(file: str, actuator: str, speed: float) -> tuple[list[dict[
 def run_in_mujoco(file: str, seconds: float, noise: bool, step: float | None = None) -> dict[str, Any]:
     """Simulate from the keyframe, with the keyframe's targets or with new random ones for all actuators every 50 steps.
 
-    What is not fixed to the world stands on a floor.
+    A floating robot is on a floor.
 
     Args:
         file: An MJCF file.
-        seconds: How long.
+        seconds: Duration [s].
         noise: Whether targets are random, the same ones in every run.
-        step: Time step [s]; that of the file when left out.
+        step: Time step [s]; by default that of the file.
 
     Returns:
-        MuJoCo's warning counts, whether all is finite, the largest speed, the deepest contact [m] of two links, the
-        widest gap of a loop [m], and the number of actuators.
+        MuJoCo's warning counts, whether the state is finite, the largest speed, the deepest contact [m] of two links,
+        the largest gap of a loop [m], and the number of actuators.
     """
     import mujoco
 
@@ -194,7 +194,7 @@ def run_in_mujoco(file: str, seconds: float, noise: bool, step: float | None = N
 
 
 def _at_home(model: Any) -> Any:
-    """Data of a model, in its keyframe where it has one."""
+    """Data of a model, in its keyframe if it has one."""
     import mujoco
 
     data = mujoco.MjData(model)
@@ -204,19 +204,19 @@ def _at_home(model: Any) -> Any:
 
 
 def run_in_pybullet(file: str, seconds: float, robot: Mapping[str, Any], step: float = 1e-3) -> dict[str, Any]:
-    """Let a URDF hang with its base fixed, or fall on a floor, without motors, for a while.
+    """Simulate a URDF without motors, hanging from its fixed base or falling on a floor.
 
-    What hangs is pulled aslant, so that joints move that gravity would not.
+    For a fixed base gravity is oblique, so that it moves joints with a vertical axis, too.
 
     Args:
         file: The URDF.
-        seconds: How long.
-        robot: What report.json says of the robot.
+        seconds: Duration [s].
+        robot: The robot in report.json.
         step: Time step [s].
 
     Returns:
-        Whether all stays finite, the largest speed, how many links there are, and by how much more energy moves the
-        robot at any time than its weight has given it so far, as a share of the most that it gives.
+        Whether the state stays finite, the largest speed, the number of links, and the largest surplus of kinetic
+        energy over the work of gravity so far, relative to the largest work.
     """
     import pybullet
 
@@ -248,19 +248,19 @@ def run_in_pybullet(file: str, seconds: float, robot: Mapping[str, Any], step: f
 def energy_kept_in_pybullet(
     file: str, steps: int, robot: Mapping[str, Any], gravity: Sequence[float] = ASLANT
 ) -> float:
-    """Let a URDF hang from its base without motors and damping, and compare its energies after some steps of 1 ms.
+    """Simulate a URDF from rest without motors and damping, and compare its energies after some steps of 1 ms.
 
-    The semi-implicit Euler method that PyBullet steps by turns n / (n + 1) of the work of a constant force into motion
-    in n steps from rest: it falls n (n + 1) / 2 g dt^2 in the time in which it gets n g dt fast.
+    PyBullet's semi-implicit Euler method converts n / (n + 1) of the work of a constant force to kinetic energy in n
+    steps from rest: a body falls by n (n + 1) / 2 g dt^2 while it reaches the speed n g dt.
 
     Args:
         file: The URDF.
-        steps: So few that forces stay nearly what they are and no joint comes to its stop.
-        robot: What report.json says of the robot, as which it is weighed.
-        gravity: [m/s^2]
+        steps: Number of steps; so few that forces are nearly constant and no joint reaches its limit.
+        robot: The robot in report.json, whose mass properties are used.
+        gravity: Acceleration of gravity [m/s^2].
 
     Returns:
-        Energy of its motion in proportion to what the method makes of the work of its weight; 1 where nothing is wrong.
+        Kinetic energy relative to that expected of the method; 1 if all masses and inertias are right.
     """
     import pybullet
 
@@ -312,16 +312,16 @@ def _in_pybullet(file: str, floating: bool, constraints: Json, joints: Json) -> 
 def driven_at_random_in_pybullet(file: str, seconds: float, robot: Mapping[str, Any]) -> dict[str, Any]:
     """Give every actuator of a robot new random targets every 50 ms, at 1 ms steps; joints that mimic follow.
 
-    Motors are PyBullet's own, with the joints' efforts. What is not fixed to the world stands on a floor.
+    Motors are PyBullet's own, with the joints' efforts. A floating robot is on a floor.
 
     Args:
         file: The URDF.
-        seconds: How long.
-        robot: What report.json says of the robot: base, joints, actuators, closures and their constraints.
+        seconds: Duration [s].
+        robot: The robot in report.json: base, joints, actuators, closures and their constraints.
 
     Returns:
-        What PyBullet printed, whether all stays finite, the largest speed, the widest gap of a loop [m], and how many
-        joints were driven.
+        PyBullet's output, whether the state stays finite, the largest speed, the largest gap of a loop [m], and the
+        number of driven joints.
     """
     import pybullet
 
@@ -400,16 +400,16 @@ def _in_world(body: int, link: int, p_L: Sequence[float]) -> np.ndarray:
 
 
 def closed_in_pybullet(file: str, closure: Mapping[str, Any], driven: str, speed: float) -> dict[str, Any]:
-    """Close a loop of a URDF by a point-to-point constraint and turn a joint once round at 1 ms steps.
+    """Close a loop of a URDF by a point-to-point constraint and turn a joint by a full turn at 1 ms steps.
 
     Args:
         file: The spanning tree.
         closure: ``link_a``, ``p_A`` [m], ``link_b``, ``p_B`` [m].
-        driven: The joint that a motor turns.
-        speed: How fast [rad/s].
+        driven: The joint with the motor.
+        speed: Speed [rad/s].
 
     Returns:
-        The widest gap [m] with and, as a control, without the constraint, and joint positions every 10 ms.
+        The largest gap [m] with and, as a control, without the constraint, and joint positions every 10 ms.
     """
     import pybullet
 
@@ -467,11 +467,11 @@ def _point(body: int, link: int, p_L: Sequence[float]) -> np.ndarray:
 
 
 def driven_on_a_floor(file: str, base: str, speeds: Mapping[str, float], seconds: float) -> dict[str, Any]:
-    """Put a robot on a floor, let it settle, and drive it at steady targets of its actuators.
+    """Put a robot on a floor, let it settle, and drive it at constant targets of its actuators.
 
     Returns:
-        ``place``: x, y [m] and heading [rad] of its base after ``seconds`` at speed, in the frame that it had when it
-        was; ``speeds``: the mean speeds [rad/s] of its actuators meanwhile.
+        ``place``: x, y [m] and heading [rad] of its base after ``seconds`` at speed, relative to the pose at which it
+        reached its speed; ``speeds``: the mean speeds [rad/s] of its actuators in that time.
     """
     import mujoco
 

@@ -1,7 +1,7 @@
 """Small STEP files, drawn when a test needs them; names, poses, volumes, centres and inertias are known beforehand.
 
-Every ``write_*`` draws one file and returns a :class:`Drawing`, the numbers that any reader must find in it. They come
-from formulas, never from the kernel that draws. Arguments are in millimetres, results in SI. W is the assembly.
+Every ``write_*`` draws one file and returns a :class:`Drawing` with the expected values, which come from closed forms,
+never from the kernel. Arguments are in millimetres, results in SI. W is the assembly.
 """
 
 import re
@@ -292,7 +292,7 @@ def write_straight_arm(path: Path, pin: bool = True) -> Drawing:
 
     Args:
         path: File to write.
-        pin: Whether the upper link has the pin of the elbow; without it, horn and bracket are all that share a line.
+        pin: Whether the upper link has the pin of the elbow; without it, only horn and bracket share a line.
     """
     top = 5.0 + STRAIGHT_ARM_GAP
     upper = cylinder(20, 5) + box(30, 20, top - 13).at(0, 0, 5 + (top - 13) / 2)
@@ -311,7 +311,7 @@ def write_hinge(path: Path, miss: float = 0.0, bolts: bool = False, unit: Length
 
     Args:
         path: File to write.
-        miss: How far the bore lies beside the pin along x [mm]; above 0.01 mm the two no longer mate.
+        miss: Distance of the bore from the pin along x [mm]; above 0.01 mm the two no longer mate.
         bolts: Whether a bolt circle adds four narrow lines that both parts share.
         unit: Length unit of the file.
     """

@@ -28,13 +28,13 @@ class Redrafted:
 
 
 def redrafted(sidecar: Path, step: Path, folder: Path, suffix: str, *, meshes: bool = True) -> Redrafted:
-    """Convert a sidecar, draft one from the description that was written, and build the robot of both.
+    """Convert a sidecar, draft one from the written description, and build the robots of both.
 
     Args:
-        sidecar: A sidecar made by hand.
+        sidecar: A hand-made sidecar.
         step: Its STEP.
         folder: An empty folder to work in.
-        suffix: Of the description: ``urdf``, ``sdf`` or ``xml``.
+        suffix: Suffix of the description: ``urdf``, ``sdf`` or ``xml``.
         meshes: Whether the description may keep its meshes.
     """
     options = Options(folder / "out", step=step, verify=False)
@@ -53,11 +53,11 @@ def redrafted(sidecar: Path, step: Path, folder: Path, suffix: str, *, meshes: b
 
 
 def differences(result: Redrafted, *, zero: float = 1e-6) -> list[str]:
-    """How the drafted robot differs from the one made by hand; empty where it does not.
+    """Differences between the drafted and the original robot; empty if there are none.
 
     Args:
         result: Both robots.
-        zero: How far [rad] or [m] the drawn positions of joints may be off.
+        zero: Tolerance [rad] or [m] of the drawn positions of joints.
     """
     drawn, again = result.drawn, result.again
     found = []

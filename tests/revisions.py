@@ -1,4 +1,4 @@
-"""Revisions of a STEP file, as a CAD program makes them: read by the kernel, edited, and exported anew.
+"""Revisions of a STEP file, as a CAD program makes them: read by the kernel, edited, and exported again.
 
 The export has other entity numbers and another order of statements than the source.
 """
@@ -175,7 +175,7 @@ def write_lever(path: Path, shift: float = 0.0) -> Path:
 
     Args:
         path: File to write.
-        shift: Where all of it is along x [mm].
+        shift: Position of the whole assembly along x [mm].
     """
     from robot_library.moments import pose
     from robot_library.step_file import Assembly, Occurrence, Part, write_step

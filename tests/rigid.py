@@ -64,7 +64,7 @@ def urdf_links(root: etree._Element) -> tuple[str, dict[str, Array]]:
 def deviations(
     found: tuple[float, ArrayLike, ArrayLike], expected: Mapping[str, Any]
 ) -> tuple[float, float, float, float]:
-    """How far a body's mass, com and inertia are from those expected, each relative.
+    """Relative deviations of a body's mass, com and inertia from the expected ones.
 
     Returns:
         Mass relative to the mass, com relative to the radius of gyration, inertia relative to its largest entry, and

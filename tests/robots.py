@@ -1,7 +1,7 @@
-"""Named robots in memory, for every test that needs one: real meshes, full inertias, nothing round or aligned.
+"""Named robots in memory for tests: real meshes, full inertias, no round or aligned values.
 
-Lengths such as 1/3 have no finite decimal text, so that a lost digit shows. ``ROBOTS`` maps names to functions that
-build them; each call gives a new robot with the same content.
+Lengths such as 1/3 have no finite decimal text, so that a lost digit is detected. ``ROBOTS`` maps names to functions
+that build them; each call returns a new robot with the same content.
 """
 
 import math

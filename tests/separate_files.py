@@ -36,13 +36,13 @@ class Component:
 def write_separately(
     folder: Path, root: Assembly, units: Mapping[str, LengthUnit] | None = None, suffix: str = ".step"
 ) -> Path:
-    """Write each product of a tree into a file of its own, named after it; the path of the first one.
+    """Write each product of a tree into a separate file, named after it; returns the path of the first one.
 
     Args:
-        folder: Where the files go; it exists.
+        folder: Existing folder for the files.
         root: The tree.
-        units: Unit of the file of each product; millimetres where it is left out.
-        suffix: Of the files.
+        units: Unit of the file of each product; millimetres by default.
+        suffix: Suffix of the files.
     """
     units = units or {}
     written: set[int] = set()

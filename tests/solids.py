@@ -1,6 +1,6 @@
 """Solids with their volume, centre and inertia in closed form: the material of :mod:`tests.parts`.
 
-A :class:`Solid` is a shape of the kernel next to its integrals, so that a cut is a cut in both; the integrals come from
+A :class:`Solid` is a shape of the kernel with its integrals, and a cut applies to both; the integrals come from
 :mod:`robot_library.moments`, never from the kernel. Lengths are in millimetres.
 """
 

@@ -1,6 +1,6 @@
 """docs/revisions.md: its commands print what it shows.
 
-``python -m tests.cli.test_revisions_page`` writes the output of the commands into the page again.
+``python -m tests.cli.test_revisions_page`` updates the output of the commands in the page.
 """
 
 import os

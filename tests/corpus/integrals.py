@@ -1,6 +1,6 @@
-"""How exact the mass properties of the corpus are, as a table: ``python -m tests.corpus.integrals FOLDER [FILE...]``.
+"""Table of the accuracy of mass properties: ``python -m tests.corpus.integrals FOLDER [FILE...]``.
 
-One row for each file: its solids, how many of them the kernel alone integrates, and the estimated errors of the others.
+One row per file: number of solids, of those integrated by the kernel alone, and estimated errors of the others.
 """
 
 import sys

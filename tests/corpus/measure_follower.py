@@ -1,10 +1,10 @@
-"""What is in low_cost_robot_follower.step, measured by other means than stepbot's.
+"""Reference values of low_cost_robot_follower.step, measured independently of stepbot.
 
 ``python -m tests.corpus.measure_follower STEP`` writes low_cost_robot_follower.expected.json beside this file. The
-kernel reads the file with its own healing, one process, no mesh; volumes, centres and inertias are exact (GProp;
-where faces are B-splines by its Gauss-Kronrod rule, span by span, to 1e-9), once per definition and moved to every
-occurrence. The axis of a joint is that of the widest cylinder of one known part of its motor, and no other part is
-asked. Which part belongs to which link is said here by regular expressions of its own.
+kernel reads the file with its own healing, in one process, without a mesh; volumes, centres and inertias are exact
+(GProp; for B-spline faces its Gauss-Kronrod rule, span by span, to 1e-9), once per definition and moved to every
+occurrence. The axis of a joint is that of the widest cylinder of one known part of its motor. Separate regular
+expressions assign parts to links.
 """
 
 import re

@@ -1,7 +1,7 @@
-"""Real assemblies of many CAD programs: read and measured right, converted, or refused with the one right diagnostic.
+"""Real assemblies of many CAD programs are read, measured and converted, or rejected with the right diagnostic.
 
-The oracles: the index of the corpus, a plain reading by the kernel without any of stepbot's own, trimesh on meshes fine
-enough, and the volumes that CAD programs wrote into their own files.
+The oracles: the index of the corpus, the kernel's own reader without stepbot, trimesh on fine meshes, and the volumes
+that CAD programs wrote into their files.
 """
 
 from collections.abc import Callable
@@ -102,10 +102,10 @@ def test_mass_properties(
 
 @each(READABLE)
 def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: Path) -> None:
-    """Simple solids as GProp has them, bit for bit; others as its integration span by span has them, to 1e-6.
+    """Simple solids equal GProp's integration bit for bit; others equal its integration span by span to 1e-6.
 
-    They are off by their estimated error at most, and a tenth. Where GProp's default rule is further off than 1e-4,
-    meshes agree with stepbot.
+    The deviation is at most 1.1 times the estimated error. If GProp's default rule deviates by more than 1e-4, meshes
+    agree with stepbot.
     """
     plain = plain_solids(corpus / file.name)
     known = {solid.volume for solid in plain}
@@ -199,9 +199,9 @@ CLOSED_FORMS = {  # [mm^3]
 
 
 def test_closed_forms(read: Read) -> None:
-    """Boxes and cylinders that are drawn with rational B-splines have the volumes of boxes and cylinders.
+    """Boxes and cylinders drawn with rational B-splines have the volumes of the closed forms.
 
-    What the CAD program wrote into the file is up to 7e-5 off them, as far as the kernel's default rule is.
+    The volumes stated by the CAD program deviate by up to 7e-5, as does the kernel's default rule.
     """
     assembly = assembly_of(named("as1-oc-214"), read)
     components = by_path(assembly)

@@ -75,7 +75,7 @@ def test_whole_and_parts(koch: Path, whole: Assembly) -> None:
 
 
 def test_against_the_kernel(koch: Path, whole: Assembly) -> None:
-    """The kernel, left to open the files itself, finds the same 18 solids in the same places.
+    """The kernel, which opens the files itself, finds the same 18 solids in the same poses.
 
     Its integrals are refined until they change by 1e-5.
     """

@@ -1,7 +1,7 @@
-"""Revisions of real assemblies: one that was published twice, and exports of the kernel with other names.
+"""Revisions of real assemblies: one published twice, and exports of the kernel with other names.
 
-No two files of the corpus are revisions of one assembly in which parts were moved, added or removed. The as1 assembly
-is there twice, without materials and with them.
+The corpus has no revisions of one assembly in which parts were moved, added or removed. It has the as1 assembly twice,
+with and without materials.
 """
 
 from collections import Counter

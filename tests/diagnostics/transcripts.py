@@ -1,16 +1,16 @@
-"""What ``stepbot`` reports about the input of a folder, as JSON and as text, the same on every machine.
+"""The output of ``stepbot`` for the input of a folder, as JSON and as text, normalized to be equal on every machine.
 
-A folder ``SBnnn_slug`` holds an input that causes the diagnostic SBnnn and what comes out:
+A folder ``SBnnn_slug`` has an input that causes the diagnostic SBnnn, and the expected output:
 
-- ``command``: the arguments of ``stepbot``; ``check robot.robot.yaml`` where the file is missing.
-- ``make.py``, where the input is not text: ``make(patch)`` writes it to the current folder, and may change the
-  environment with ``patch``, a ``pytest.MonkeyPatch``. Where no command can cause the diagnostic, ``find(found)`` calls
-  the library in place of a command.
-- ``engines``, where the diagnostic needs engines beside :data:`CORE`: their names. Without them the folder is skipped.
+- ``command``: the arguments of ``stepbot``; without this file ``check robot.robot.yaml``.
+- ``make.py``, if the input is not text: ``make(patch)`` writes it to the current folder, and may change the environment
+  with ``patch``, a ``pytest.MonkeyPatch``. If no command can cause the diagnostic, ``find(found)`` calls the library
+  instead.
+- ``engines``: names of required engines other than :data:`CORE`. Without them the folder is skipped.
 - all other files: input, copied to the folder that the command runs in.
-- ``expected.json``: the diagnostics, as ``--json`` prints them; ``expected.txt``: the same, as ``--verbose`` does.
+- ``expected.json``: the diagnostics, as printed by ``--json``; ``expected.txt``: the same, as printed by ``--verbose``.
 
-``python -m tests.diagnostics.update [SBnnn...]`` writes the expected files again; review the difference.
+``python -m tests.diagnostics.update [SBnnn...]`` rewrites the expected files; review the difference.
 """
 
 import io

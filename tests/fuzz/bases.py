@@ -1,6 +1,6 @@
-"""The sound STEP files that mutants are made of: real ones, robots of the library, drawings of the tests.
+"""The valid STEP files that mutants are made of: real ones, robots of the library, drawings of the tests.
 
-python -m tests.fuzz.bases FOLDER        collects them, so that the kernel that draws is in a process of its own
+python -m tests.fuzz.bases FOLDER        collects them, with the kernel that draws in a separate process
 """
 
 import inspect

@@ -1,4 +1,4 @@
-"""Damage to a STEP file as bytes and text: cut off, bits flipped, strings and header spoiled.
+"""Damage to a STEP file as bytes and text: truncation, flipped bits, damaged strings and header.
 
 Each kind of damage is a function ``(StepText, Random) -> bytes``; the random numbers are its only choice.
 """

@@ -1,8 +1,8 @@
-"""Calls a function for many inputs, each in a process of its own that costs milliseconds: a server that forks.
+"""Calls a function for many inputs, each in a forked process that costs milliseconds.
 
-The kernel takes a second to load. The server loads it once, and forks for every call; the forked process does what a
-worker of :mod:`stepbot.runtime.worker` does: same function, same memory limit, same answers, same ways to die. Where a
-system cannot fork safely, :func:`can_fork` says so, and callers use workers instead.
+The kernel takes a second to load. The server loads it once and forks for every call; the forked process behaves as a
+worker of :mod:`stepbot.runtime.worker`: same function, memory limit, answers and failures. On systems that cannot fork
+safely, :func:`can_fork` is False and callers use workers instead.
 """
 
 import contextlib
@@ -33,7 +33,7 @@ class ForkServer:
     """A process that has loaded a function and forks for every call of it."""
 
     def __init__(self, function: str, folder: Path, *, memory_limit: int) -> None:
-        """Start the server; it begins to import at once.
+        """Start the server, which imports at once.
 
         Args:
             function: ``package.module:function``.

@@ -102,14 +102,14 @@ def make_robot(
     found: Diagnostics,
     faults: list[str],
 ) -> bool:
-    """Build a robot and render it in all formats, as a conversion does; whether that ended without an error.
+    """Build a robot and render it in all formats, as a conversion does; returns whether there was no error.
 
     Args:
-        assembly: A sound assembly.
-        measures: What trimesh measures on its bodies.
-        sidecar: A sidecar without errors of its own.
+        assembly: A valid assembly.
+        measures: trimesh's measures of its bodies.
+        sidecar: A valid sidecar.
         found: Receives the diagnostics.
-        faults: Receives what must not be.
+        faults: Receives forbidden results.
     """
     built = build_robot(assembly, sidecar, lambda: measures, found)
     if built is None:

@@ -63,7 +63,7 @@ class Mutant:
         """The mutant of a name.
 
         Raises:
-            ValueError: This is no mutant's name.
+            ValueError: The name is not that of a mutant.
         """
         base, kind, seed, number = name.rsplit(":", 3)
         if kind not in ALL_KINDS:

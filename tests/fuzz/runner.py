@@ -1,6 +1,6 @@
-"""Plays stepbot's own process for many mutants, one after the other: what crashes here would crash the command.
+"""A process in place of stepbot's for many mutants in turn: a crash here would be one of the command.
 
-python -m tests.fuzz.runner BASES FOLDER        reads names of mutants, a line each; answers each with a line of JSON
+python -m tests.fuzz.runner BASES FOLDER        reads names of mutants, one per line; answers each with a line of JSON
 """
 
 import json

@@ -1,7 +1,6 @@
 """The text of a STEP file in pieces that can be damaged one by one (ISO 10303-21).
 
-This knows no more than what a token and a statement are, so that it reads any file that is whole; it is not the reader
-that is put to the test.
+It only splits tokens and statements, so that it reads any complete file; it is independent of the tested reader.
 """
 
 import re

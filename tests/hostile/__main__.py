@@ -1,9 +1,9 @@
-"""Harms stepbot in many ways, and reports what must not come of it.
+"""Runs fault injection experiments against stepbot, and reports forbidden outcomes.
 
 python -m tests.hostile                         all experiments in their long form, hours
 python -m tests.hostile --short                 a few trials of each, a minute
 python -m tests.hostile --only NAME [--count N] [--seed N]
-python -m tests.hostile --page                  and writes what came of them to docs/reliability.md
+python -m tests.hostile --page                  all, and writes the results to docs/reliability.md
 """
 
 import argparse

@@ -91,7 +91,7 @@ def start(
         folder: The current folder.
         temporary: Its folder for temporary files, which should be empty.
         environment: Variables to change.
-        wrapper: What to start it by.
+        wrapper: Command that starts it.
     """
     mark = uuid.uuid4().hex
     temporary.mkdir(parents=True, exist_ok=True)

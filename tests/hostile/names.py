@@ -1,7 +1,7 @@
 """Parts and robots with hostile names: paths, escape sequences, markup, devices, names that differ only in case.
 
-Each name is that of two products (the second in the other case) and their occurrences, all in one assembly; then it is
-that of a robot, its links and a material.
+Each name is given to two products (the second in the other case) and their occurrences, all in one assembly; then to a
+robot, its links and a material.
 """
 
 import re

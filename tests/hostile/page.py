@@ -37,11 +37,11 @@ def summary(trials: Sequence[Trial]) -> str:
 
 
 def write_row(experiment: Experiment, trials: Sequence[Trial], known: Sequence[Experiment]) -> None:
-    """Replace the row of an experiment in the page; rows of others stay as they are.
+    """Replace the row of an experiment in the page; other rows are unchanged.
 
     Args:
-        experiment: What has run.
-        trials: What came of it.
+        experiment: The experiment that has run.
+        trials: Its trials.
         known: All experiments, in the order of the page.
     """
     faults = sum(bool(trial.faults) for trial in trials)

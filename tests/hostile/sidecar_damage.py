@@ -1,7 +1,7 @@
-"""Damage to a sidecar: to its tree, which it changes in place, or to its text.
+"""Damage to a sidecar: to its tree, which is changed in place, or to its text.
 
-Each kind is a function with a random generator as its only choice; what it needs of the format it takes from the
-sidecar itself, from words that people mistake for others, and from what YAML, units, paths and names stumble over.
+Each kind is a function whose only choices are those of a random generator. Replacements come from the sidecar itself,
+from commonly confused words, and from special cases of YAML, units, paths and names.
 """
 
 import copy

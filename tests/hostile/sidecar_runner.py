@@ -1,6 +1,6 @@
-"""Plays stepbot's own process for many sidecars: what raises or hangs here would end the command with a traceback.
+"""A process in place of stepbot's for many sidecars: an exception or hang here would be one of the command.
 
-python -m tests.hostile.sidecar_runner BASES FOLDER     reads names of mutants, a line each; answers with lines of JSON
+python -m tests.hostile.sidecar_runner BASES FOLDER     reads names of mutants, one per line; answers with lines of JSON
 """
 
 import json

@@ -1,7 +1,7 @@
-"""A sidecar as a tree that mutations may change into what no mapping of Python could hold, and its text.
+"""A sidecar as a tree for mutations that a Python mapping could not represent, and its text.
 
-Keys and scalars are pieces of YAML source, written as they are: a mutation may put in an alias, a tag, a tab, half a
-string. Mappings are lists of pairs, so that a key may come twice.
+Keys and scalars are pieces of YAML source, written unchanged: a mutation may insert an alias, a tag, a tab, half a
+string. Mappings are lists of pairs, so that a key may be duplicated.
 """
 
 import json

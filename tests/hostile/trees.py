@@ -41,9 +41,9 @@ def run(setting: Setting) -> Iterator[Trial]:
 
 
 def write_tree(path: Path, levels: int, children: int) -> None:
-    """A box, in an assembly ``children`` times, which is in an assembly ``children`` times, and so on.
+    """Write a box that is in an assembly ``children`` times, which is in an assembly ``children`` times, and so on.
 
-    As text, because the kernel would write out every occurrence.
+    Written as text, because the kernel would expand every occurrence.
     """
     from tests.parts import write_box
 

@@ -26,8 +26,8 @@ from tests.library.conftest import (
 BETWEEN = {"ball": 2, "universal": 1, "screw": 1, "cylindrical": 1, "planar": 2, "floating": 5}
 """Links that URDF adds between the two links of a joint that it writes as several."""
 FINER_STEPS = {"kinova_gen3": 5e-4}
-"""Steps [s] of robots that the usual 1 ms is too long for: a wrist without damping passes 100 rad/s for a moment, and
-gains 12 % of energy there; at half the step it is 1 %."""
+"""Steps [s] of robots for which 1 ms is too long: a wrist without damping briefly exceeds 100 rad/s and gains 12 % of
+energy; at half the step it is 1 %."""
 PULLS = {"robotiq_2f85": (-3.0, -4.0, 8.0)}
 """Other gravities [m/s^2] for robots that standard gravity pulls against their stops."""
 BALANCED = "stepbot_diff_drive"
@@ -180,9 +180,9 @@ def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:
 @pytest.mark.pybullet
 @converted_robots(but=BALANCED)
 def test_energy_is_kept_in_pybullet(robot: str, converted: Converted) -> None:
-    """In 50 ms from rest, without damping, the weight's work becomes motion: all masses and inertias count as they are.
+    """In 50 ms from rest, without damping, the work of gravity equals the kinetic energy of all masses and inertias.
 
-    The energies are those of the robot in report.json, moved as PyBullet moves the file.
+    The energies are those of the robot in report.json with the motion of the file in PyBullet.
     """
     pytest.importorskip("pybullet")
     conversion = converted(robot)

@@ -12,9 +12,9 @@ from tests.library.conftest import LIBRARY
 
 
 def test_jaw_stops_where_its_pads_meet(tmp_path: Path) -> None:
-    """The jaw is drawn open by 32 degrees: it closes until the pads meet, within 1 degree, and opens against the palm.
+    """The jaw, drawn open by 32 degrees, closes until the pads meet, within 1 degree, and opens against the palm.
 
-    Limits stay to be filled in: a stop is a comment.
+    Stops are comments, and `limits: todo` remains.
     """
     draft = draft_step(LIBRARY / "stepbot_desk_arm" / "desk_arm.step", Options(tmp_path)).draft
     assert draft is not None

@@ -1,6 +1,6 @@
-"""Nothing in the library is older than what it was made from; judged by hashes, without drawing anything.
+"""Results in the library are up to date, by hashes of their inputs, without drawing anything.
 
-The hashes know nothing of stepbot's own code: what it makes of a robot now is held against the numbers of its page.
+The hashes do not include stepbot's own code: a fresh conversion is compared with the numbers of each page.
 """
 
 import re

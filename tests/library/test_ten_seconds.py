@@ -9,8 +9,8 @@ SECONDS = 10.0
 LONGEST = 900.0
 """Time limit [s] of a simulation while others run."""
 GAP_IN_MUJOCO, GAP_IN_PYBULLET = 3e-2, 2e-3
-"""How far [m] loops may open while the drives jump from target to target: MuJoCo's constraints are springs on purpose,
-and strong drives stretch them; PyBullet's are stiff."""
+"""Maximum gap [m] of loops while targets of actuators jump: MuJoCo's constraints are soft, and strong actuators stretch
+them; PyBullet's are stiff."""
 
 pytestmark = pytest.mark.long
 

@@ -55,9 +55,9 @@ class Change:
 
 
 def changes(content: bytes, seed: str) -> Iterator[Change]:
-    """Every number but zeros, in an order drawn at random: one part in a hundred more, or the other sign.
+    """Changes of every number except zeros, in random order: by one part in a hundred, or in sign.
 
-    What is below the tolerance of its quantity, and so the same robot, is left out.
+    Changes within the tolerance of their quantity, which leave the same robot, are omitted.
     """
     random = Random(seed)
     top = etree.fromstring(content)

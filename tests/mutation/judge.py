@@ -37,8 +37,8 @@ class Judge:
 
         Args:
             engine: Its name.
-            request: What it is asked of every file.
-            expected: What it should see in them.
+            request: The request for every file.
+            expected: The expected observation.
         """
         self.engine = engine
         self._module: Any = engine_of(engine).observer

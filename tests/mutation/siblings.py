@@ -1,6 +1,6 @@
-"""A robot's three files with one number changed in one of them: who notices it, of verification and of conversion.
+"""Detection of one changed number in one of a robot's three files, by `stepbot verify` and by a conversion's checks.
 
-Engines crash on some files, so each trial is a fork of this process, in which the engines are loaded already.
+Engines crash on some files, so each trial is a fork of this process, which has loaded the engines.
 """
 
 import json
@@ -48,12 +48,12 @@ def trials(robots: Mapping[str, Callable[[], Robot]], folder: Path, of_each: int
     """Change numbers in every file of every robot, one at a time, the same in every run.
 
     Args:
-        robots: What is written, by name.
-        folder: Where the files go.
-        of_each: How many changes of each file are tried.
+        robots: The robots by name.
+        folder: Folder for the files.
+        of_each: Number of changes tried per file.
 
     Raises:
-        Flawed: Something is reported of files in which nothing was changed.
+        Flawed: A difference is reported for unchanged files.
     """
     for name, build in robots.items():
         siblings = Siblings(write(build(), folder / name))

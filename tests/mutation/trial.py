@@ -39,13 +39,13 @@ def verdicts(
     """Remove every element and every attribute of every file that some engine reads, one at a time.
 
     Args:
-        robots: What is written, by name.
-        judges: The engines that are asked about a format, in the order in which they are asked.
-        folder: Where the files go.
-        of_each: How many removals of each file are tried, drawn at random, the same in every run; None for all.
+        robots: The robots by name.
+        judges: The engines that check a format, in this order.
+        folder: Folder for the files.
+        of_each: Number of random removals tried per file, the same in every run; None for all.
 
     Raises:
-        Flawed: An engine fails a file from which nothing was removed.
+        Flawed: An engine rejects an unchanged file.
     """
     for name, build in robots.items():
         written = write(build(), folder / name)

@@ -63,9 +63,9 @@ def skip_without(engine: str) -> None:
 
 
 def look(engine: str, request: Request) -> Observation:
-    """What an engine sees; the test is skipped where the engine is not installed.
+    """An engine's observation; the test is skipped if the engine is not installed.
 
-    In this process, which saves a start for each of many files: none of the files that tests look at crashes an engine.
+    The engine runs in this process, which saves a start for each of many files: none of these files crashes an engine.
     """
     skip_without(engine)
     observation: Observation = engine_of(engine).observer.observe(request)

@@ -1,4 +1,4 @@
-"""A hinge, and results that are to be kept."""
+"""A hinge, and a cache."""
 
 from pathlib import Path
 

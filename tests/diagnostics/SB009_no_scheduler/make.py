@@ -1,4 +1,4 @@
-"""A cluster that does not answer, whether the client is installed or not."""
+"""An unreachable scheduler, whether or not the client is installed."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A version control system left a conflict in the lock."""
+"""A lock file with an unresolved merge conflict."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A lock in a later version of its format."""
+"""A lock file in a later version of its format."""
 
 from pathlib import Path
 

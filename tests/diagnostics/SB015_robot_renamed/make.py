@@ -1,4 +1,4 @@
-"""The robot has another name than its lock."""
+"""A robot renamed after its lock was written."""
 
 from pathlib import Path
 

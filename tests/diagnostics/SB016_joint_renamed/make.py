@@ -1,4 +1,4 @@
-"""A joint was renamed after the lock was written."""
+"""A joint renamed after the lock was written."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Nothing to compare with."""
+"""A sidecar without a lock file."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The new name of one part is that of a rule which matched nothing."""
+"""A part renamed to the name in another rule that matched nothing."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A sidecar with more misspelt keys than anyone reads."""
+"""A sidecar with more misspelt keys than are listed."""
 
 from pathlib import Path
 

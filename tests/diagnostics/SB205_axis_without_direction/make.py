@@ -1,4 +1,4 @@
-"""A shape that is shown through a transformation whose axis is zero."""
+"""A shape with a transformation whose axis is zero."""
 
 from pathlib import Path
 

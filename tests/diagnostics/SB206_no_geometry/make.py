@@ -1,4 +1,4 @@
-"""An assembly of nothing."""
+"""An assembly without parts."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A box in no unit."""
+"""A box without a length unit."""
 
 from pathlib import Path
 

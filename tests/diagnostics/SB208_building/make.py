@@ -1,4 +1,4 @@
-"""A building."""
+"""A building model."""
 
 from pathlib import Path
 

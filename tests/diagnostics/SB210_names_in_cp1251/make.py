@@ -1,4 +1,4 @@
-"""A part that was named in Russian, in the code page of Windows."""
+"""A part with a Russian name in Windows' code page."""
 
 from pathlib import Path
 

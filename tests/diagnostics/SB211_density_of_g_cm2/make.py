@@ -1,4 +1,4 @@
-"""A density in the unit that Open CASCADE is known to write."""
+"""A density in the invalid unit that Open CASCADE writes."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A part of two densities."""
+"""A part with two densities."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A mesh whose triangles name a corner that does not exist."""
+"""A mesh whose triangles refer to a missing corner."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""An occurrence that is scaled unevenly, which no writer of STEP is known to make."""
+"""An occurrence with non-uniform scale, which no STEP writer is known to produce."""
 
 import numpy as np
 

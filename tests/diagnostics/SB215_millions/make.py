@@ -1,4 +1,4 @@
-"""A small file of subassemblies that hold each other ten times, eight levels deep."""
+"""A small file of subassemblies that contain each other ten times, eight levels deep."""
 
 from pathlib import Path
 

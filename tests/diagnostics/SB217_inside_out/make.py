@@ -1,4 +1,4 @@
-"""A mesh whose triangles look inwards."""
+"""A mesh whose triangles face inwards."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A file with a solid that belongs to no product."""
+"""A file with a solid that is not part of a product."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A statement that does not end."""
+"""A statement without an end."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A face on a plane that the file does not have."""
+"""A face whose plane is missing."""
 
 from pathlib import Path
 

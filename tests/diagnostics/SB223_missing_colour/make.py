@@ -1,4 +1,4 @@
-"""A colour that the file does not have."""
+"""A missing colour."""
 
 from pathlib import Path
 

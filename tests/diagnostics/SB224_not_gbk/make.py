@@ -1,4 +1,4 @@
-"""Russian that is declared as Chinese."""
+"""Russian names declared as GBK."""
 
 from pathlib import Path
 

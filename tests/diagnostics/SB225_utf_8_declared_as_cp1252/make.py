@@ -1,4 +1,4 @@
-"""UTF-8 that is declared as something else."""
+"""UTF-8 declared as cp1252."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A box of 240 cm^3 whose file states 250 cm^3."""
+"""A box of 240 cm^3 with a stated volume of 250 cm^3."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A mesh whose file states a volume."""
+"""A mesh with a stated volume."""
 
 from pathlib import Path
 

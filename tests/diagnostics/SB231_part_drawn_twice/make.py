@@ -1,4 +1,4 @@
-"""A part whose shape is in the file, and which refers to another file nevertheless."""
+"""A part with a shape that also refers to another file."""
 
 from pathlib import Path
 

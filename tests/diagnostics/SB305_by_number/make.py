@@ -1,4 +1,4 @@
-"""Three pins without names of their own."""
+"""Three pins without occurrence names."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A machine whose knobs are ignored."""
+"""A machine with ignored knobs."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A part has another name; its shape and place are the same."""
+"""A part renamed, with the same shape and pose."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Of equal parts without names the first is gone, so the numbers of the others have changed."""
+"""The first of equal nameless parts was removed, so the numbers of the others have changed."""
 
 from pathlib import Path
 

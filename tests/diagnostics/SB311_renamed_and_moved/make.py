@@ -1,4 +1,4 @@
-"""A part has another name and another place."""
+"""A part renamed and moved."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A part that a path names is gone."""
+"""A part in a path was removed."""
 
 from pathlib import Path
 

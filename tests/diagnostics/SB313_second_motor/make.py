@@ -1,4 +1,4 @@
-"""A part was added to a subassembly whose parts are all listed."""
+"""A part was added to a subassembly whose parts are listed one by one."""
 
 from pathlib import Path
 

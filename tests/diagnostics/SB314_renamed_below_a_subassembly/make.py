@@ -1,4 +1,4 @@
-"""A part has another name, and its link has the whole subassembly."""
+"""A part renamed in a subassembly that its link has as a whole."""
 
 from pathlib import Path
 

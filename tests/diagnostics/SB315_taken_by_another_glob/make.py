@@ -1,4 +1,4 @@
-"""A part was renamed to what the glob of another link matches."""
+"""A part renamed to a name that matches a glob of another link."""
 
 from pathlib import Path
 

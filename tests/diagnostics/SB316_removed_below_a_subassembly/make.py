@@ -1,4 +1,4 @@
-"""A part is gone, and its link has the whole subassembly."""
+"""A part removed from a subassembly that its link has as a whole."""
 
 from pathlib import Path
 

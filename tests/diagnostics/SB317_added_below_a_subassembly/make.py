@@ -1,4 +1,4 @@
-"""A part was added to a subassembly that a link has."""
+"""A part added to a subassembly that a link has as a whole."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A part has moved and turned."""
+"""A part moved and rotated."""
 
 from math import radians
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A part has another shape."""
+"""A part with another shape."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Pin and bore have moved together."""
+"""Pin and bore moved together."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A robot that another program made: the sidecar's own checks find this before."""
+"""A robot built by another program, since the checks of the sidecar report this first."""
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.validity import check_robot

@@ -1,4 +1,4 @@
-"""A row of different parts, all of the steel that a CAD program assumes."""
+"""A row of different parts, all of the CAD program's default steel."""
 
 from pathlib import Path
 

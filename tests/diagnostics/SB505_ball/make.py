@@ -1,4 +1,4 @@
-"""A ball."""
+"""A sphere."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A box that lacks a face."""
+"""A box without one face."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A pin that is measured on a coarse mesh, because the sidecar asks for it."""
+"""A pin measured on a coarse mesh, as set by the sidecar."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Two blocks that overlap, one of them with a mesh that is not closed."""
+"""Two overlapping blocks, one of them with an open mesh."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A block of PLA, with a density of zero, as some programs write where nothing was set."""
+"""A block of PLA with a density of zero, which some programs write by default."""
 
 from pathlib import Path
 

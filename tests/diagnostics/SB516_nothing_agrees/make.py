@@ -1,4 +1,4 @@
-"""A solid on whose volume no two ways to integrate agree."""
+"""A solid on whose volume no two integration methods agree."""
 
 from pathlib import Path
 

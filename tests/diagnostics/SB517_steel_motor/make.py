@@ -1,4 +1,4 @@
-"""A part has another density."""
+"""A part with another density."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A ball whose mesh lacks a face: no drawing is known that the mesher fails on today."""
+"""A sphere whose mesh lacks a face, injected: the mesher fails on no known drawing."""
 
 from dataclasses import replace
 from pathlib import Path

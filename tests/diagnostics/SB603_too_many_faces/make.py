@@ -1,4 +1,4 @@
-"""A ball, and a limit of faces that it exceeds."""
+"""A sphere, and a limit of faces that it exceeds."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A ball whose mesh does not close: no drawing is known that ends so today."""
+"""A sphere with an open mesh, injected: no known drawing causes it."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A ball on whose volume two ways to integrate differ: no small drawing is known that ends so."""
+"""A sphere on whose volume two integrations differ, injected: no small drawing causes it."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A ball, and a limit of faces below that of the requested mesh."""
+"""A sphere, and a limit of faces below that of the requested mesh."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A solid of two blocks that cross."""
+"""A solid of two intersecting blocks."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A four-bar linkage that was drawn at another position than zero."""
+"""A four-bar linkage drawn at a position other than zero."""
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS

@@ -1,4 +1,4 @@
-"""A piston closes the loop, and every other joint of it is damped."""
+"""A loop closed by a piston, with damping in every other joint."""
 
 from dataclasses import replace
 

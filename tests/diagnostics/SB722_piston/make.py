@@ -1,4 +1,4 @@
-"""A piston closes the loop."""
+"""A loop closed by a piston."""
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS

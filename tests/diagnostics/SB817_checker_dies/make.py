@@ -1,4 +1,4 @@
-"""A hinge, and a process that ends while it looks for overlaps."""
+"""A hinge, and a process that dies while it searches for overlaps."""
 
 from pathlib import Path
 

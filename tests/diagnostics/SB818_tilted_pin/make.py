@@ -1,4 +1,4 @@
-"""A four-bar linkage one of whose pins is tilted by 0.05 mrad."""
+"""A four-bar linkage with a pin tilted by 0.05 mrad."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A crank-rocker linkage whose closing pin is written as a weld."""
+"""A crank-rocker linkage closed by a weld in place of a pin."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A box, and the description of another robot without meshes."""
+"""A box, and the description of another robot, without meshes."""
 
 from pathlib import Path
 

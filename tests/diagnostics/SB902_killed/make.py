@@ -1,4 +1,4 @@
-"""A process of the kernel that the system ends, as when memory runs out."""
+"""A kernel process killed by the system, as when memory runs out."""
 
 from pathlib import Path
 

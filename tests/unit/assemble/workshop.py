@@ -1,6 +1,6 @@
 """Assemblies in memory, of boxes and cylinders whose volume, com and inertia are closed forms, and sidecars for them.
 
-Lengths are in mm, as CAD people think; what comes out is SI.
+Arguments are in millimetres, as in CAD; results are in SI.
 """
 
 import textwrap

@@ -1,6 +1,6 @@
-"""The JSON Schema of the sidecar, judged by jsonschema.
+"""The JSON Schema of the sidecar, by jsonschema.
 
-It takes what stepbot takes, and refuses what it can tell is wrong.
+It accepts what stepbot accepts, and rejects errors that a schema can express.
 """
 
 import json

@@ -50,14 +50,14 @@ def swept_about_the_axis(profile: Any) -> Any:
 
 
 def thread(points: Array, tangents: Array, weights: Array) -> Array:
-    """The ten integrals over such a solid, by Pappus.
+    """The ten integrals over such a solid, by Pappus' theorem.
 
     In coordinates (r, t, h) with x = r cos t, y = r sin t, z = h + c t the element of volume is r dr dh dt.
 
     Args:
         points: Distance from the axis and height along the outline of the profile (n, 2).
         tangents: Their derivatives (n, 2).
-        weights: Of the quadrature along the outline (n,).
+        weights: Quadrature weights along the outline (n,).
     """
     r, h = points.T
     dh = tangents[:, 1] * weights
