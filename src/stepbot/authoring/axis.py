@@ -1,10 +1,11 @@
 """A possible axis of rotation; for a ball joint only its centre."""
 
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, cross
 
 SAME_LINE = 2e-5
 """Distance [m] up to which axes are equal: twice the tolerance of coaxial faces."""
@@ -40,16 +41,21 @@ class Axis:
 
     def distance(self, point: Array) -> float:
         """Distance [m] of a point."""
-        return float(self.distances(point[None, :])[0])
+        x, y, z = (point - self.point).tolist()
+        if self.direction is None:
+            return hypot(x, y, z)
+        u, v, w = self.direction.tolist()
+        return hypot(y * w - z * v, z * u - x * w, x * v - y * u)
 
     def distances(self, points: Array) -> Array:
         """Distances (n,) [m] of points (n, 3)."""
         offsets = points - self.point
         if self.direction is not None:
-            offsets = np.cross(offsets, self.direction)
+            offsets = cross(offsets, self.direction)
         return np.asarray(np.linalg.norm(offsets, axis=1))
 
 
 def are_parallel(a: Array, b: Array, angle: float = PARALLEL) -> bool:
     """Whether two unit directions are parallel or antiparallel."""
-    return float(np.linalg.norm(np.cross(a, b))) < angle
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return hypot(y * w - z * v, z * u - x * w, x * v - y * u) < angle

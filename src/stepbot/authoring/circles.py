@@ -38,11 +38,12 @@ def symmetric_outline(points: Array) -> tuple[Array, float] | None:
     """Centre (3,) and inner radius of an outline (n, 3) with a centre of symmetry, such as a rectangle, else None."""
     if len(points) < _FEWEST_CORNERS or len(points) % 2:
         return None
-    middle = points.mean(axis=0)
+    half = len(points) // 2
     # Opposite points of a symmetric outline are half of its length apart.
-    opposite = np.roll(points, len(points) // 2, axis=0)
-    if float(np.abs(points + opposite - 2.0 * middle).max()) > _SYMMETRIC:
+    sums = points[:half] + points[half:]
+    if float(np.abs(sums - sums[0]).max()) > _SYMMETRIC:
         return None
+    middle = points.mean(axis=0)
     starts, edges = points - middle, np.roll(points, -1, axis=0) - points
     squares = np.maximum((edges**2).sum(axis=1), 1e-24)
     feet = starts + edges * np.clip(-(starts * edges).sum(axis=1) / squares, 0.0, 1.0)[:, None]

@@ -11,7 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, cross_matrix, perpendicular_frame, unit
+from stepbot.geometry.spatial import Array, cross, cross_matrix, perpendicular_frame, unit
 from stepbot.step.features.coaxial import signed
 
 from .contacts import Fit, FitKind, Patch, Socket
@@ -81,7 +81,7 @@ def _rows(
     nothing = np.zeros(3)
 
     def keeps(point: Array, direction: Array) -> Array:
-        return np.concatenate([np.cross((point - about) / size, direction), direction])
+        return np.concatenate([cross((point - about) / size, direction), direction])
 
     for fit in fits:
         if fit.kind == FitKind.FLUSH:
@@ -121,7 +121,7 @@ def _about_one_axis(W: Array, V: Array, axis: Array, about: Array, size: float) 
     """Free twists that all rotate about one direction."""
     dof = len(W)
     velocity = V.T @ (np.linalg.pinv(W.T) @ axis)
-    point = about + np.cross(axis, velocity)
+    point = about + cross(axis, velocity)
     if dof == 1:
         has_pitch = abs(float(velocity @ axis)) > _STEEP * size
         return Freedom(FreedomKind.SCREW if has_pitch else FreedomKind.REVOLUTE, 1, point, axis)

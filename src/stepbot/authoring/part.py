@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
 from .axis import Axis
 from .names import SMALL_PARTS, Role
@@ -48,7 +48,7 @@ class Part:
         """Whether its mass is symmetric about an axis, as that of a turned part is."""
         if not self.volume or axis.distance(self.com) > _OFF_AXIS * self.size:
             return False
-        tilt = float(np.linalg.norm(np.cross(self.inertia @ axis.d, axis.d)))
+        tilt = float(np.linalg.norm(cross(self.inertia @ axis.d, axis.d)))
         if tilt > _TILT * float(np.trace(self.inertia)):
             return False
         across = perpendicular_frame(axis.d)[:, :2]

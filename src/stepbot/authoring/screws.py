@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
+from stepbot.geometry.spatial import cross
 from stepbot.step.faces import Face, FaceKind
 
 from .contacts import CoaxialLine, LineFace
@@ -70,7 +71,7 @@ def _most_flats(faces: Sequence[Face]) -> int:
     best = 0
     for i, j in combinations(range(len(normals)), 2):
         if abs(abs(float(normals[i] @ normals[j])) - 0.5) < _SIXTY_DEGREES:
-            along = np.cross(normals[i], normals[j])
+            along = cross(normals[i], normals[j])
             best = max(best, int((np.abs(normals @ (along / np.linalg.norm(along))) < _ACROSS).sum()))
             if best >= _HEXAGON:
                 break

@@ -4,8 +4,10 @@ from collections.abc import Container
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from stepbot.geometry.spatial import Array
-from stepbot.step.faces import FaceKind
+from stepbot.step.faces import Face, FaceKind
 
 from .circles import fitted_circle, symmetric_outline
 from .scene import PlacedFace, Scene
@@ -25,6 +27,9 @@ class SeamShape(StrEnum):
     """A bore that covers less: it has the axis of a shaft inside it."""
     CENTRED = "centred"
     """A plane with a centre of symmetry, such as a rectangle: it has the axis of a round face on its centre."""
+
+
+_Outline = tuple[Array, float, SeamShape]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +53,18 @@ def seam_faces(scene: Scene, parts: Container[int]) -> list[SeamFace]:
         for placed in scene.faces[kind]:
             if placed.part in parts and placed.face.radius >= _SMALLEST_RADIUS:
                 rows += _revolved(placed)
+    # The faces of a definition are looked at once.
+    known: dict[int, _Outline | None] = {}
     for placed in scene.faces[FaceKind.PLANE]:
         if placed.part in parts and placed.face.rings:
-            rows += _flat(placed, scene.outline(placed)[0])
+            key = id(placed.face)
+            if key not in known:
+                known[key] = _outline(placed.face)
+            outline = known[key]
+            if outline is not None:
+                center, radius, shape = outline
+                at = scene.component(placed.part).X_WC.apply(center)
+                rows.append(SeamFace(placed.part, at, placed.direction, radius, 0.0, shape, bore=False))
     return rows
 
 
@@ -65,10 +79,12 @@ def _revolved(placed: PlacedFace) -> list[SeamFace]:
     return [SeamFace(placed.part, placed.point, placed.direction, face.radius, 0.5 * face.length, shape, face.bore)]
 
 
-def _flat(placed: PlacedFace, ring: Array) -> list[SeamFace]:
-    circle, shape = fitted_circle(ring, placed.direction, _CIRCLE), SeamShape.ROUND
+def _outline(face: Face) -> _Outline | None:
+    """Centre, radius and shape of a plane's outline in the frame of its component; None if it shows nothing."""
+    ring = face.rings[0]
+    circle, shape = fitted_circle(ring, np.array(face.direction), _CIRCLE), SeamShape.ROUND
     if circle is None:
         circle, shape = symmetric_outline(ring), SeamShape.CENTRED
     if circle is None or circle[1] <= _SMALLEST_RADIUS:
-        return []
-    return [SeamFace(placed.part, circle[0], placed.direction, circle[1], 0.0, shape, bore=False)]
+        return None
+    return *circle, shape

@@ -9,6 +9,7 @@ meshes: edges that cross may meet a little earlier, and cables, other links or s
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -31,7 +32,11 @@ _SLACK_ANGLE, _SLACK = 0.05, 1e-3
 _INSIDE = 1e-9
 _MOST = 4_000_000
 """Points times triangles that are tried for all joints together."""
-_CHUNK = 200_000
+_CHUNK = 1_000_000
+_MARGIN = 1e-6
+"""Distance [m] from a triangle's bounds within which a point is tried."""
+
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +105,16 @@ class _Side:
     high: Array
     """Shape (n, 2), likewise."""
 
+    @cached_property
+    def least(self) -> Array:
+        """Shape (2,): the least of all triangles."""
+        return np.asarray(self.low.min(axis=0))
+
+    @cached_property
+    def most(self) -> Array:
+        """Shape (2,): the most of all triangles."""
+        return np.asarray(self.high.max(axis=0))
+
 
 def _stops(question: Question, share: int) -> Stops:
     touching, least = (_TOUCHING, _SLACK) if question.slides else (_TOUCHING_ANGLE, 2.0 * _SLACK_ANGLE)
@@ -162,22 +177,18 @@ def _facing(question: Question, shape: Shape, sign: float) -> _Side | None:
     corners = corners[faces]
     if question.slides:
         return _Side(shape.part, corners, corners[..., :2].min(axis=1), corners[..., :2].max(axis=1))
-    heights, radii = corners[..., 2], np.linalg.norm(corners[..., :2], axis=2)
-    # A triangle comes nearer to the axis than its corners: by no more than its longest edge.
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    low = np.column_stack([radii.min(axis=1) - edges, heights.min(axis=1)])
-    return _Side(shape.part, corners, low, np.column_stack([radii.max(axis=1), heights.max(axis=1)]))
+    return _Side(shape.part, corners, *_reach(corners))
 
 
 def _can_meet(a: _Side, b: _Side) -> bool:
     """Whether what the motion leaves as it is overlaps: height and distance from the axis, or the place across."""
-    return bool((a.low.min(axis=0) < b.high.max(axis=0)).all() and (b.low.min(axis=0) < a.high.max(axis=0)).all())
+    return bool((a.least < b.most).all() and (b.least < a.most).all())
 
 
 def _near(a: _Side, b: _Side) -> tuple[Array, Array]:
     """The triangles of two sides that can meet some of the other's."""
-    ours = ((a.low < b.high.max(axis=0)) & (b.low.min(axis=0) < a.high)).all(axis=1)
-    theirs = ((b.low < a.high.max(axis=0)) & (a.low.min(axis=0) < b.high)).all(axis=1)
+    ours = ((a.low < b.most) & (b.least < a.high)).all(axis=1)
+    theirs = ((b.low < a.most) & (a.least < b.high)).all(axis=1)
     return a.corners[ours], b.corners[theirs]
 
 
@@ -191,56 +202,77 @@ def _points(corners: Array, inset: float) -> Array:
 
 def _slides(points: Array, corners: Array, sign: float) -> float:
     """The shortest way [m] of points (n, 3) along z, or against it, to triangles (m, 3, 3)."""
-    best = np.inf
-    for some, triangles in _chunks(points, corners):
-        _, normals, offsets = _planes(triangles)
-        height = offsets - some[:, :2] @ normals[:, :2].T
+    triangles, best = _Triangles(corners), np.inf
+    places = points[:, :2]
+    low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
+    for i, j in _candidates(places, low, high):
+        normals = triangles.normals[j]
         with np.errstate(divide="ignore", invalid="ignore"):
-            height = height / normals[:, 2]
-        at = np.concatenate([np.broadcast_to(some[:, None, :2], (*height.shape, 2)), height[..., None]], axis=2)
-        way = np.where(_inside(at, triangles), sign * (height - some[:, None, 2]), np.inf)
-        best = min(best, float(np.where(way >= -_TOUCHING, way, np.inf).min()))
+            height = (triangles.offsets[j] - np.einsum("ij,ij->i", places[i], normals[:, :2])) / normals[:, 2]
+        at = np.column_stack([places[i], height])
+        way = np.where(triangles.contain(at, j), sign * (height - points[i, 2]), np.inf)
+        best = min(best, float(np.where(way >= -_TOUCHING, way, np.inf).min(initial=np.inf)))
     return best
 
 
 def _turns(points: Array, corners: Array, sign: float) -> float:
     """The smallest angle [rad] of points (n, 3) about z, or against it, to triangles (m, 3, 3)."""
-    best = np.inf
-    for some, triangles in _chunks(points, corners):
-        _, normals, offsets = _planes(triangles)
-        radii, angles = np.linalg.norm(some[:, :2], axis=1), np.arctan2(some[:, 1], some[:, 0])
-        steep = radii[:, None] * np.hypot(normals[:, 0], normals[:, 1])
+    triangles, best = _Triangles(corners), np.inf
+    radii, angles = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
+    low, high = _reach(corners)
+    slopes = np.hypot(triangles.normals[:, 0], triangles.normals[:, 1])
+    headings = np.arctan2(triangles.normals[:, 1], triangles.normals[:, 0])
+    for i, j in _candidates(np.column_stack([radii, points[:, 2]]), low, high):
         with np.errstate(divide="ignore", invalid="ignore"):
-            cosines = (offsets - some[:, 2:] * normals[:, 2]) / steep
+            cosines = (triangles.offsets[j] - points[i, 2] * triangles.normals[j, 2]) / (radii[i] * slopes[j])
         half = np.arccos(np.where(np.abs(cosines) <= 1.0, cosines, np.nan))
         for other in (half, -half):
-            at_angle = np.arctan2(normals[:, 1], normals[:, 0]) + other
-            at = np.stack([radii[:, None] * np.cos(at_angle), radii[:, None] * np.sin(at_angle)], axis=2)
-            at = np.concatenate([at, np.broadcast_to(some[:, None, 2:], (*half.shape, 1))], axis=2)
-            way = (sign * (at_angle - angles[:, None]) + _TOUCHING_ANGLE) % (2.0 * pi) - _TOUCHING_ANGLE
-            best = min(best, float(np.where(_inside(at, triangles), way, np.inf).min()))
+            at_angle = headings[j] + other
+            at = np.column_stack([radii[i] * np.cos(at_angle), radii[i] * np.sin(at_angle), points[i, 2]])
+            way = (sign * (at_angle - angles[i]) + _TOUCHING_ANGLE) % (2.0 * pi) - _TOUCHING_ANGLE
+            best = min(best, float(np.where(triangles.contain(at, j), way, np.inf).min(initial=np.inf)))
     return best
 
 
-def _chunks(points: Array, corners: Array) -> Iterator[tuple[Array, Array]]:
-    rows = max(1, _CHUNK // len(corners))
-    for start in range(0, len(points), rows):
-        yield points[start : start + rows], corners
+def _reach(corners: Array) -> tuple[Array, Array]:
+    """Bounds (n, 2) of triangles (n, 3, 3) in distance from z and in height."""
+    heights, radii = corners[..., 2], np.linalg.norm(corners[..., :2], axis=2)
+    # A triangle comes nearer to the axis than its corners: by no more than its longest edge.
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    low = np.column_stack([radii.min(axis=1) - edges, heights.min(axis=1)])
+    return low, np.column_stack([radii.max(axis=1), heights.max(axis=1)])
 
 
-def _planes(corners: Array) -> tuple[Array, Array, Array]:
-    """First corners, normals and offsets of the planes of triangles."""
-    first = corners[:, 0]
-    normals = cross(corners[:, 1] - first, corners[:, 2] - first)
-    return first, normals, np.einsum("ij,ij->i", normals, first)
+def _candidates(places: Array, low: Array, high: Array) -> Iterator[tuple[Indices, Indices]]:
+    """Indices of points and of triangles, in chunks: pairs where the motion can take the point into the triangle.
+
+    Args:
+        places: Shape (n, 2): of each point what the motion leaves as it is.
+        low: Shape (m, 2): the least of it of each triangle.
+        high: Shape (m, 2): the most of it.
+    """
+    rows = max(1, _CHUNK // len(low))
+    for start in range(0, len(places), rows):
+        some = places[start : start + rows, None]
+        i, j = np.nonzero(((some >= low - _MARGIN) & (some <= high + _MARGIN)).all(axis=2))
+        if len(i):
+            yield i + start, j
 
 
-def _inside(points: Array, corners: Array) -> NDArray[np.bool_]:
-    """For points (n, m, 3), each in the plane of a triangle (m, 3, 3), whether it is in the triangle."""
-    first, normals, _ = _planes(corners)
-    size = np.einsum("ij,ij->i", normals, normals)
-    u, v, w = corners[:, 1] - first, corners[:, 2] - first, points - first
-    with np.errstate(invalid="ignore"):
-        s = np.einsum("nij,ij->ni", cross(w, np.broadcast_to(v, w.shape)), normals) / size
-        t = np.einsum("nij,ij->ni", cross(np.broadcast_to(u, w.shape), w), normals) / size
-        return np.asarray((s >= -_INSIDE) & (t >= -_INSIDE) & (s + t <= 1.0 + _INSIDE))
+class _Triangles:
+    """Triangles (n, 3, 3) with what does not depend on the points."""
+
+    def __init__(self, corners: Array) -> None:
+        self._first = corners[:, 0]
+        self._u, self._v = corners[:, 1] - self._first, corners[:, 2] - self._first
+        self.normals = cross(self._u, self._v)
+        self.offsets = np.einsum("ij,ij->i", self.normals, self._first)
+        self._sizes = np.einsum("ij,ij->i", self.normals, self.normals)
+
+    def contain(self, points: Array, j: Indices) -> NDArray[np.bool_]:
+        """For points (k, 3), each in the plane of the triangle with an index (k,), whether it is in the triangle."""
+        w, normals, sizes = points - self._first[j], self.normals[j], self._sizes[j]
+        with np.errstate(invalid="ignore"):
+            s = np.einsum("ij,ij->i", cross(w, self._v[j]), normals) / sizes
+            t = np.einsum("ij,ij->i", cross(self._u[j], w), normals) / sizes
+            return np.asarray((s >= -_INSIDE) & (t >= -_INSIDE) & (s + t <= 1.0 + _INSIDE))

@@ -93,11 +93,9 @@ class Survey:
 
     def has_screw_at(self, axis: Axis) -> bool:
         """Whether a screw is on a line, near the given position."""
-        return any(
-            axis.same(line)
-            and bool(np.all(axis.point > box[0] - _SCREW_REACH) and np.all(axis.point < box[1] + _SCREW_REACH))
-            for line, box in self._screws
-        )
+        lines, boxes = self._screws
+        near = (axis.point > boxes[:, 0] - _SCREW_REACH) & (axis.point < boxes[:, 1] + _SCREW_REACH)
+        return any(axis.same(lines[k]) for k in np.flatnonzero(near.all(axis=1)).tolist())
 
     def islands(self, members: Iterable[int]) -> list[list[int]]:
         """Parts in groups that touch each other."""
@@ -123,13 +121,10 @@ class Survey:
         return float(np.linalg.norm(high - low)) or 1.0
 
     @cached_property
-    def _screws(self) -> list[tuple[Axis, Array]]:
-        return [
-            (line.axis, self.parts[part].box)
-            for line in self.contacts.lines
-            for part in line.faces
-            if part in self.small
-        ]
+    def _screws(self) -> tuple[list[Axis], Array]:
+        """Lines of fasteners, and the fasteners' bounding boxes (n, 2, 3)."""
+        rows = [(line.axis, part) for line in self.contacts.lines for part in line.faces if part in self.small]
+        return [axis for axis, _ in rows], np.array([self.parts[part].box for _, part in rows]).reshape(-1, 2, 3)
 
 
 def find_contacts(scene: Scene) -> Contacts:

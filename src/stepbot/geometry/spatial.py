@@ -252,7 +252,7 @@ def perpendicular_frame(z: ArrayLike) -> Array:
     z_axis = unit(z)
     towards = np.array([0.0, 1.0, 0.0]) if abs(z_axis[0]) > 0.9 else np.array([1.0, 0.0, 0.0])
     x_axis = unit(towards - (towards @ z_axis) * z_axis)
-    return np.column_stack([x_axis, np.cross(z_axis, x_axis), z_axis])
+    return np.column_stack([x_axis, cross(z_axis, x_axis), z_axis])
 
 
 def bounds(points: ArrayLike) -> tuple[Vector3, Vector3]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
 Indices = NDArray[np.intp]
 
@@ -35,7 +35,7 @@ class Rays:
 
     def distances(self, points: Array) -> Array:
         """Distances (n,) [m] of a point (3,), or of one point for each line (n, 3), from the infinite lines."""
-        return np.asarray(np.linalg.norm(np.cross(points - self.centers, self.directions), axis=1))
+        return np.asarray(np.linalg.norm(cross(points - self.centers, self.directions), axis=1))
 
 
 def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
