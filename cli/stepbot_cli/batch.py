@@ -13,7 +13,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
-from .convert import again_format_option, format_names, no_verify_option, strict_option
+from .convert import again_format_option, format_names, html_option, no_verify_option, strict_option
 from .diagnostic_text import paint, printable
 from .engines import require_option
 from .interrupts import interruptible
@@ -55,6 +55,7 @@ def _cores(text: str) -> int:
 @again_format_option
 @no_verify_option
 @strict_option
+@html_option
 @junit_option
 @require_option
 @ignore_option
@@ -71,6 +72,7 @@ def command(
     no_verify: bool,
     strict: bool,
     ignore: tuple[str, ...],
+    html: bool,
     junit: Path | None,
     require: tuple[str, ...],
     as_json: bool,
@@ -101,13 +103,27 @@ def command(
         strict=strict,
         ignore=ignore,
         require=require,
+        html=html,
     )
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)
     if junit is not None and not found.has_errors:
         from stepbot.jobs.batch import suites
 
         write_junit(junit, suites(outcomes))
+    if html and not found.has_errors:
+        _write_index(output, outcomes, found)
     return _report(found, outcomes, as_json, display)
+
+
+def _write_index(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics) -> None:
+    """Write the page of the batch; SB004 if that is impossible."""
+    from stepbot.jobs.batch.index import write_index
+
+    try:
+        write_index(output, outcomes)
+    except OSError as error:
+        place = Span(str(error.filename or output))
+        found.add("SB004", f"cannot write: {error.strerror or error}", place, help=["choose another folder with -o"])
 
 
 def _outcomes(

@@ -47,6 +47,9 @@ again_format_option = names_option("-f", "--format", "formats", metavar="FORMAT,
 strict_option = click.option(
     "--strict", is_flag=True, help="Turn warnings into errors, including all conversion losses."
 )
+html_option = click.option(
+    "--html", is_flag=True, help="Also write report.html, one page with the robot and everything about it."
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
@@ -72,6 +75,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @require_option
 @ignore_option
 @reading_options
+@html_option
 @junit_option
 @json_option
 @display_options
@@ -85,6 +89,7 @@ def command(
     strict: bool,
     ignore: tuple[str, ...],
     require: tuple[str, ...],
+    html: bool,
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -105,6 +110,7 @@ def command(
         strict=strict,
         ignore=ignore,
         require=require,
+        html=html,
     )
     return run_conversion(sidecar, options, junit=junit, as_json=as_json, display=display)
 

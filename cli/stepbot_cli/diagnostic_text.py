@@ -2,11 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Any
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.source_lines import source_lines
 
 from .columns import cells, shortened
 from .counts import counted
@@ -17,8 +17,6 @@ MOST_JUNK = 0.3
 """Share of unprintable characters in a line above which it is not text, and gets no code frame."""
 MOST_WARNINGS = 3
 """Number of warnings of one code that the default output shows in full."""
-LARGEST_SOURCE = 16 * 2**20
-"""Size [bytes] of a file above which it gets no code frames, because reading it again would take too long."""
 
 _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
@@ -32,7 +30,7 @@ def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int =
         color: Whether to use the terminal's colours.
         width: Width of a code frame.
     """
-    lines = _source_lines(diagnostics)
+    lines = source_lines(diagnostics)
     return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in diagnostics)
 
 
@@ -170,28 +168,6 @@ def _is_binary(text: str) -> bool:
     """Whether a text is the content of a binary file, or in another encoding."""
     junk = sum(c == "\ufffd" or not (c.isprintable() or c.isspace()) for c in text)
     return "\0" in text or junk > MOST_JUNK * len(text)
-
-
-def _source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str]:
-    """The source lines of diagnostics, each file read once; an unreadable file gives none."""
-    wanted: dict[str, set[int]] = {}
-    for diagnostic in diagnostics:
-        if diagnostic.span.line:
-            wanted.setdefault(diagnostic.span.file, set()).add(diagnostic.span.line)
-    found: dict[tuple[str, int], str] = {}
-    for file, numbers in wanted.items():
-        try:
-            if Path(file).stat().st_size > LARGEST_SOURCE:
-                continue
-            with Path(file).open(encoding="utf-8", errors="replace") as source:
-                for number, line in enumerate(source, start=1):
-                    if number in numbers:
-                        found[file, number] = line.removeprefix("\ufeff").rstrip("\n")
-                    if number >= max(numbers):
-                        break
-        except OSError:  # missing or unreadable now: the headline is sufficient
-            continue
-    return found
 
 
 def _one_cell_controls(text: str) -> str:

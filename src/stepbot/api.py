@@ -56,6 +56,7 @@ def convert(
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
     cache: AnyPath | bool = True,
+    html: bool = False,
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
@@ -72,6 +73,7 @@ def convert(
         timeout: Time limit [s] of the geometry kernel and of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
+        html: Whether to write the report as a page, too.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -96,6 +98,7 @@ def convert(
         timeout=timeout,
         memory_limit=memory_limit,
         cache=_cache(cache),
+        html=html,
     )
     return convert_unless_unchanged(path, options)
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 REPORT = "report.json"
 """Name of the report among the files."""
+REPORT_PAGE = "report.html"
+"""Name of the report for people among the files."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,8 @@ class Options:
     """Address space [bytes] of the kernel's process; None for no limit."""
     cache: Cache | None = None
     """Cache of results; None to disable it."""
+    html: bool = False
+    """Whether to write the report as a page, too."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from stepbot.assemble import UNREVISED, build_robot, link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.diagnostics.source_lines import source_lines
 from stepbot.engines.workers import check_required
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.lowering import lower
@@ -30,8 +31,9 @@ from stepbot.robot.validity import check_robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.step.assembly import Assembly
+from stepbot.viewing.report.page import report_page
 
-from .conversion import REPORT, Checked, Conversion, Options, write
+from .conversion import REPORT, REPORT_PAGE, Checked, Conversion, Options, write
 from .loading import Loading
 from .locking import compared_with_lock
 from .sidecars import load, named_step, what_to_read
@@ -137,6 +139,8 @@ def _produce(
     if options.strict:
         found.make_strict()
     files = {**joined(by_format), REPORT: report_bytes(report, found)}
+    if options.html:
+        files[REPORT_PAGE] = report_page(robot, report, tuple(found), source_lines(found))
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
 
 

@@ -233,7 +233,11 @@ def _remove_if_empty(folder: Path) -> None:
 def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
     digests = {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
     meshes = {path: digest for path, digest in digests.items() if "/" in path}
-    return {path: {path: digest, **meshes} for path, digest in digests.items() if "/" not in path}
+    # report.html goes with report.json: a run that writes the one without the other removes an outdated page.
+    pages = {path.removesuffix(".html") + ".json": path for path in digests if path.endswith(".html")}
+    top = [path for path in digests if "/" not in path and path not in pages.values()]
+    paged = {path: {pages[path]: digests[pages[path]]} for path in top if path in pages}
+    return {path: {path: digests[path], **meshes, **paged.get(path, {})} for path in top}
 
 
 def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:

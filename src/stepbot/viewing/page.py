@@ -22,9 +22,18 @@ _ESCAPES = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u202
 
 MAIN = "main"
 """Module that starts the page."""
+STYLE = "style.css"
 
 
-def page_html(title: str, scene: dict[str, Any] | None, *, modules: Iterable[str] = (MAIN,), connect: str = "") -> str:
+def page_html(
+    title: str,
+    scene: dict[str, Any] | None,
+    *,
+    modules: Iterable[str] = (MAIN,),
+    connect: str = "",
+    styles: Iterable[str] = (STYLE,),
+    after: str = "",
+) -> str:
     """The page.
 
     Args:
@@ -32,16 +41,31 @@ def page_html(title: str, scene: dict[str, Any] | None, *, modules: Iterable[str
         scene: The robot that it shows; None for a page whose server sends one.
         modules: Scripts to start; what they import comes with them.
         connect: Sources that the page may connect to, as in a Content-Security-Policy; empty for none.
+        styles: Style sheets, one after the other.
+        after: HTML that follows the robot.
     """
-    style, script = _resource("style.css"), bundle(modules)
+    style, script = "".join(_resource(name) for name in styles), bundle(modules)
     parts = {
         "policy": escape(policy(style, script, connect)),
         "title": escape(title),
         "style": style,
         "scene": "" if scene is None else json_in_html(scene),
         "script": script,
+        "after": after,
     }
     return re.sub(r"@(\w+)@", lambda match: parts[match[1]], _resource("page.html"))
+
+
+def plain_page(title: str, body: str) -> str:
+    """A page without scripts: a title and a body of HTML, in the same style."""
+    style = _resource(STYLE) + _resource("report.css")
+    policy = escape(f"default-src 'none'; style-src {_hash(style)}; base-uri 'none'; form-action 'none'")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n{body}\n</body>\n</html>\n"
+    )
 
 
 def json_in_html(scene: dict[str, Any]) -> str:
@@ -51,16 +75,13 @@ def json_in_html(scene: dict[str, Any]) -> str:
 
 def policy(style: str, script: str, connect: str = "") -> str:
     """A Content-Security-Policy that allows this style and this script and nothing else."""
-    hashes = {
-        name: f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for name, text in _texts(style, script)
-    }
-    rules = ["default-src 'none'", f"script-src {hashes['script']}", f"style-src {hashes['style']}"]
+    rules = ["default-src 'none'", f"script-src {_hash(script)}", f"style-src {_hash(style)}"]
     rules += [f"connect-src {connect}"] if connect else []
     return "; ".join([*rules, "base-uri 'none'", "form-action 'none'"])
 
 
-def _texts(style: str, script: str) -> tuple[tuple[str, str], ...]:
-    return ("style", style), ("script", script)
+def _hash(text: str) -> str:
+    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
 
 
 @cache

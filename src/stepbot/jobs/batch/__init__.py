@@ -6,6 +6,7 @@ executors  where the processes are
 state      what was done before
 runs       all of it: outcomes as they come
 summary    what came of it, for programs
+index      what came of it, as a page; imported when it is written
 """
 
 from .executors import ClusterUnreachable, local_executor, on_cluster

@@ -1,0 +1,155 @@
+"""Joints with their evidence, masses with their sources, bodies measured twice."""
+
+from collections.abc import Iterable
+
+from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
+from stepbot.report.record import MeasuredBody
+from stepbot.robot.joint_table import JointRow
+from stepbot.robot.kinematics import NO_BOUND
+from stepbot.robot.model import ComponentMass, Joint, JointKind, Link, Robot
+
+from .markup import Markup, element
+from .numbers import cell, mass_text, position_text, short
+
+
+def table(headings: Iterable[str], rows: Iterable[Markup]) -> Markup:
+    """A table that scrolls sideways where the page is narrow."""
+    head = element("thead", element("tr", (element("th", heading) for heading in headings)))
+    return element("div.scroll", element("table", head, element("tbody", rows)))
+
+
+def joints_section(robot: Robot, rows: Iterable[JointRow]) -> Markup:
+    """Every joint and closure, and how its axis was found."""
+    listed = list(rows)
+    weak = [row.name for row in listed if row.evidence.doubt]
+    note = element("p.warn", f"On weak evidence: {', '.join(weak)}. Check these axes.") if weak else None
+    headings = ("joint", "type", "links", "lower", "upper", "axis", "through", "found by")
+    shown = (_joint_row(row, robot.joint_by_name.get(row.name)) for row in listed)
+    body = table(headings, shown) if listed else element("p.quiet", "The robot has no joints.")
+    return element("section", element("h2", "Joints"), note, body, id="joint-table")
+
+
+def _joint_row(row: JointRow, joint: Joint | None) -> Markup:
+    found = row.evidence
+    axis = "–" if row.axis is None else direction_words(row.axis)
+    second = "" if row.axis2 is None else f", {direction_words(row.axis2)}"
+    others = (
+        element(
+            "details",
+            element("summary", f"{len(found.rivals)} other lines"),
+            element("ul", (element("li", rival_words(one)) for one in found.rivals)),
+        )
+        if found.rivals
+        else None
+    )
+    return element(
+        "tr",
+        element("th", "? " if found.doubt else "", row.name),
+        element("td", f"{row.kind}{' closure' if row.is_closure else ''}"),
+        element("td", f"{row.parent} → {row.child}"),
+        *_limits(joint),
+        element("td.number", axis + second),
+        element("td.number", "not reported" if row.origin is None else point_words(row.origin)),
+        element(
+            "td", evidence_words(found), element("div.warn", f"weak: {found.doubt}") if found.doubt else None, others
+        ),
+        data_joint=row.name,
+    )
+
+
+def _limits(joint: Joint | None) -> tuple[Markup, Markup]:
+    if joint is None or joint.kind in (JointKind.FIXED, JointKind.BALL):
+        return element("td"), element("td")
+    if joint.mimic is not None:
+        words = f"{joint.mimic.multiplier:g} × {joint.mimic.joint}"
+        return element("td", words), element("td")
+    slides, limit = joint.kind is JointKind.PRISMATIC, joint.limit
+    lower = cell(position_text(limit.lower, slides), limit.lower) if limit.lower > -NO_BOUND else cell("", None)
+    upper = cell(position_text(limit.upper, slides), limit.upper) if limit.upper < NO_BOUND else cell("", None)
+    return lower, upper
+
+
+def masses_section(robot: Robot) -> Markup:
+    """Mass, centre and inertia of every link, and the source of the mass of every component."""
+    total = sum(link.mass_properties.mass for link in robot.links)
+    headings = ("link", "mass", "share", "centre of mass [mm]", "inertia xx, yy, zz [kg m²]", "from")
+    rows = [_link_row(link, total) for link in robot.links]
+    rows.append(
+        element(
+            "tr.total",
+            element("th", "total"),
+            cell(mass_text(total), total),
+            element("td"),
+            element("td"),
+            element("td"),
+            element("td"),
+        )
+    )
+    note = "Centre and inertia in the frame of the link, the inertia about its centre of mass."
+    return element("section", element("h2", "Masses"), table(headings, rows), element("p.quiet", note), id="mass-table")
+
+
+def _link_row(link: Link, total: float) -> Markup:
+    body = link.mass_properties
+    share = body.mass / total if total > 0.0 else 0.0
+    center = ", ".join(f"{round(1e3 * value, 4) + 0.0:.6g}" for value in body.com)
+    moments = ", ".join(short(body.inertia[i][i]) for i in range(3))
+    return element(
+        "tr",
+        element("th", link.name),
+        cell(mass_text(body.mass), body.mass),
+        element("td", _bar(share), f" {100 * share:.1f} %"),
+        element("td.number", center if body.mass else "–"),
+        element("td.number", moments if body.mass else "–"),
+        element("td", _sources(link.masses)),
+        data_link=link.name,
+    )
+
+
+def _bar(share: float) -> Markup:
+    """A share as a bar."""
+    filled = element("rect.filled", width=f"{100 * share:.2f}", height=8)
+    return element(
+        "svg.bar", element("rect.empty", width=100, height=8), filled, viewBox="0 0 100 8", aria_hidden="true"
+    )
+
+
+def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
+    """Where the grams of a link come from: one line, or a table to open."""
+    if not masses:
+        return None
+    origins = list(dict.fromkeys(one.origin for one in masses))
+    summary = f"{len(masses)} {'part' if len(masses) == 1 else 'parts'}: {', '.join(origins)}"
+    headings = ("component", "mass", "density [kg/m³]", "volume [cm³]", "source", "computed from")
+    rows = (
+        element(
+            "tr",
+            element("td", one.component or "the whole link"),
+            cell("" if one.mass is None else mass_text(one.mass), one.mass),
+            cell("" if one.density is None else f"{one.density:.6g}", one.density),
+            cell("" if one.volume is None else f"{1e6 * one.volume:.6g}", one.volume),
+            element("td", one.origin),
+            element("td", one.method),
+        )
+        for one in masses
+    )
+    return element("details", element("summary", summary), table(headings, rows))
+
+
+def bodies_section(bodies: Iterable[MeasuredBody]) -> Markup | None:
+    """Every body, measured on its mesh and on the exact solid."""
+    rows = [
+        element(
+            "tr",
+            element("th", body.name),
+            element("td.number", body.occurrences),
+            cell("" if body.deviation is None else short(body.deviation), body.deviation),
+            cell("" if body.error is None else short(body.error), body.error),
+            element("td", body.written),
+        )
+        for body in bodies
+    ]
+    if not rows:
+        return None
+    headings = ("body", "count", "mesh against exact solid", "error of the exact", "used")
+    return element("section", element("h2", "Bodies"), table(headings, rows), id="body-table")
