@@ -15,11 +15,11 @@ from stepbot.robot.validity import check_robot
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
 from stepbot.viewing.described import robot_of_description
-from stepbot.viewing.guesses import evidence_of_draft, robot_of_assembly, robot_of_draft
 from stepbot.viewing.scene import scene_document
 
 from .conversion import Options
 from .describing import read_description
+from .drafted_robot import evidence_of_draft, robot_of_assembly, robot_of_draft
 from .drafting import draft_step
 from .loading import Loading
 from .locking import compared_with_lock

@@ -6,6 +6,7 @@ marked for review.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import tau
 from typing import Any
 
 from stepbot.assemble.assets import MeshAssets
@@ -94,7 +95,7 @@ def _joint(joint: DraftJoint, X_WL: Mapping[str, Pose]) -> Joint:
         axis2=axis2,
         limit=Limit(limits.lower, limits.upper) if bounded and limits is not None else Limit(),
         mimic=joint.mimic,
-        pitch=(joint.pitch or 0.0) / (2.0 * 3.141592653589793),
+        pitch=(joint.pitch or 0.0) / tau,
     )
 
 
