@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from lxml import html
+from stepbot.viewing.guesses import robot_of_assembly
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
@@ -17,7 +18,6 @@ from stepbot.pipeline.stages import inspect, produce
 from stepbot.report.record import Check, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow
 from stepbot.robot.model import Robot
-from stepbot.viewing.guesses import robot_of_assembly
 from stepbot.viewing.report.page import report_page
 from tests.robots import ROBOTS
 
