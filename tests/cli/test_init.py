@@ -8,6 +8,7 @@ import pytest
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence, Part, write_step
 from tests import parts
+from tests.separate_files import write_separately
 from tests.solids import box, cylinder
 from tests.unit.step.exchange.test_mechanisms import add_mechanism
 
@@ -158,3 +159,17 @@ def test_answers_are_facts_to_infer_from(
     assert ("root link 'hand'" in run.out) == answers.startswith("3")
     assert "fixed" not in run.out
     assert stepbot("check", "--step", "chain.robot.yaml").code == 0
+
+
+def test_pairs_of_a_referenced_file_are_noted(
+    tmp_path: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kinematic pairs in a file that the root file refers to are ignored, and a note names the file."""
+    bar = Part("bar", box(180, 40, 20).shape)
+    write_separately(tmp_path, Assembly("pair", [Occurrence(bar), Occurrence(bar, X_AP=pose((0, 0, 200)))]))
+    add_mechanism(tmp_path / "bar.step")
+    monkeypatch.chdir(tmp_path)
+    run = stepbot("init", "pair.step")
+    assert run.code == 0, run.err
+    note = "'bar.step' has kinematic pairs, which were ignored: they are read from the root file only"
+    assert note in " ".join((tmp_path / "pair.robot.yaml").read_text(encoding="utf-8").replace("#", "").split())

@@ -16,7 +16,7 @@ from stepbot.authoring.up_axis import drawn_up
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.robot.step_names import step_stem
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
-from stepbot.step.exchange.mechanisms import Mechanism, read_mechanism
+from stepbot.step.exchange.mechanisms import Mechanism, has_mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
 
 from .conversion import Options
@@ -82,6 +82,12 @@ def draft_step(step: Path, options: Options, description: Path | None = None, as
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))
+    notes = tuple(
+        f"'{name}' has kinematic pairs, which were ignored: they are read from the root file only"
+        for name in assembly.external_files
+        if has_mechanism(step.parent / name)
+    )
+    draft = replace(draft, notes=(*draft.notes, *notes))
     draft = replace(draft, standing=drawn_up(draft, assembly))
     return Drafting(found, _with_densities(draft, assembly), stated is not None)
 

@@ -88,6 +88,15 @@ class Mechanism:
     """Pairs without an equivalent joint, such as gears and cams, with their type."""
 
 
+def has_mechanism(path: Path) -> bool:
+    """Whether a STEP file contains kinematic pairs; False for a file that cannot be read."""
+    try:
+        with opened(path) as data:
+            return data.find(_MARK) >= 0
+    except OSError:
+        return False
+
+
 def read_mechanism(path: Path, encoding: str) -> Mechanism | None:
     """The kinematic pairs of a STEP file; None if there are none.
 
