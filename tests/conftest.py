@@ -26,6 +26,7 @@ PYBULLET_ABSENT = (
     f"PyBullet is not installed: it has no wheel for Python {sys.version_info[0]}.{sys.version_info[1]} on this system "
     "(`pip install stepbot[pybullet]` compiles it)"
 )
+PAGE_ABSENT = "no page is tested: it needs Chromium, ChromeDriver and `pip install stepbot[browser,view]`"
 PORTABLE = (
     "unit/assemble/test_enclosing_shapes.py",
     "unit/assemble/test_joints.py",
@@ -152,7 +153,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         for report in terminalreporter.getreports("skipped")
         if isinstance(report.longrepr, tuple)
     ]
-    for reason in (CORPUS_ABSENT, PYBULLET_ABSENT):
+    for reason in (CORPUS_ABSENT, PYBULLET_ABSENT, PAGE_ABSENT):
         if count := sum(reason in one for one in reported):
             terminalreporter.section("not tested", yellow=True)
             terminalreporter.line(f"{count} tests skipped: {reason}", yellow=True)

@@ -10,12 +10,12 @@ import pytest
 from stepbot.pipeline.conversion import Options
 from stepbot.runtime.cache import Cache
 from stepbot.serving.session import Session
+from tests.conftest import PAGE_ABSENT
 
 from .page import Page
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 DRIVER = shutil.which("chromedriver")
-ABSENT = "no page is tested: needs Chromium, ChromeDriver (Debian: chromium-driver) and `pip install stepbot[browser]`"
 _FLAGS = (
     "--headless",
     "--no-sandbox",
@@ -44,9 +44,9 @@ def driver() -> Iterator[Any]:
         from selenium import webdriver
         from selenium.webdriver.chrome.service import Service
     except ImportError:
-        pytest.skip(ABSENT)
+        pytest.skip(PAGE_ABSENT)
     if CHROMIUM is None or DRIVER is None:
-        pytest.skip(ABSENT)
+        pytest.skip(PAGE_ABSENT)
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for flag in _FLAGS:

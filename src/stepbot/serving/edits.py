@@ -17,6 +17,7 @@ Json = dict[str, Any]
 
 _WITH_LIMITS = ("revolute", "prismatic")
 _KINDS = (*_WITH_LIMITS, "continuous", "fixed")
+_CLOSING = (*_WITH_LIMITS, "ball", "fixed")
 
 
 def changes_of(document: Document, question: Json) -> list[Change]:
@@ -102,6 +103,18 @@ def _add_joint(document: Document, question: Json) -> list[Change]:
     return [*changes, Put(("joints", name), joint)]
 
 
+def _add_closure(document: Document, question: Json) -> list[Change]:
+    """``{name, kind, parent, child, origin}``: a joint between two links that closes a loop."""
+    name, kind = _text(question, "name").strip(), _text(question, "kind")
+    if not name or name in document.closures:
+        raise Refused(f"there is a closure '{name}' already" if name else "the closure needs a name")
+    if kind not in _CLOSING:
+        raise Refused(f"no closures of type '{kind}' here; edit the sidecar")
+    closure: Json = {"type": kind, "link_a": _text(question, "parent"), "link_b": _text(question, "child")}
+    origin = question.get("origin")
+    return [Put(("closures", name), {**closure, "origin": "auto" if origin is None else _origin(origin)})]
+
+
 def _remove_joint(document: Document, question: Json) -> list[Change]:
     """``{joint}``: its child link goes, too, and its parts with it, so that they are free again."""
     name = _text(question, "joint")
@@ -124,6 +137,7 @@ _ACTIONS: dict[str, Callable[[Document, Json], list[Change]]] = {
     "flip": _flip,
     "assign": _assign,
     "add_joint": _add_joint,
+    "add_closure": _add_closure,
     "remove_joint": _remove_joint,
 }
 

@@ -21,6 +21,9 @@ function partCard(state, selection) {
   const link = state.link.get(selection.link);
   const component = state.scene.components.find((one) => one.path === selection.component);
   const { mass: body } = link;
+  if (selection.picked?.length > 1) {
+    return [element("h2", {}, `${selection.picked.length} parts`), element("ul.quiet", {}, selection.picked.map((path) => element("li", {}, path)))];
+  }
   const source = link.sources.find((one) => one.component === selection.component);
   const lines = [element("h2", {}, selection.component || `link ${link.name}`)];
   if (selection.component) {

@@ -28,7 +28,7 @@ const edit = (action, question) => send("edit", { action, ...question });
 // Undo and redo.
 const undo = element("button.chip", { type: "button", id: "undo", onclick: () => send("undo", {}) }, "Undo");
 const redo = element("button.chip", { type: "button", id: "redo", onclick: () => send("redo", {}) }, "Redo");
-byId("toolbar").append(element("span.space"), undo, redo);
+byId("live").before(element("div", { id: "steps" }, undo, redo));
 
 function showSteps() {
   undo.disabled = !steps?.undo;
@@ -60,15 +60,12 @@ const picked = (selection) => selection.picked ?? [selection.component];
 function partTools(selection) {
   if (!selection.component) return [];
   const paths = picked(selection);
-  const tools = [element("h3", {}, paths.length > 1 ? `${paths.length} parts` : "Edit")];
-  if (paths.length > 1) tools.push(element("ul.quiet", {}, paths.map((path) => element("li", {}, path))));
-  tools.push(button(picking ? "click the next part" : "pick another part", () => {
+  const more = button(picking ? "click the next part" : "pick another part", () => {
     picking = true;
-    state.select({ ...selection });
-  }));
-  tools.push(assignForm(paths, selection), trouble);
-  if (paths.length === 2) tools.push(jointForm(paths));
-  return tools;
+    state.tell("selection");
+  });
+  const joint = paths.length === 2 ? [jointForm(paths)] : [];
+  return [...joint, trouble, element("h3", {}, paths.length > 1 ? "Move these parts" : "Edit"), assignForm(paths, selection), more];
 }
 
 function assignForm(paths, selection) {
@@ -80,21 +77,24 @@ function assignForm(paths, selection) {
   return element("div.form", {}, field("link", link), name, move);
 }
 
-// A joint between the first picked part, on the parent link, and the second.
+// A joint between the first picked part, on the parent link, and the second. If the second one's link hangs on a joint
+// already, the new one closes a loop.
 function jointForm([a, b]) {
   const parent = linkOf(a);
   const same = linkOf(b) === parent;
+  const closes = !same && state.scene.connections.some((one) => !one.closes && one.child === linkOf(b));
+  const kinds = closes ? ["revolute", "ball", "prismatic", "fixed"] : ["revolute", "continuous", "prismatic", "fixed"];
   const stem = b.split("/").pop().replace(/[^\w-]+/g, "_").replace(/^_+|_+$/g, "") || "part";
   const child = element("input", { type: "text", value: same ? free(stem) : linkOf(b), "data-edit": "child", disabled: !same });
   const name = element("input", { type: "text", value: free(`${child.value}_joint`), "data-edit": "name" });
-  const kind = choice([["revolute", "revolute"], ["continuous", "continuous"], ["prismatic", "prismatic"], ["fixed", "fixed"]], "revolute", { "data-edit": "kind" });
+  const kind = choice(kinds.map((one) => [one, one]), "revolute", { "data-edit": "kind" });
   const lower = element("input.number", { type: "text", value: "-90", "data-edit": "lower" });
   const upper = element("input.number", { type: "text", value: "90", "data-edit": "upper" });
   const range = element("div.range", {}, lower, " to ", upper, element("span.quiet", { "data-edit": "unit" }, "° (a guess)"));
   const origin = choice([["", "looking for shared axes"]], "", { "data-edit": "origin" });
   let lines = [];
   kind.addEventListener("change", () => {
-    range.hidden = !["revolute", "prismatic"].includes(kind.value);
+    rangeField.hidden = closes || !["revolute", "prismatic"].includes(kind.value);
     range.lastChild.textContent = kind.value === "prismatic" ? "mm (a guess)" : "° (a guess)";
   });
   origin.addEventListener("change", () => draw());
@@ -113,10 +113,12 @@ function jointForm([a, b]) {
     if (lines.length) origin.value = String(Math.max(0, chosen));
     draw();
   }).catch((error) => (trouble.textContent = error.message));
-  const add = button("joint here", async () => {
+  const rangeField = field("range", range);
+  rangeField.hidden = closes;
+  const add = button(closes ? "close the loop here" : "joint here", async () => {
     const line = lines[Number(origin.value)];
     const unit = { turn: kind.value !== "prismatic" };
-    const made = await edit("add_joint", {
+    const made = await edit(closes ? "add_closure" : "add_joint", {
       name: name.value, kind: kind.value, parent, child: child.value, paths: [b],
       origin: line && origin.value !== "" ? { mate: [a, b], radius: line.radius, near: line.near } : null,
       lower: internal(unit, Number.parseFloat(lower.value)), upper: internal(unit, Number.parseFloat(upper.value)),
@@ -125,8 +127,8 @@ function jointForm([a, b]) {
   }, "button.small.primary");
   add.dataset.edit = "add";
   return element("div.form", { id: "joint-form" },
-    element("h3", {}, "Joint here"), element("p.quiet", {}, `${parent} → ${child.value}`),
-    field("name", name), field("child link", child), field("type", kind), field("axis", origin), field("range", range), add);
+    element("h3", {}, closes ? "Close a loop here" : "Joint here"), element("p.quiet", {}, `from ${parent}`),
+    field("name", name), field("to link", child), field("type", kind), field("axis", origin), rangeField, add);
 }
 
 function linkOf(path) {
@@ -160,13 +162,13 @@ function jointTools(selection) {
   return tools;
 }
 
-// Two sliders for the limits; the change is written when one is released.
+// Two sliders for the limits; the change is written when one is released and both are set.
 function limitTools(one, joint) {
   const widest = joint.turn ? Math.PI : Math.max(0.2, 2 * Math.abs(joint.lower ?? 0), 2 * Math.abs(joint.upper ?? 0));
   const known = { lower: joint.lower ?? -widest, upper: joint.upper ?? widest };
   const far = Math.max(widest, Math.abs(known.lower), Math.abs(known.upper));
   return ["lower", "upper"].map((end) => {
-    const value = element("span.number.quiet", {}, joint[end] === null ? "not set" : text(joint, known[end]));
+    const value = element("span.number.quiet", { "data-end": end }, joint[end] === null ? "not set" : text(joint, known[end]));
     const bar = element("input", { type: "range", min: shown(joint, -far), max: shown(joint, far), step: joint.turn ? 1 : 0.5, "aria-label": `${end} limit`, "data-limit": end,
       oninput: () => {
         known[end] = internal(joint, Number(bar.value));
@@ -174,7 +176,10 @@ function limitTools(one, joint) {
         joint[end] = known[end];
         app.view.request();
       },
-      onchange: () => edit("limits", { joint: one.name, ...known }) });
+      onchange: () => {
+        if (joint.lower !== null && joint.upper !== null) edit("limits", { joint: one.name, ...known });
+        else trouble.textContent = "Set the other limit, too.";
+      } });
     bar.value = shown(joint, known[end]);
     return element("label.limit", {}, element("span.quiet", {}, end), bar, value);
   });
