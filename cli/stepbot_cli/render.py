@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from stepbot.pictures.picture import Picture, Sheet
     from stepbot.pictures.scene import Subject
     from stepbot.pipeline.conversion import Options
+    from stepbot.robot.model import Robot
 
 _SIZE = re.compile(r"(\d{2,4})x(\d{2,4})")
 _VIEWS = ("corner", "iso", "front", "left", "back", "right", "top", "bottom")
@@ -102,7 +103,7 @@ def command(
     as_json: bool,
     display: Display,
 ) -> int:
-    """Draw TARGET, the robot of a sidecar or the assembly of a STEP file, without a window.
+    """Draw TARGET, a sidecar's robot, a STEP file, or a URDF, SDFormat or MJCF file, without a window.
 
     Needs the packages of `pip install 'stepbot[render]'`. Links and parts are drawn opaque, with their meshes as
     converted. In a STEP file, --labels names the children of the root; for an exploded view of all parts, see
@@ -132,14 +133,8 @@ def _subject(
     """What to draw, and the positions of the joints in words; None after errors."""
     from stepbot.robot.step_names import is_step_name
 
-    if target.suffix.lower() in _SIDECARS:
-        return _robot_subject(target, options, joints, found, progress)
     if not is_step_name(target.name):
-        raise click.BadParameter(
-            f"'{target.name}' is neither a sidecar (.yaml) nor a STEP file; for a URDF, SDFormat or MJCF file, draft a "
-            "sidecar from it with `stepbot init`",
-            param_hint="TARGET",
-        )
+        return _robot_subject(_robot(target, options, found, progress), joints)
     if joints:
         raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint="--joint")
     from stepbot.pipeline.picturing import assembly_subject, part_labels
@@ -154,27 +149,36 @@ def _subject(
     return assembly_subject(assembly, part_labels(assembly, assembly.children[0], folded=True)), {}
 
 
-def _robot_subject(
-    sidecar: Path, options: "Options", joints: tuple[str, ...], found: Diagnostics, progress: Any
-) -> tuple["Subject | None", dict[str, str]]:
-    from stepbot.pipeline.picturing import robot_of, robot_subject
+def _robot(target: Path, options: "Options", found: Diagnostics, progress: Any) -> "Robot | None":
+    """The robot of a sidecar, or of a URDF, SDFormat or MJCF file; None after errors."""
+    if target.suffix.lower() not in _SIDECARS:
+        from stepbot.pipeline.describing import described_robot
+
+        progress("read")
+        return described_robot(target, options, found)
+    from stepbot.pipeline.picturing import robot_of
+
+    built = robot_of(target, options, progress)
+    found.extend(built.diagnostics)
+    return built.robot
+
+
+def _robot_subject(robot: "Robot | None", joints: tuple[str, ...]) -> tuple["Subject | None", dict[str, str]]:
+    from stepbot.pipeline.picturing import robot_subject
     from stepbot.robot.posing import NotReached, coordinates, posed
 
-    built = robot_of(sidecar, options, progress)
-    found.extend(built.diagnostics)
-    if built.robot is None:
+    if robot is None:
         return None, {}
-    names = coordinates(built.robot)
-    given = read_positions(built.robot, joints)
+    names = coordinates(robot)
     try:
-        q = posed(built.robot, given)
+        q = posed(robot, read_positions(robot, joints))
     except NotReached as error:
         ends = ", ".join(f"{name}={position_words(names[name], value)}" for name, value in error.reached.items())
         raise click.BadParameter(
             f"the loops or the limits of other joints stop the mechanism on its way there, at {ends}",
             param_hint="--joint",
         ) from None
-    return robot_subject(built.robot, q), {name: position_words(names[name], value) for name, value in q.items()}
+    return robot_subject(robot, q), {name: position_words(names[name], value) for name, value in q.items()}
 
 
 def _report(

@@ -108,7 +108,6 @@ def test_positions_have_units() -> None:
         (("arm2.robot.yaml", "-o", "arm.jpg"), "'arm.jpg' is not a PNG file"),
         (("arm2.robot.yaml", "--size", "huge"), "'huge' is not a size such as 1200x900"),
         (("arm2.step", "--joint", "a=1"), "a STEP file has no joints; give a sidecar"),
-        (("arm2.urdf",), "neither a sidecar (.yaml) nor a STEP file"),
     ],
 )
 def test_wrong_usage_is_reported(arguments: tuple[str, ...], message: str, arm: Path, stepbot: Stepbot) -> None:
@@ -153,6 +152,26 @@ def test_a_step_file_gives_a_picture_of_its_assembly(arm: Path, stepbot: Stepbot
     document = rendered(stepbot, "arm2.step", "--labels", *SMALL)
     assert document["positions"] == {}
     assert document["places"]
+
+
+@pytest.mark.parametrize("suffix", ["urdf", "sdf", "xml"])
+def test_a_description_gives_the_picture_of_its_sidecar(suffix: str, arm: Path, stepbot: Stepbot) -> None:
+    """Links of the file are where those of the sidecar are, at the same positions of the joints."""
+    assert stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify").code == 0
+    pose = ("--joint", "shoulder=40deg", "--joint", "elbow=20deg", "--joint", "finger=5mm", *SMALL)
+    expected = rendered(stepbot, "arm2.robot.yaml", *pose)["places"]
+    found = rendered(stepbot, f"out/arm2.{suffix}", *pose)
+    assert found["positions"]["shoulder"] == "40 deg"
+    for name, place in expected.items():
+        assert found["places"][name] == pytest.approx(place, abs=4.0), name
+
+
+def test_a_missing_target_is_reported(arm: Path, stepbot: Stepbot) -> None:
+    """SB001, exit code 2."""
+    for name in ("gone.robot.yaml", "gone.step", "gone.urdf"):
+        run = stepbot("render", name)
+        assert run.code == 2
+        assert "error[SB001]" in run.err
 
 
 def test_an_exploded_view_names_the_listed_components(

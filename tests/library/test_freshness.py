@@ -8,10 +8,14 @@ from math import degrees
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
+from PIL import Image
 
 from robot_library import fingerprints, making, pages, preview
 from stepbot.jobs.library import LibraryRobot
+from stepbot.pictures.picture import draw
 from tests.library.conftest import LIBRARY, Converted, every_converted_robot, every_robot, sidecar_of
 
 
@@ -147,3 +151,20 @@ def test_pictures_are_all_of_one_size() -> None:
     sizes = {path: path.read_bytes()[16:24] for path in sorted(LIBRARY.glob("*/preview.png"))}
     size = preview.WIDTH.to_bytes(4, "big") + preview.HEIGHT.to_bytes(4, "big")
     assert {path.parent.name for path, found in sizes.items() if found != size} == set()
+
+
+@pytest.mark.slow
+def test_pictures_look_as_the_renderer_draws_them() -> None:
+    """A small picture of the four-bar linkage is its preview, reduced; otherwise raise ``fingerprints._LOOK``."""
+    folder = LIBRARY / "stepbot_four_bar"
+    drawn = draw(preview.robot_subject_of(folder), preview.sheet_of(folder, 200, 150)).pixels
+    with Image.open(folder / "preview.png") as kept:
+        reduced = blurred(np.asarray(kept.convert("RGB")))
+    difference = np.abs(blurred(drawn) - reduced)
+    assert difference.mean() < 1.0
+    assert difference.max() < 25.0
+
+
+def blurred(picture: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """A picture at 40 by 30 pixels, where noise and edges are averaged."""
+    return np.asarray(Image.fromarray(picture).resize((40, 30), Image.Resampling.BOX)).astype(float)

@@ -5,9 +5,11 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.openable import openable
+from stepbot.robot.model import Robot
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 from stepbot.verification.admission import admitted
 from stepbot.verification.files import format_of
+from stepbot.viewing.described import robot_of_description
 
 from .conversion import Options
 
@@ -41,3 +43,16 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
             found.add("SB902", message, span, notes=death.last_lines)
             return None
     return description
+
+
+def described_robot(path: Path, options: Options, found: Diagnostics) -> Robot | None:
+    """The robot of a URDF, SDFormat or MJCF; None after an error. What of it is not shown is reported (SB825)."""
+    description = read_description(path, options, found)
+    if description is None or found.has_errors:
+        return None
+    described = robot_of_description(description, path.stem, path.name)
+    if described.missing:
+        count = len(described.missing)
+        message = f"{count} {'detail' if count == 1 else 'details'} of the file not shown"
+        found.add("SB825", message, Span(path.as_posix()), notes=described.missing)
+    return described.robot

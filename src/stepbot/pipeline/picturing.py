@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
 from stepbot.pictures.colors import distinct_color
 from stepbot.pictures.exploding import exploded
+from stepbot.pictures.primitives import box_mesh, capsule_mesh, cylinder_mesh
 from stepbot.pictures.scene import Axis, Shape, Subject
 from stepbot.robot.kinematics import Configuration, link_poses
-from stepbot.robot.model import JointKind, MeshRef, Rgba, Robot
+from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.structure.paths import nearest_claim, plain_name
 
@@ -51,12 +53,25 @@ def robot_subject(robot: Robot, q: Configuration) -> Subject:
     """
     poses = link_poses(robot, q)
     shapes = [
-        Shape(robot.mesh_by_name[visual.geometry.name].mesh, poses[link.name] @ visual.X_LG, _rgb(visual.rgba), owner)
+        Shape(_mesh(visual.geometry, robot), poses[link.name] @ visual.X_LG, _rgb(visual.rgba), owner)
         for owner, link in enumerate(robot.links)
         for visual in link.visuals
-        if isinstance(visual.geometry, MeshRef)
     ]
     return Subject(tuple(shapes), tuple(link.name for link in robot.links), tuple(_axes(robot, poses)))
+
+
+def _mesh(geometry: Geometry, robot: Robot) -> TriMesh:
+    match geometry:
+        case MeshRef(name):
+            return robot.mesh_by_name[name].mesh
+        case Box(size):
+            return box_mesh(size)
+        case Cylinder(radius, length):
+            return cylinder_mesh(radius, length)
+        case Capsule(radius, length):
+            return capsule_mesh(radius, length)
+        case Sphere(radius):
+            return capsule_mesh(radius, 0.0)
 
 
 def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:

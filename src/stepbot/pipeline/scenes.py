@@ -14,11 +14,10 @@ from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
-from stepbot.viewing.described import robot_of_description
 from stepbot.viewing.scene import scene_document
 
 from .conversion import Options
-from .describing import read_description
+from .describing import described_robot
 from .drafted_robot import evidence_of_draft, robot_of_assembly, robot_of_draft
 from .drafting import draft_step
 from .loading import Loading
@@ -85,15 +84,10 @@ def _show_step(step: Path, options: Options, found: Diagnostics) -> Shown:
 
 
 def _show_description(path: Path, options: Options, found: Diagnostics) -> Shown:
-    description = read_description(path, options, found)
-    if description is None or found.has_errors:
+    robot = described_robot(path, options, found)
+    if robot is None:
         return Shown(found, files=(path,))
-    described = robot_of_description(description, path.stem, path.name)
-    if described.missing:
-        count = len(described.missing)
-        message = f"{count} {'detail' if count == 1 else 'details'} of the file not shown"
-        found.add("SB825", message, Span(path.as_posix()), notes=described.missing)
-    return Shown(found, scene_document(described.robot, found=found), files=(path,))
+    return Shown(found, scene_document(robot, found=found), files=(path,))
 
 
 def _parts_alone(

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 from lxml import html
-from stepbot.viewing.guesses import robot_of_assembly
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
+from stepbot.pipeline.drafted_robot import robot_of_assembly
 from stepbot.pipeline.stages import inspect, produce
 from stepbot.report.record import Check, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow
@@ -180,14 +180,14 @@ def test_no_name_becomes_markup() -> None:
 def test_a_diagnostic_has_its_source_line() -> None:
     """With the place marked, and the folder of the file left out."""
     robot = ROBOTS["one_link"]()
-    found = (Diagnostic("SB301", "error", "no such part", Span("/home/me/arm.robot.yaml", 6, 4, 8)),)
-    text = report_page(robot, Report(robot=robot), found, {("/home/me/arm.robot.yaml", 6): "ab  part: x"}).decode()
+    found = (Diagnostic("SB301", "error", "no such part", Span("/robots/arm.robot.yaml", 6, 4, 8)),)
+    text = report_page(robot, Report(robot=robot), found, {("/robots/arm.robot.yaml", 6): "ab  part: x"}).decode()
     page = html.fromstring(text)
     (frame,) = page.xpath("//*[@id='finding-list']//pre")
     assert frame.text_content() == "6 │ ab  part: x"
     assert frame.xpath("string(mark)") == " par"
     assert "arm.robot.yaml:6" in page.xpath("string(//*[@id='finding-list'])")
-    assert "/home/me" not in text
+    assert "/robots" not in text
 
 
 def test_the_same_robot_gives_the_same_bytes() -> None:
