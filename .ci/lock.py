@@ -1,7 +1,7 @@
 """Print the exact versions, with the hashes of their wheels, that pip installs for stepbot and its development tools.
 
 The lock is for Python 3.11 on Linux x86-64 with glibc, which CI uses; elsewhere the ranges of ``pyproject.toml`` apply.
-``--fits`` prints nothing; its exit code tells whether the lock is for this interpreter.
+``--fits`` prints nothing; its exit code is 0 if the lock is for this interpreter.
 """
 
 import json

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def _titles() -> str:
-    """What is written where no format is asked for, as people call it."""
+    """Titles of the default formats."""
     *others, last = (FORMATS[name].title for name in default_formats())
     return f"{', '.join(others)} and {last}" if others else last
 

@@ -72,7 +72,7 @@ def build_robot(
         found: Receives SB3xx, SB4xx and SB5xx.
         cache: Cache for overlaps; None to disable it.
         process: Worker that searches for overlaps after it has measured the meshes; None to search in this process.
-        revised: What is known, and reported elsewhere, of a revision of the CAD.
+        revised: Components that a revision of the CAD has changed, which is reported elsewhere.
     """
     document = sidecar.document
     binder = Binder(assembly, sidecar, found, revised)

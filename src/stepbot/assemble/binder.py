@@ -17,7 +17,7 @@ LISTED = 20
 
 @dataclass(frozen=True)
 class Revised:
-    """What is known of components that a revision of the CAD has changed, and is reported elsewhere."""
+    """Components that a revision of the CAD has changed, which is reported elsewhere."""
 
     bound: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     """Components by a path that no longer names them in the assembly; none for one whose components are gone."""

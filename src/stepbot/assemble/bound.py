@@ -1,4 +1,4 @@
-"""What a sidecar makes of an assembly, component by component and joint by joint, as far as it binds."""
+"""Links, masses and joints of an assembly by its sidecar, as far as the sidecar can be resolved."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -53,13 +53,13 @@ def bind(
     measures: Sequence[VolumeProperties | None],
     revised: Revised = UNREVISED,
 ) -> Bound:
-    """What binds of a sidecar, whatever else does not: errors are reported where the robot is built.
+    """The resolvable parts of a sidecar; errors are reported by :func:`build_robot`.
 
     Args:
-        assembly: What the STEP holds.
+        assembly: The content of the STEP.
         sidecar: A sidecar whose own check found no error.
         measures: For each of ``assembly.bodies`` what trimesh measures on its mesh.
-        revised: What is known of a revision.
+        revised: Components that a revision of the CAD has changed.
     """
     binder = Binder(assembly, sidecar, Diagnostics(), revised)
     materials = assign_materials(binder)

@@ -25,7 +25,7 @@ _MODEL = "urdf"
 
 @dataclass(frozen=True)
 class Differences:
-    """What differs, and what was compared."""
+    """The differences of two files."""
 
     old: str
     new: str
@@ -98,7 +98,7 @@ def _snapshot(step: Path, options: Options, found: Diagnostics) -> Snapshot | No
 
 
 def _observed(sidecar: Path, options: Options, found: Diagnostics) -> Observation | None:
-    """What the robot of a sidecar is, with all joints at zero."""
+    """The robot of a sidecar as an observation, with all joints at zero."""
     reported = Diagnostics()
     try:
         loaded = load(sidecar, options, reported)

@@ -39,9 +39,9 @@ def compared_with_lock(
 
     Args:
         sidecar: The sidecar, without errors of its own.
-        assembly: What the STEP holds now.
+        assembly: The current content of the STEP.
         measures: Gives for each of ``assembly.bodies`` what trimesh measures on its mesh.
-        digest: Hash of the STEP's bytes; empty where it is not known.
+        digest: Hash of the STEP's bytes; empty if unknown.
         options: Whether another STEP was given than the one that the sidecar names.
         found: Receives the diagnostics.
 
@@ -62,7 +62,7 @@ def compared_with_lock(
 
 @dataclass(frozen=True)
 class Locked:
-    """What a lock was made of."""
+    """A lock and its snapshot."""
 
     content: bytes
     """The file."""
@@ -95,9 +95,9 @@ class FixedSidecar:
     """A sidecar with the new paths of components that were certainly renamed."""
 
     before: bytes
-    """The sidecar as it is."""
+    """The current sidecar."""
     sidecar: bytes
-    """As it should be."""
+    """The sidecar with the new paths."""
     lock: bytes
     """Its lock with the new names."""
     paths: Mapping[str, str]

@@ -1,12 +1,12 @@
-"""Which part of one snapshot is which of another.
+"""Matches the parts of two snapshots.
 
-1. The same path, shape and place: unchanged.
-2. The same shape and place under another name: renamed, where nothing else is there.
+1. The same path, shape and pose: unchanged.
+2. The same shape and pose under another name: renamed, if no other part is in that pose.
 3. The same path: moved or changed.
-4. What is left, by shape or by place where only one part comes into question: probably renamed.
+4. The rest, by shape or by pose if there is only one candidate: probably renamed.
 
-A path that holds by ``#n`` alone counts as a name only after place has had its say, because ``#n`` shifts when the CAD
-inserts or removes an equal part. Parts are compared after the motion that all of them have in common.
+A path that depends on ``#n`` alone is compared after the pose, because ``#n`` shifts when the CAD inserts or removes an
+equal part. Parts are compared after the motion that all of them have in common.
 """
 
 from collections import Counter

@@ -17,8 +17,8 @@ from .snapshot import AREA, EXACT, FREE_FORM, NOTHING, Part, Shape
 SAME = 1e-6
 """Relative difference of exact integrals up to which shapes are equal."""
 _SAME_FACES = 1e-5
-"""The same for shapes with as many faces of each kind: edges written as splines come back a little different from an
-export of the same solid, by 2.6e-6 of a servo's horn."""
+"""The same for shapes with as many faces of each kind: another export of the same solid writes spline edges slightly
+differently, by 2.6e-6 for a servo's horn."""
 _FREE_FORM = 1e-4
 """The same where faces are splines, too: 3e-5 of a servo's cover."""
 PLACE = 1e-6

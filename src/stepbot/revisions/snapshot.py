@@ -21,8 +21,7 @@ from stepbot.step.assembly import CERTAIN, Assembly, Body, BodyKind, Component
 from stepbot.step.structure.paths import ComponentPaths
 
 EXACT, MESH, AREA, NOTHING = "exact", "mesh", "area", "none"
-"""What the integrals of a shape are taken over: the exact solid, its mesh, the triangles of a surface; or there are
-none."""
+"""Domain of the integrals of a shape: the exact solid, its mesh, the triangles of a surface, or none."""
 FREE_FORM = "other"
 """The surface type of splines in :attr:`Shape.faces`."""
 _DECIMALS = 9

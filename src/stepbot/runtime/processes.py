@@ -60,10 +60,10 @@ def start_process(start: Callable[[], T]) -> T:
 
 @cache
 def _starter() -> "SimpleQueue[tuple[Callable[[], Any], SimpleQueue[Any]]]":
-    """Where a thread takes its orders from: a function, and where to put what it returns or raises.
+    """The queue of a daemon thread: functions, each with a queue for its result or exception.
 
-    An executor of the standard library joins its thread at exit; where Ctrl-C comes while the thread starts, it never
-    tells it to end, and waits forever. Nobody joins this one.
+    An executor of the standard library joins its thread at exit; after Ctrl-C during the start of the thread, it never
+    requests its end, and waits forever. This thread is never joined.
     """
     orders: SimpleQueue[tuple[Callable[[], Any], SimpleQueue[Any]]] = SimpleQueue()
     threading.Thread(target=_start_all, args=(orders,), name="stepbot-starter", daemon=True).start()

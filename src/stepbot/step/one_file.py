@@ -113,7 +113,7 @@ def _elsewhere(
 ) -> dict[int, int] | None:
     """For each definition without own shape the index of the file with its shape.
 
-    A missing file is an error in ``found``; its definition stays without a shape and says so. None if a missing file
+    A missing file is an error in ``found``; its definition has no shape and is marked. None if a missing file
     belongs to no definition.
     """
     product_of = {id(product.entity): index for index, product in enumerate(products.products)}

@@ -47,7 +47,7 @@ def read(
         attempt: Records the current body for the case that this process ends, if bodies have no processes of their own.
 
     Returns:
-        The assembly, None where there is none, and what there is to say about the files.
+        The assembly, None after an error, and the diagnostics.
     """
     found = Diagnostics()
     content = read_content(files, found)

@@ -1,4 +1,4 @@
-"""Gazebo's own parser of SDFormat, libsdformat, which says whether a file is valid."""
+"""Gazebo's own parser of SDFormat, libsdformat, which validates a file."""
 
 from stepbot.runtime.programs import sdf_programs
 

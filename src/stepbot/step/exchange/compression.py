@@ -1,6 +1,7 @@
 """Compressed STEP files: gzip (``.stpZ`` of FreeCAD, ``.step.gz`` of KiCad) and zip (``.stpZ`` of ISO 10303-21:2016).
 
-They are recognized by content. What they hold is bounded: a kilobyte of a decompression bomb can stand for a megabyte.
+They are recognized by content. The decompressed size is limited: a kilobyte of a decompression bomb can expand to a
+megabyte.
 """
 
 import tempfile

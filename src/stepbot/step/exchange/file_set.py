@@ -158,7 +158,7 @@ def _resolve(reference: ExternalReference, beside: PurePosixPath, root: Path, fo
     """The file of a reference, within the folder of the assembly.
 
     Args:
-        reference: What another file says.
+        reference: The reference in another file.
         beside: Folder of that file, relative to the assembly's.
         root: Folder of the assembly, as it was given.
         folder: The same without links.

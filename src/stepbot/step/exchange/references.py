@@ -19,7 +19,7 @@ from .statements import find_statements
 from .strings import decode_string
 
 DOCUMENT_FILE = b"DOCUMENT_FILE"
-"""What the text of every file with such references contains."""
+"""Contained in the text of every file with such references."""
 _CAD_NAME = re.compile(
     r"\.(stpxz?|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)(\.\d+)?$",
     re.IGNORECASE,
@@ -30,7 +30,7 @@ _REFERRING = (
     "CC_DESIGN_SPECIFICATION_REFERENCE",
     "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS",
 )
-"""Entities that connect a document with what it describes."""
+"""Entities that connect a document with the described product."""
 _LIKELY = ("utf-8", "cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
 """Encodings in which the name of a file is looked for; a file that exists decides between them."""
 
@@ -78,8 +78,8 @@ def external_references(data: Text, encoding: str, *, with_products: bool = True
     Args:
         data: The file.
         encoding: Encoding of bytes above 127; empty if unknown.
-        with_products: Whether each product has a reference of its own; else each document has one, without a product,
-            which takes time in proportion to the file, whatever it says.
+        with_products: Whether to return one reference per product; otherwise one per document, without a product, which
+            takes linear time for any content.
     """
     if data.find(DOCUMENT_FILE) < 0:
         return ()

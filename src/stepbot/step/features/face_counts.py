@@ -1,4 +1,4 @@
-"""How many faces of each kind a body has: what is left of its faces when their order and numbers change."""
+"""Number of faces of each kind of a body, which does not depend on their order and numbers."""
 
 from collections import Counter
 from typing import Any
@@ -17,5 +17,5 @@ _OTHER = "other"
 
 
 def face_counts(faces: list[Any]) -> tuple[tuple[str, int], ...]:
-    """How many of a body's faces lie on each kind of surface, as the file writes it; by name."""
+    """Number of a body's faces by the kind of their surface in the file, sorted by name."""
     return tuple(sorted(Counter(_KINDS.get(BRepAdaptor_Surface(face).GetType(), _OTHER) for face in faces).items()))

@@ -47,7 +47,7 @@ class Rule:
     uv: Array
     """Shape (n, 2)."""
     du: Array
-    """Shape (n,): du of the piece that the point stands for, along the face's boundary."""
+    """Shape (n,): du of the point's piece of the face's boundary."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +204,7 @@ def _joined(rules: Sequence[Rule]) -> Rule:
 
 
 def _nodes(pieces: Array, parts: int) -> tuple[Array, Array]:
-    """Gauss points on all pieces of a curve, and the length of parameter that each stands for."""
+    """Gauss points on all pieces of a curve, and the parameter interval of each."""
     nodes, weights = gauss(next(order for count, order in _ORDERS if len(pieces) <= count))
     share = np.arange(parts) / parts
     start = (pieces[:-1, None] + np.diff(pieces)[:, None] * share).reshape(-1)

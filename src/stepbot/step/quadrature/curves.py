@@ -45,7 +45,7 @@ class Curve:
 
 
 def curve_of(adaptor: Any, dimensions: int) -> Curve:
-    """The curve that one of the kernel's adaptors stands for."""
+    """The curve of one of the kernel's adaptors."""
     first, last, kind = adaptor.FirstParameter(), adaptor.LastParameter(), adaptor.GetType()
     if kind == GeomAbs_CurveType.GeomAbs_Line:
         return Curve(_sampler(adaptor, dimensions), np.empty(0), True, first, last)
@@ -119,7 +119,7 @@ def _poles(data: bytes, at: int, count: int, dimensions: int, rational: bool) ->
 
 
 def _knots(data: bytes, at: int, count: int) -> tuple[Array, int]:
-    """Knots, each as often as its multiplicity says, and where they end."""
+    """Knots, repeated by their multiplicity, and their end."""
     found = np.frombuffer(data, _KNOT, count, at)
     return np.repeat(found["knot"], found["multiplicity"]).astype(np.float64), at + _KNOT.itemsize * count
 

@@ -1,15 +1,15 @@
-"""How exact the mass properties of a solid are: the kernel's integration against stepbot's own, and against meshes.
+"""Error of the mass properties of a solid: the kernel's integration against stepbot's own, and against meshes.
 
-    simple solids            the kernel's, which is right to rounding there
-    both agree to 1e-5       stepbot's own; what they differ by is its error
+    simple solids            the kernel's, which is exact to rounding
+    both agree to 1e-5       stepbot's own; their difference is its error
     both agree to 1e-3, and  stepbot's own; the larger of both differences is its error
       stepbot's own changes
       by 1e-5 at most as its
       pieces are halved
-    else                     whichever ever finer meshes tend to; its error is the larger of what it is off their limit
-                             and what it changed by last
+    else                     the one that increasingly fine meshes converge to; its error is the larger of its deviation
+                             from their limit and its last change
 
-An error above 1e-3 means that the mass properties are not known.
+An error above 1e-3 means that the mass properties are unknown.
 A solid is simple if all its faces are planes, cylinders, cones, spheres or tori between edges of few spans.
 """
 
@@ -38,15 +38,15 @@ from .stitching import Stitched
 from .tessellation import Tessellation, tessellated
 
 _SAME = 1e-9
-"""Relative difference up to which the kernel's integration is kept as it is."""
+"""Relative difference up to which the kernel's integration is used unchanged."""
 _AGREEMENT = 1e-5
-"""Relative difference up to which two ways to integrate need no third."""
+"""Relative difference up to which two integration methods need no third."""
 _CONVERGED = 1e-7
 _MOST_PARTS = 8
 _MOST_TRIANGLES = 50_000
 """Triangles beyond which no finer mesh is made as a second opinion."""
 _SIMPLE_ERROR = 1e-9
-"""What the kernel is off on simple solids at most, as measured on closed forms and real files."""
+"""Maximum error of the kernel on simple solids, as measured on closed forms and real files."""
 _SIMPLE_SPANS = 8
 _SIMPLE = frozenset(
     (
@@ -67,7 +67,7 @@ class Estimate:
     error: float
     """Relative, of volume, centre and inertia; above :data:`.assembly.CERTAIN` they are not known."""
     opinions: tuple[tuple[str, float], ...] = ()
-    """Volumes [m^3] that several ways gave, where they do not agree."""
+    """Volumes [m^3] by several methods, if they do not agree."""
 
 
 def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_closed: bool) -> Estimate:
@@ -75,13 +75,13 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
 
     Args:
         shape: The solid [mm].
-        kernel: What the kernel's integration says of it.
+        kernel: The result of the kernel's integration.
         mesh: A mesh of it.
-        is_closed: Whether that is closed; else it has no say.
+        is_closed: Whether the mesh is closed; otherwise it is not used.
     """
 
     def fits(properties: VolumeProperties) -> bool:
-        """Whether the mesh is as far off as its fineness explains."""
+        """Whether the deviation of the mesh is within its tolerance."""
         volume = mesh.mesh.signed_volume / MILLIMETRES_PER_METRE**3
         return not is_closed or abs(volume - properties.volume) <= mesh.volume_tolerance * properties.volume
 
@@ -135,10 +135,10 @@ def _integrated(shape: Any, origin: Array, kernel: VolumeProperties) -> Estimate
 
 
 def _by_meshes(shape: Any, mesh: Tessellation, candidates: list[Estimate]) -> Estimate:
-    """The candidate that ever finer meshes tend to, and what it is off their limit.
+    """The candidate that increasingly fine meshes converge to, and its deviation from their limit.
 
-    What a mesh is off falls with the square of its angles, and with its deflection: so two of them give their
-    limit. The first two are the one that is there, and a coarser one.
+    The error of a mesh falls with the square of its angles, and with its deflection, so that two meshes give the
+    limit. The first two are the existing one and a coarser one.
     """
     origin = 0.5 * (mesh.mesh.vertices.min(axis=0) + mesh.mesh.vertices.max(axis=0))
     coarse = tessellated(shape, mesh.fineness.scaled_by_square(2.0)).mesh

@@ -27,7 +27,7 @@ def integrate(shape: Any) -> Any:
 
 
 def surface_area(shape: Any) -> float:
-    """Area [m^2] of all faces, by subdividing them until it does not change any more; 0 where it is not a number."""
+    """Area [m^2] of all faces, by subdivision until it is constant; 0 if it is not a number."""
     properties = GProp_GProps()
     BRepGProp.SurfaceProperties_s(shape, properties, _ADAPTIVE_AREA, False)
     area = properties.Mass() / MILLIMETRES_PER_METRE**2

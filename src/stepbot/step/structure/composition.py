@@ -1,7 +1,7 @@
-"""An assembly in many files as if it were in one: what a file leaves to another is taken from there.
+"""Combines the files of an assembly as if it were in one file.
 
-A product without a shape of its own that refers to another file stands for the product which that file is about. The
-path of a component does not depend on where its shape is: the name of a product is that in the assembly's file.
+A product without a shape that refers to another file is replaced by the product in that file. Component paths do not
+depend on the file of a shape: the name of a product is that in the assembly's file.
 """
 
 from collections.abc import Mapping, Sequence
@@ -87,7 +87,7 @@ class _Composer:
         }
 
     def _replace(self, number: int) -> None:
-        """Find what stands for each definition that a file leaves to another."""
+        """Find the replacement of each definition whose shape is in another file."""
         offset = self._offsets[number]
         for own, other in self._files[number].elsewhere.items():
             index = offset + own
@@ -100,7 +100,7 @@ class _Composer:
             (self._instead[index],) = same if len(roots) > 1 else roots
 
     def _name(self, index: int) -> None:
-        """Give what stands for a definition the name that it has in the referring file."""
+        """Give the replacement of a definition its name in the referring file."""
         if index not in self._instead:
             return
         target, referring = self.stand_in(index), self.definitions[index]
