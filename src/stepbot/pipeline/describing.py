@@ -50,6 +50,9 @@ def described_robot(path: Path, options: Options, found: Diagnostics) -> Robot |
     description = read_description(path, options, found)
     if description is None or found.has_errors:
         return None
+    if not description.observation.links:
+        found.add("SB823", "the file has no links", Span(path.as_posix()))
+        return None
     described = robot_of_description(description, path.stem, path.name)
     if described.missing:
         count = len(described.missing)

@@ -11,6 +11,8 @@ from stepbot.engines.describe import describe
 from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import render
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.scenes import show
 from stepbot.robot.kinematics import independent_joints, initial_configuration, link_poses, moving_joints
 from stepbot.robot.model import JointKind, Robot
 from stepbot.viewing.described import robot_of_description
@@ -98,3 +100,12 @@ def test_joint_beside_the_origin_of_its_link_in_sdformat(tmp_path: Path) -> None
     robot = robot_of(path, "sdf")
     assert link_poses(robot, {})["arm"].position == pytest.approx((0.3, 0, 0))
     assert link_poses(robot, {"hinge": np.pi})["arm"].position == pytest.approx((0.5, 0, 0))
+
+
+def test_a_file_without_links_is_reported(tmp_path: Path) -> None:
+    """An MJCF whose world is empty has nothing to show."""
+    path = tmp_path / "empty.xml"
+    path.write_text("<mujoco><worldbody/></mujoco>", encoding="utf-8")
+    shown = show(path, Options(output=Path()))
+    assert [one.code for one in shown.diagnostics] == ["SB823"]
+    assert shown.scene is None

@@ -63,7 +63,10 @@ const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
 
 function inertia(I) {
   const entries = [["xx", I[0][0]], ["yy", I[1][1]], ["zz", I[2][2]], ["xy", I[0][1]], ["xz", I[0][2]], ["yz", I[1][2]]];
-  return element("span.number", {}, `${entries.map(([name, value]) => `${name} ${short(value, 3)}`).join("  ")} kg m²`);
+  // Rounding errors of products of inertia are shown as what they are: zero.
+  const largest = Math.max(...entries.map(([, value]) => Math.abs(value)));
+  const shown = (value) => short(Math.abs(value) < 1e-9 * largest ? 0 : value, 3);
+  return element("span.number", {}, `${entries.map(([name, value]) => `${name} ${shown(value)}`).join("  ")} kg m²`);
 }
 
 function connectionCard(state, selection) {

@@ -19,9 +19,8 @@ export function unpacked(mesh) {
   return { vertices, faces: mesh.wide ? new Uint32Array(buffer) : new Uint16Array(buffer) };
 }
 
-// The same for a shape of the scene.
-export function meshOf(shape, meshes) {
-  if (shape.shape === "mesh") return meshes[shape.mesh];
+// The same for a primitive.
+export function meshOf(shape) {
   if (shape.shape === "box") return box(shape.size);
   if (shape.shape === "sphere") return revolved(arc(shape.radius, 0, -90, 90));
   if (shape.shape === "cylinder") {

@@ -22,6 +22,7 @@ export class View {
     this.camera = new Camera();
     this.renderer = new Renderer(canvas);
     this.items = [];
+    this.uploaded = new Map();
     steer(canvas, this.camera, { changed: () => this.request(), clicked: (event) => this.click(event) });
     new ResizeObserver(() => this.request()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.request());
@@ -34,24 +35,30 @@ export class View {
   // Take the shapes of a new scene; the camera stays where it is, unless it is the first one.
   load() {
     const { scene } = this.state;
-    this.items.forEach(({ mesh }) => this.renderer.release(mesh));
-    const meshes = scene.meshes.map(unpacked);
+    const former = this.uploaded;
     this.uploaded = new Map();
     this.items = scene.links.flatMap((link, index) => [
-      ...link.visuals.map((shape) => this.item(shape, meshes, { link: link.name, index, kind: "visual" })),
-      ...link.collisions.map((shape) => this.item(shape, meshes, { link: link.name, index, kind: "collision" })),
+      ...link.visuals.map((shape) => this.item(shape, former, { link: link.name, index, kind: "visual" })),
+      ...link.collisions.map((shape) => this.item(shape, former, { link: link.name, index, kind: "collision" })),
     ]);
+    for (const [key, { mesh }] of former) if (!this.uploaded.has(key)) this.renderer.release(mesh);
     this.radius = this.extent().radius;
     if (!this.fitted && this.items.length) this.fit();
   }
 
-  item(shape, meshes, place) {
-    const key = shape.shape === "mesh" ? shape.mesh : JSON.stringify({ ...shape, X: null, color: null, component: null });
-    if (!this.uploaded.has(key)) {
-      const geometry = meshOf(shape, meshes);
-      this.uploaded.set(key, { geometry: { ...geometry, ...boxOf(geometry.vertices) }, mesh: this.renderer.upload(drawable(geometry)) });
+  // A shape in its place. What was drawn before, in the former scene or elsewhere in this one, is used again.
+  item(shape, former, place) {
+    const packed = shape.shape === "mesh" ? this.state.scene.meshes[shape.mesh] : null;
+    const key = packed
+      ? [packed.low, packed.size, packed.vertices, packed.faces].join()
+      : [shape.shape, shape.size, shape.radius, shape.length].join();
+    let shared = this.uploaded.get(key) ?? former.get(key);
+    if (!shared) {
+      const geometry = packed ? unpacked(packed) : meshOf(shape);
+      shared = { geometry: { ...geometry, ...boxOf(geometry.vertices) }, mesh: this.renderer.upload(drawable(geometry)) };
     }
-    return { ...this.uploaded.get(key), ...place, X_LG: shape.X, rgba: shape.color, component: shape.component ?? "" };
+    this.uploaded.set(key, shared);
+    return { ...shared, ...place, X_LG: shape.X, rgba: shape.color, component: shape.component ?? "" };
   }
 
   extent() {
