@@ -21,7 +21,7 @@ def describe_mjcf(file: str) -> Description:
     """Read an MJCF.
 
     Raises:
-        EngineRefused: MuJoCo does not compile it.
+        EngineRefused: MuJoCo does not compile it, or it has no bodies.
     """
     import mujoco as engine
 
@@ -34,6 +34,8 @@ def describe_mjcf(file: str) -> Description:
         model = spec.compile()
     except ValueError as error:
         raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+    if model.nbody < 2:  # the first one is the world
+        raise EngineRefused("the file has no bodies")
     compiled = Compiled(engine, model, {})
     request = Request(file, "mjcf", configurations=({},), simulate=0.0)
     observation = replace(observe_model(compiled, request), closures=close_by_newton(compiled, request))
