@@ -91,13 +91,15 @@ class Drawing:
         return float(self._font.getlength(self.legible(text)))
 
     def shortened(self, text: str, width: float) -> str:
-        """``text``, truncated with an ellipsis to ``width`` pixels."""
+        """``text`` in ``width`` pixels, with an ellipsis for its middle: the end often has a number."""
         text = self.legible(text)
-        if self.width_of(text) <= width:
-            return text
-        while text and self.width_of(text + _ELLIPSIS) > width:
-            text = text[:-1]
-        return text.rstrip() + _ELLIPSIS
+        kept = len(text)
+        shown = text
+        while kept and self.width_of(shown) > width:
+            kept -= 1
+            tail = kept * 2 // 5
+            shown = f"{text[: kept - tail].rstrip()}{_ELLIPSIS}{text[len(text) - tail :].lstrip()}"
+        return shown
 
     def legible(self, text: str) -> str:
         """``text`` with characters that the font lacks as Python escapes."""

@@ -107,12 +107,14 @@ def test_characters_without_a_glyph_are_escaped() -> None:
     assert drawing.legible("a\x1bb") == r"a\x1bb"
 
 
-def test_a_long_name_is_truncated_to_its_room() -> None:
-    """The ellipsis is part of the width."""
+def test_a_long_name_loses_its_middle() -> None:
+    """The ellipsis is part of the width; the end, which has the number of equal parts, is kept."""
     drawing = Drawing(np.zeros((10, 10, 3), dtype=np.uint8), 12)
-    name = drawing.shortened("a_very_long_name_of_a_component", 100.0)
-    assert name.endswith("...")
-    assert drawing.width_of(name) <= 100.0
+    name = drawing.shortened("a_very_long_name_of_a_component x16", 100.0)
+    assert name.startswith("a_very")
+    assert name.endswith("x16")
+    assert "..." in name
+    assert 80.0 < drawing.width_of(name) <= 100.0
     assert drawing.shortened("short", 100.0) == "short"
 
 
