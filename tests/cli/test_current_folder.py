@@ -100,7 +100,10 @@ def test_no_command_imports_from_the_current_folder(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("python_path", [os.pathsep, f"{os.pathsep}."], ids=["empty", "relative"])
+@pytest.mark.parametrize(
+    "python_path",
+    [pytest.param(os.pathsep, id="empty", marks=pytest.mark.long), pytest.param(f"{os.pathsep}.", id="relative")],
+)
 def test_no_import_from_the_current_folder_where_python_begins_with_it(
     tmp_path: Path, robot_library: Path, python_path: str
 ) -> None:
@@ -133,7 +136,9 @@ RUNS_PROGRAMS = (sys.executable, "-P", "-c")
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="the program is a script of a Unix shell here")
-@pytest.mark.parametrize("path", ["", "."], ids=["empty entry", "relative entry"])
+@pytest.mark.parametrize(
+    "path", [pytest.param("", id="empty entry"), pytest.param(".", id="relative entry", marks=pytest.mark.long)]
+)
 def test_no_program_of_the_current_folder_is_run(path: str, tmp_path: Path, robot_library: Path) -> None:
     """No program of the current folder runs, even first in PATH: `gz` and `ign` are found in absolute entries only."""
     trap = Trap(tmp_path, robot_library, module_names())

@@ -107,8 +107,14 @@ def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, 
     assert_same_bytes(first.folder, tmp_path / "out")
 
 
-@pytest.mark.parametrize("times", [2, pytest.param(6, marks=pytest.mark.long)])
-@pytest.mark.parametrize("robot", ["stepbot_diff_drive", "stepbot_upper_body"])
+@pytest.mark.parametrize(
+    ("robot", "times"),
+    [
+        ("stepbot_diff_drive", 2),
+        pytest.param("stepbot_diff_drive", 6, marks=pytest.mark.long),
+        pytest.param("stepbot_upper_body", 6, marks=pytest.mark.long),
+    ],
+)
 def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, times: int) -> None:
     """Repeated conversions in new processes without a cache have the same bytes, including large hulls."""
     (sidecar,) = (robot_library / robot).glob("*.robot.yaml")

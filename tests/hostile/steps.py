@@ -26,6 +26,6 @@ EXPERIMENT = Experiment(
     "damaged STEP files: cut off, bytes flipped, numbers, entities, references, keywords, strings, header",
     "a robot, or errors with place, code and remedy; the kernel may die, stepbot may not",
     run,
-    short=12,
+    short=4,
     long=5_000,
 )
