@@ -10,6 +10,10 @@ from typing import Any
 
 import pytest
 
+from stepbot.diagnostics import Diagnostics
+from stepbot.formats import FORMATS
+from stepbot.formats.rendering import render
+from stepbot.robot.kinematics import link_poses
 from stepbot.serving.session import Session
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
@@ -131,6 +135,25 @@ def test_page_outlives_its_server(page: Page, four_bar: Session) -> None:
     page.wait("return document.querySelector('#live').textContent === 'the server has ended'")
     page.slide("crank_turn", 20.0)
     assert page.positions()["crank_turn"] == pytest.approx(0.349, abs=1e-3)
+
+
+@pytest.mark.parametrize("format_", ["urdf", "sdf", "mjcf"])
+def test_robot_files_move(page: Page, session: Serve, tmp_path: Path, format_: str) -> None:
+    """A URDF, an SDFormat and an MJCF file: every link is where the robot that was written has it, drawn and moved."""
+    robot = ROBOTS["two_link_arm"]()
+    for path, content in render(robot, format_, Diagnostics()).items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    page.open(session(tmp_path / f"{robot.name}{FORMATS[format_].suffix}").server.url)
+    names = [one["name"] for one in page.run("return stepbot.state.scene.motion.driven")]
+    assert names
+    for degrees in (0.0, 25.0):
+        for name in names:
+            page.slide(name, degrees)
+        expected = link_poses(robot, page.positions())
+        for link in robot.links:
+            assert page.poses()[link.name][9:] == pytest.approx(expected[link.name].position, abs=1e-6)
+    assert page.pixel_of(robot.links[-1].name)
 
 
 def test_names_cannot_become_markup(page: Page, tmp_path: Path) -> None:
