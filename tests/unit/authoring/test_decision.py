@@ -1,0 +1,63 @@
+"""Decisions from evidence: the stronger wins, and fasteners bridge nothing."""
+
+import numpy as np
+
+from stepbot.authoring.axis import Axis
+from stepbot.authoring.decision import decide
+from stepbot.authoring.evidence import Evidence, Fate, Hinge, Rank
+from stepbot.authoring.survey import ALL_SOURCES, Survey
+from stepbot.robot.model import JointKind
+from tests.assembled import assembled, inferred, links, part
+from tests.solids import box, cylinder
+
+BLOCK = box(40, 40, 10)
+AXIS = Axis(np.zeros(3), np.array([0.0, 0.0, 1.0]))
+
+
+def survey() -> Survey:
+    """Three blocks on each other."""
+    return Survey(assembled(*(part(f"block {n}", BLOCK, z=10.0 * n) for n in range(3))), ALL_SOURCES)
+
+
+def hinge(score: float, a: int, b: int, rank: Rank = Rank.FOUND) -> Hinge:
+    """A joint between two of them."""
+    return Hinge(score, a, b, JointKind.REVOLUTE, AXIS, "", rank=rank)
+
+
+def test_stronger_evidence_wins() -> None:
+    """A joint of 0.8 refuses a weld of 0.7 between its sides, and a weld of 0.9 the joint."""
+    for score, groups in ((0.7, [[1], [2, 3]]), (0.9, [[1, 2, 3]])):
+        found = Evidence()
+        found.hinge(hinge(0.8, 1, 2))
+        found.weld(score, 1, 2, "")
+        found.weld(0.95, 2, 3, "")
+        made = decide(survey(), [], found)
+        assert list(made.clusters.groups().values()) == groups
+        assert (found.hinges[0].fate == Fate.TAKEN) == (len(groups) == 2)
+
+
+def test_rank_comes_before_score() -> None:
+    """A stated joint holds against welds of any score."""
+    found = Evidence()
+    found.hinge(hinge(0.6, 2, 3, Rank.STATED))
+    found.weld(0.97, 2, 3, "")
+    made = decide(survey(), [], found)
+    assert list(made.clusters.groups().values()) == [[1], [2], [3]]
+    assert (found.hinges[0].fate, found.welds[0].fate) == (Fate.TAKEN, Fate.REFUSED)
+
+
+def test_weak_joints_are_offered() -> None:
+    """A joint below 0.5 is not drafted."""
+    found = Evidence()
+    found.hinge(hinge(0.4, 1, 2))
+    decide(survey(), [], found)
+    assert found.hinges[0].fate == Fate.OFFERED
+
+
+def test_screw_does_not_join_two_parts() -> None:
+    """A screw through two plates that do not touch goes with the tighter one, and does not make them one."""
+    plates = [box(300, 200, 10).at(0, 0, z) - cylinder(r, 10).at(0, 0, z - 5) for z, r in ((0.0, 4.3), (60.0, 4.0))]
+    screw = part("M8x80 screw", cylinder(4, 80).at(0, 0, -10))
+    found = inferred(part("lower", plates[0]), part("upper", plates[1]), screw)
+    assert {"upper", "M8x80 screw"} in links(found)
+    assert {"lower"} in links(found)

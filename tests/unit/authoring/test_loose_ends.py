@@ -1,0 +1,37 @@
+"""Parts without a connection: placeholders, wheels and fingers by name, small parts."""
+
+from stepbot.robot.model import JointKind
+from tests.assembled import group, inferred, joints, links, part
+from tests.solids import box, cylinder
+
+CHASSIS = box(400, 200, 80)
+
+
+def test_large_unconnected_part_gets_a_placeholder() -> None:
+    """A second body of similar size, far away, is a link with a fixed joint that is to be reviewed."""
+    found = inferred(part("one", CHASSIS), part("two", box(300, 200, 80), z=500))
+    (arc,) = found.arcs
+    assert (arc.hinge.type, arc.hinge.score) == (JointKind.FIXED, 0.0)
+    assert arc.hinge.review == "type, axis and parent are unknown"
+
+
+def test_small_unconnected_part_goes_to_its_neighbour() -> None:
+    """A small body goes to the nearest larger one, as a guess."""
+    found = inferred(part("one", CHASSIS), part("two", CHASSIS, z=500), part("tiny", box(5, 5, 5), z=450))
+    assert {"two", "tiny"} in links(found)
+    assert 3 in found.guesses
+
+
+def test_wheel_by_name_turns_about_its_own_axis() -> None:
+    """A single part named a wheel turns, although nothing holds it."""
+    found = inferred(part("chassis", CHASSIS), part("wheel", cylinder(50, 30), z=60))
+    assert joints(found) == [("revolute", "chassis", "wheel")]
+    assert found.arcs[0].hinge.review == "by name"
+
+
+def test_two_fingers_by_name_slide_towards_each_other() -> None:
+    """Two equal fingers in front of a palm slide; their pads do not."""
+    finger = box(20, 15, 60)
+    sides = [group(f"finger {x}", part("blade", finger, x=x, z=82)) for x in (-25.0, 25.0)]
+    found = inferred(group("palm", part("block", box(100, 100, 100))), *sides)
+    assert [kind for kind, *_ in joints(found)] == ["prismatic", "prismatic"]
