@@ -147,5 +147,5 @@ def _text(inspection: "Inspection", between: tuple[str, str] | None, choice: "Ch
     from .shared_axes import shared_axes
 
     if between and inspection.assembly is not None:
-        return shared_axes_text(shared_axes(inspection.assembly, inspection.links, *between))
+        return shared_axes_text(shared_axes(inspection.assembly, inspection.links, *between), screen_width(sys.stdout))
     return inspection_text(inspection, choice, features=features, width=screen_width(sys.stdout))

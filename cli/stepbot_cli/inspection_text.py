@@ -105,8 +105,8 @@ def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
     return fitted
 
 
-def shared_axes_text(shared: SharedAxes) -> str:
-    """The lines that two components or links share, or nearly share."""
+def shared_axes_text(shared: SharedAxes, width: int | None) -> str:
+    """The lines that two components or links share, or nearly share, as wide as the screen; None for unlimited."""
     text = [f"{shared.words[0]} and {shared.words[1]} share {counted(len(shared.lines), 'axis', 'axes')}"]
     for line, snippet in zip(shared.lines, shared.snippets, strict=True):
         chosen = ", selected by default" if line is shared.chosen else ""
@@ -115,7 +115,7 @@ def shared_axes_text(shared: SharedAxes) -> str:
         tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
         text.append(f"    {millimetres(miss.distance)}{tilt} apart: {quoted(a)} and {quoted(b)} are misaligned")
         text += [f"        {quoted(path)}: {_described(line)}" for path, line in ((a, miss.line_a), (b, miss.line_b))]
-    return printable("\n".join(text))
+    return printable("\n".join(_fitted(text, width)))
 
 
 def _head(assembly: Assembly, total: Contents) -> Iterator[str]:

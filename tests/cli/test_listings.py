@@ -1,6 +1,7 @@
 """``stepbot formats``, ``stepbot schema``, and the width of listings."""
 
 import json
+from pathlib import Path
 
 import jsonschema
 import pytest
@@ -65,3 +66,14 @@ def test_a_table_of_joints_is_wrapped(stepbot: Stepbot, monkeypatch: pytest.Monk
     monkeypatch.setenv("COLUMNS", "80")
     run = stepbot("library", "show", "delta")
     assert [line for line in run.out.splitlines() if cells(line) > 80 and "/" not in line] == []
+
+
+def test_shared_axes_fit_the_screen(stepbot: Stepbot, arm: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`inspect --between` is wrapped at spaces on a terminal, and has one line for each axis in a pipe."""
+    between = ("inspect", "arm2.step", "--between", "base", "shoulder")
+    piped = stepbot(*between).out.splitlines()
+    assert len(piped) == 2
+    monkeypatch.setenv("COLUMNS", "60")
+    wrapped = stepbot(*between).out.splitlines()
+    assert max(map(cells, wrapped)) <= 60
+    assert " ".join(" ".join(wrapped).split()) == " ".join(" ".join(piped).split())
