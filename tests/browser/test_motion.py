@@ -103,29 +103,32 @@ def test_every_robot_moves_as_in_mujoco(
         assert page.positions() != before or not before
 
 
-def test_stewart_platform_is_solved_fast_enough(
+def test_a_drag_of_the_stewart_platform_takes_little_work(
     page: Page, tmp_path: Path, scenes: Mapping[str, tuple[Robot, dict[str, Any]]]
 ) -> None:
-    """A drag of a slider in sixty small steps: each follows the slider, and most take less than a thirtieth second."""
+    """A drag of a slider in sixty small steps: each follows the slider, with at most ten evaluations of the loops."""
     robot, scene = scenes["stewart"]
     page.open_file(tmp_path, scene)
-    (name, *_) = [one["name"] for one in scene["motion"]["driven"]]
-    low, high = next(one["range"] for one in scene["motion"]["driven"] if one["name"] == name)
-    times = page.run(
-        """const [name, low, high] = arguments; const times = [];
+    driven = scene["motion"]["driven"][0]
+    low, high = driven["range"]
+    counts = page.run(
+        """const [name, low, high] = arguments; const { loops } = stepbot.state; const counts = [];
+        const solve = loops.constraints.bind(loops); let count = 0;
+        loops.constraints = (u) => { count++; return solve(u); };
         for (let i = 0; i < 60; i++) {
-          const start = performance.now();
+          count = 0;
           stepbot.state.drive(name, (low + high) / 2 + (high - low) * 0.2 * Math.sin(i / 9));
-          times.push(performance.now() - start);
-        } return times;""",
-        name,
+          counts.push(count);
+        } return counts;""",
+        driven["name"],
         low,
         high,
     )
     assert page.run("return stepbot.state.note") == ""
-    assert page.positions()[name] == pytest.approx((low + high) / 2 + (high - low) * 0.2 * np.sin(59 / 9), abs=1e-12)
+    target = (low + high) / 2 + (high - low) * 0.2 * np.sin(59 / 9)
+    assert page.positions()[driven["name"]] == pytest.approx(target, abs=1e-12)
     assert_same(page, tmp_path / "stewart", robot)
-    assert float(np.median(times)) < 1000.0 / 30.0
+    assert max(counts) <= 10, counts
 
 
 def test_sliders_stop_where_loops_do(
