@@ -95,11 +95,6 @@ class Camera:
         x, y = away @ right / depth, away @ up / depth
         return np.stack(((x * self.height + self.width) / 2, (1.0 - y) * self.height / 2), axis=1)
 
-    def pixel_size(self, point: Array) -> float:
-        """Size [m] of a pixel at the distance of a point (3,)."""
-        _, _, forward = self.axes
-        return float((point - self.position) @ forward) * self.tangent * 2 / self.height
-
 
 def camera_of(points: Array, view: View, width: int, height: int, room: float = 1.0) -> Camera:
     """A camera that has all points in the picture, with a margin.

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array
-from stepbot.robot.model import MeshAsset, Robot
+from stepbot.robot.model import Robot
 
 from ..packing import STEPS
 
@@ -46,7 +46,7 @@ def reduced(robot: Robot, budget: int = BUDGET) -> Reduced:
         pairs = [clustered(mesh, cell) for mesh in meshes]
         displayed, deviation = [mesh for mesh, _ in pairs], max(moved for _, moved in pairs)
     rounding = max((0.5 * _diagonal(mesh) / STEPS for mesh in displayed), default=0.0)
-    assets = tuple(_displayed(asset, mesh) for asset, mesh in zip(robot.meshes, displayed, strict=True))
+    assets = tuple(replace(asset, mesh=mesh) for asset, mesh in zip(robot.meshes, displayed, strict=True))
     shown = sum(len(mesh.faces) for mesh in displayed)
     return Reduced(replace(robot, meshes=assets), deviation + rounding, faces, shown)
 
@@ -73,10 +73,6 @@ def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
     triangles = renumbered.reshape(-1, 3)
     _, unique = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     return TriMesh.of(vertices[used], triangles[np.sort(unique)]), moved
-
-
-def _displayed(asset: MeshAsset, mesh: TriMesh) -> MeshAsset:
-    return replace(asset, mesh=mesh)
 
 
 def _size(meshes: list[TriMesh]) -> int:
