@@ -25,7 +25,13 @@ links:
 
 
 @pytest.fixture
-def edited(robot_library: Path, tmp_path: Path, page: Page) -> Iterator[Callable[[str], Session]]:
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Geometry that is read once for all tests; what an edit gives is computed each time."""
+    return tmp_path_factory.getbasetemp() / "browser_cache"
+
+
+@pytest.fixture
+def edited(robot_library: Path, tmp_path: Path, cache: Path, page: Page) -> Iterator[Callable[[str], Session]]:
     """Serves the four-bar linkage with another sidecar, for editing; errors of refused edits are expected."""
     running: list[Session] = []
     page.expected_errors = ["400 (Bad Request)"]
@@ -34,7 +40,7 @@ def edited(robot_library: Path, tmp_path: Path, page: Page) -> Iterator[Callable
         shutil.copy(robot_library / "stepbot_four_bar" / "four_bar.step", tmp_path)
         sidecar = tmp_path / "four_bar.robot.yaml"
         sidecar.write_text(text, encoding="utf-8", newline="")
-        session = Session(sidecar, Options(output=Path(), cache=Cache(tmp_path / "cache")), edits=True)
+        session = Session(sidecar, Options(output=Path(), cache=Cache(cache)), edits=True)
         running.append(session)
         session.load()
         session.server.start()
@@ -47,9 +53,9 @@ def edited(robot_library: Path, tmp_path: Path, page: Page) -> Iterator[Callable
         session.close()
 
 
-def text_of(session: Session) -> str:
+def text_of(session: Session, cache: Path) -> str:
     """The sidecar on disk; it passes `check --step`."""
-    result = check(session.target, open_step=True, cache=False)
+    result = check(session.target, open_step=True, cache=cache)
     assert not result.diagnostics.has_errors, list(result.diagnostics)
     return session.target.read_text(encoding="utf-8")
 
@@ -59,7 +65,7 @@ def press(page: Page, name: str) -> None:
     page.run("document.querySelector(`#card [data-edit='${arguments[0]}']`).click()", name)
 
 
-def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session]) -> None:
+def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session], cache: Path) -> None:
     """Two clicks and `joint here` make a joint that moves; the YAML has it, comments stay, undo takes it back."""
     session = edited(BARE)
     paths = {
@@ -78,7 +84,7 @@ def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session])
     page.run("document.querySelector('#joint-form [data-edit=child]').value = 'crank'")
     press(page, "add")
     page.wait("return stepbot.state.scene.connections.some(one => one.name === 'crank_turn')")
-    text = text_of(session)
+    text = text_of(session, cache)
     assert text.startswith(BARE.rstrip().removesuffix("  ground: {rest: true}   # everything so far"))
     assert "  ground: {rest: true}   # everything so far\n" in text
     assert "crank_turn:" in text
@@ -88,10 +94,10 @@ def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session])
     assert page.text("#undo") == "Undo"
     page.element("#undo").click()
     page.wait("return stepbot.state.scene.connections.length === 0")
-    assert text_of(session) == BARE
+    assert text_of(session, cache) == BARE
     page.element("#redo").click()
     page.wait("return stepbot.state.scene.connections.length === 1")
-    assert text_of(session) == text
+    assert text_of(session, cache) == text
 
 
 def test_axis_and_limits(page: Page, edited: Callable[[str], Session], robot_library: Path) -> None:

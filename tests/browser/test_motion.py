@@ -21,6 +21,7 @@ from .page import Page
 
 SHARES = (0.31, 0.77)
 """Positions of all sliders, as shares of their ranges, one after the other."""
+MODELS: dict[Path, tuple[Robot, Any]] = {}
 
 
 def travel(joint: Joint, poses: Mapping[str, Array]) -> float:
@@ -30,16 +31,25 @@ def travel(joint: Joint, poses: Mapping[str, Array]) -> float:
     return float(X_CQ[:3, 3] @ joint.axis)
 
 
+def compiled(folder: Path, robot: Robot) -> tuple[Robot, Any]:
+    """The robot as MJCF expresses it, and MuJoCo's model of its file, written once to a folder."""
+    import mujoco
+
+    if folder not in MODELS:
+        mjcf = format_named("mjcf")
+        lowered = lower(robot, mjcf, Diagnostics())
+        write_atomically(files_of(lowered, mjcf), folder)
+        MODELS[folder] = lowered, mujoco.MjModel.from_xml_path(str(folder / main_file(lowered, mjcf)))
+    return MODELS[folder]
+
+
 def mujoco_poses(
     folder: Path, robot: Robot, q: Mapping[str, float], poses: Mapping[str, Array]
 ) -> tuple[dict[str, Array], float]:
     """X_RL of every link relative to the root in MuJoCo, and the largest violation of an equality constraint."""
     import mujoco
 
-    mjcf = format_named("mjcf")
-    lowered = lower(robot, mjcf, Diagnostics())
-    write_atomically(files_of(lowered, mjcf), folder)
-    model = mujoco.MjModel.from_xml_path(str(folder / main_file(lowered, mjcf)))
+    lowered, model = compiled(folder, robot)
     data = mujoco.MjData(model)
     closures = {closure.name for closure in robot.closures}
     slides = {f"{one.name}_slide": one.pitch * q[one.name] for one in robot.joints if one.kind is JointKind.SCREW}

@@ -59,7 +59,7 @@ def test_click_a_bore_to_get_its_origin(page: Page, four_bar: Session) -> None:
     body = shown.assembly.bodies[crank.body]
     corners = body.mesh.vertices[body.mesh.faces]
     origins = {}
-    for triangle in corners[:: max(1, len(corners) // 40)].tolist():
+    for triangle in corners[:: max(1, len(corners) // 12)].tolist():
         page.run(
             "stepbot.state.select({link: 'crank', component: arguments[0], triangle: arguments[1]})",
             crank.path,
