@@ -18,6 +18,8 @@ _ROUND = 0.5
 """Share of the outline of contacts that are arcs about an axis, from which they are centred on it."""
 _OFF_CENTRE = 0.12
 """Distance of a contact's centroid from the axis, as a share of the contact's radius, up to which it is on the axis."""
+_GUIDED = 1.0
+"""Engaged length of a shaft, in radii, from which it guides."""
 _CIRCLE = 2e-5
 """Distance [m] up to which an outline is on a circle."""
 _SMALLEST_ARC = 5e-4
@@ -35,7 +37,11 @@ def concentric_axis(fits: Sequence[Fit], patches: Sequence[Patch], others: Itera
         others: Axis lines of the two bodies, tried if only plane faces touch.
     """
     for axis in _candidates(fits, patches, others):
-        if _fits_lie_about(axis, fits) and all(_patch_lies_about(axis, patch) for patch in patches):
+        if not _fits_lie_about(axis, fits):
+            continue
+        # A pin that is guided turns on any face normal to it: an arm lies on the plate that its pin is in.
+        guided = any(f.kind == FitKind.SHAFT and f.full and f.length >= _GUIDED * f.radius for f in fits)
+        if all(patch_lies_about(axis, p) or (guided and axis.is_along(p.normal)) for p in patches):
             return axis
     return None
 
@@ -95,7 +101,8 @@ def _fits_lie_about(axis: Axis, fits: Sequence[Fit]) -> bool:
     return True
 
 
-def _patch_lies_about(axis: Axis, patch: Patch) -> bool:
+def patch_lies_about(axis: Axis, patch: Patch) -> bool:
+    """Whether a contact is normal to an axis and centred on it, or bounded by arcs around it."""
     if not axis.is_along(patch.normal):
         return False
     reach = float(axis.distances(patch.hull).max())

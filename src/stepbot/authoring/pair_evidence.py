@@ -2,6 +2,7 @@
 
 from stepbot.robot.model import JointKind
 
+from .concentric import patch_lies_about
 from .evidence import Evidence, Hinge
 from .freedom import FreedomKind
 from .motors import Motor
@@ -78,6 +79,8 @@ class PairEvidence:
             score += 0.03
         if Role.WHEEL in roles:
             score += 0.1
+        if r.axis is not None and not all(patch_lies_about(r.axis, patch) for patch in r.patches):
+            score -= 0.1
         if self._is_electric(r) or Role.SEAL in roles:
             score -= 0.3
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):

@@ -78,3 +78,11 @@ def test_two_axes_between_subassemblies_are_no_joint() -> None:
     across = [h for h in found.hinges if {h.a, h.b} & {7, 8} and {h.a, h.b} & {3, 4}]
     assert across
     assert all(h.score <= 0.45 for h in across)
+
+
+def test_pin_in_an_arm_that_lies_on_a_plate_is_marked() -> None:
+    """An arm on a pin that also lies on the pin's plate, off-centre, may turn; the score asks for a review."""
+    arm = box(120, 40, 25).at(40, 0, 12.5) - cylinder(10.02, 25)
+    found = evidence(group("a", part("pin", PIN)), group("b", part("arm", arm)))
+    assert strongest(found) == "revolute"
+    assert 0.5 < found.ranked()[0].score < 0.8
