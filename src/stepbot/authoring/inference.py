@@ -26,6 +26,9 @@ from .structure import Structure, body_welds
 from .survey import ALL_SOURCES, Sources, Survey
 from .swivels import slide_in_struts, stop_spinning_rods
 
+_FEWEST_TRIES, _TRIED_PARTS = 3, 4000
+"""Joints that are tried in loops that cannot move: at least, and the parts of all tries together."""
+
 
 @dataclass(frozen=True, eq=False)
 class Inferred:
@@ -57,8 +60,11 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     """
     found = _infer(survey, facts, ())
     needed: list[JointKey] = []
+    # Each try infers everything again: the work is bounded by the number of parts.
+    left = max(_FEWEST_TRIES, _TRIED_PARTS // max(1, len(survey.parts)))
     while locked := locked_arcs(found.arcs):
-        for key in missing_joints(found.arcs, found.offered, found.links, locked):
+        for key in missing_joints(found.arcs, found.offered, found.links, locked)[:left]:
+            left -= 1
             tried = _infer(survey, facts, (*needed, key))
             if len(locked_arcs(tried.arcs)) < len(locked):
                 needed.append(key)
