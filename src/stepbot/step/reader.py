@@ -1,7 +1,7 @@
 """Reads STEP files: the kernel runs in a separate process, so that any failure becomes a diagnostic.
 
 reading = start_reading(path, options)      the kernel loads and reads while the caller continues
-assembly = reading.finish(found)            waits; None after errors in ``found``
+assembly = reading.finish(found)            waits; None where nothing can be read, incomplete where files are missing
 """
 
 import ctypes.util
@@ -65,7 +65,8 @@ class Reading:
             timeout: Seconds after which the kernel is stopped.
 
         Returns:
-            None after errors in ``found``; bodies that failed are errors too, with an assembly without them.
+            None where nothing can be read. Bodies that fail and files that are missing are errors too, with an assembly
+            without them.
         """
         found.extend(self._found)
         if self._worker is None:
@@ -138,7 +139,7 @@ def start_reading(
 
 
 def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:
-    """Read a STEP file; None after errors in ``found``."""
+    """Read a STEP file; None where nothing can be read. Errors in ``found``: the assembly is incomplete."""
     return start_reading(path, options).finish(found)
 
 
