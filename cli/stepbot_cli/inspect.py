@@ -49,6 +49,7 @@ _APART = 0.8
     default="",
     help="List components that match a path or glob at any depth, such as '*screw*'.",
 )
+@click.option("--tree", is_flag=True, help="Show the components as a tree of names instead of a list of paths.")
 @click.option("--unfold", is_flag=True, help="List repeated occurrences individually.")
 @click.option(
     "--picture",
@@ -67,6 +68,7 @@ def command(
     between: tuple[str, str] | None,
     depth: int | None,
     glob: str,
+    tree: bool,
     unfold: bool,
     picture: Path | None,
     as_json: bool,
@@ -85,6 +87,8 @@ def command(
 
     from .inspection_rows import Choice
 
+    if tree and (features or between):
+        raise click.UsageError(f"--tree cannot be combined with {'--features' if features else '--between'}")
     if picture is not None:
         require_packages()
     drawn: Picture | None = None
@@ -105,7 +109,7 @@ def command(
         show_diagnostics(found, display)
         if inspection.assembly is not None:
             choice = Choice(depth, glob, folded=not (unfold or features))
-            write_result(_text(inspection, between, choice, features))
+            write_result(_text(inspection, between, choice, features=features, tree=tree))
         if picture is not None and drawn is not None:
             write_result("\n".join(picture_lines(picture, drawn, labels=True)))
     return found.exit_code
@@ -142,10 +146,12 @@ def _document(inspection: "Inspection", between: tuple[str, str] | None, feature
     return document
 
 
-def _text(inspection: "Inspection", between: tuple[str, str] | None, choice: "Choice", features: bool) -> str:
+def _text(
+    inspection: "Inspection", between: tuple[str, str] | None, choice: "Choice", *, features: bool, tree: bool
+) -> str:
     from .inspection_text import inspection_text, shared_axes_text
     from .shared_axes import shared_axes
 
     if between and inspection.assembly is not None:
         return shared_axes_text(shared_axes(inspection.assembly, inspection.links, *between), screen_width(sys.stdout))
-    return inspection_text(inspection, choice, features=features, width=screen_width(sys.stdout))
+    return inspection_text(inspection, choice, features=features, tree=tree, width=screen_width(sys.stdout))

@@ -17,6 +17,7 @@ from .contents import Contents, contents
 from .counts import counted
 from .diagnostic_text import printable
 from .inspection_rows import Choice, Row, Rows, listed
+from .inspection_tree import tree_lines
 from .shared_axes import SharedAxes
 
 _VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")
@@ -26,13 +27,16 @@ _HEADINGS = ("component", "count", "solids", "volume", "size [mm]", "center [mm]
 _INDENT = "    "
 
 
-def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, width: int | None) -> str:
-    """The header of the file, then the components, as a table or, if that is too wide, in blocks.
+def inspection_text(
+    inspection: Inspection, choice: Choice, *, features: bool, tree: bool = False, width: int | None
+) -> str:
+    """The header of the file, then the components, as a table or, if that is too wide, in blocks; or as a tree.
 
     Args:
         inspection: The assembly with its mass properties.
         choice: Which components to list.
-        features: Whether to list axis lines below each component.
+        features: Whether to list axis lines below each component; not in a tree.
+        tree: Whether to show a tree.
         width: Width of the screen; None for unlimited.
 
     Raises:
@@ -43,12 +47,17 @@ def inspection_text(inspection: Inspection, choice: Choice, *, features: bool, w
     sums = contents(assembly, inspection.measures)
     rows = listed(assembly, choice)
     cells_of_rows = [_row(assembly, row, sums[row.component.index]) for row in rows.rows]
-    blocks = _blocks(cells_of_rows, [_telling_names(row.component) for row in rows.rows], width)
-    text = [*_fitted(_head(assembly, sums[0]), width), "", *blocks.pop(0)]
-    for row, block in zip(rows.rows, blocks, strict=True):
-        text += block
-        if features:
-            text += _fitted((_INDENT + axis for axis in _component_axes(assembly, row.component)), width)
+    names = [_telling_names(row.component) for row in rows.rows]
+    text = [*_fitted(_head(assembly, sums[0]), width), ""]
+    if tree:
+        text += tree_lines(assembly.components, rows.rows, list(map(_facts, cells_of_rows, names)), width)
+    else:
+        blocks = _blocks(cells_of_rows, names, width)
+        text += blocks.pop(0)
+        for row, block in zip(rows.rows, blocks, strict=True):
+            text += block
+            if features:
+                text += _fitted((_INDENT + axis for axis in _component_axes(assembly, row.component)), width)
     return printable("\n".join([*text, *_fitted(_left_out(rows, choice), width), *_validations(assembly)]))
 
 
@@ -64,21 +73,25 @@ def _blocks(rows: list[tuple[str, ...]], telling_names: list[str], width: int | 
     if width is None or max(map(cells, table)) <= width:
         return [[line] for line in table]
     blocks = [[_HEADINGS[0], f"{_INDENT}count, solids, volume, size, center, density, names"]]
-    for (path, count, solids, volume, size, center, density, _, remarks), names in zip(
-        rows, telling_names, strict=True
-    ):
-        facts = [
-            f"{count} times" if count else "",
-            counted(int(solids), "solid") if solids != "-" else "",
-            volume if volume != "-" else "",
-            f"{size} mm" if size != "-" else "",
-            f"at {center} mm" if center != "-" else "",
-            density if density != "-" else "",
-            names,
-            remarks,
-        ]
-        blocks.append([path, *_fitted([_INDENT + "; ".join(filter(None, facts))], width)])
+    for row, names in zip(rows, telling_names, strict=True):
+        blocks.append([row[0], *_fitted([_INDENT + _facts(row, names)], width)])
     return blocks
+
+
+def _facts(row: tuple[str, ...], names: str) -> str:
+    """The properties of a component in words."""
+    _, count, solids, volume, size, center, density, _, remarks = row
+    facts = [
+        f"{count} times" if count else "",
+        counted(int(solids), "solid") if solids != "-" else "",
+        volume if volume != "-" else "",
+        f"{size} mm" if size != "-" else "",
+        f"at {center} mm" if center != "-" else "",
+        density if density != "-" else "",
+        names,
+        remarks,
+    ]
+    return "; ".join(filter(None, facts))
 
 
 def _left_out(rows: Rows, choice: Choice) -> Iterator[str]:

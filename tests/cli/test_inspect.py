@@ -269,3 +269,22 @@ def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
     document = json.loads(run.out)
     assert [finding["code"] for finding in document["diagnostics"]] == ["SB223"]
     assert document["components"][0]["solids"] == 1
+
+
+def test_names_along_the_branches_of_a_tree_are_paths(
+    arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`--tree` shows every component below its parent; a filter keeps the subassemblies above it; lines fit the screen."""
+    run = stepbot("inspect", "arm2.step", "--tree", "--unfold")
+    paths, above = [], list[str]()
+    for guides, name in re.findall(r'^([│├└─ ]*)"([^"]+)"', run.out, re.MULTILINE):
+        above[len(guides) // 4 :] = [name]
+        paths.append("/".join(above[1:]) or ".")
+    document = json.loads(stepbot("inspect", "arm2.step", "--json").out)
+    assert paths == [component["path"] for component in document["components"]]
+    assert 'screw M6x12:1": 4 times; 1 solid' in stepbot("inspect", "arm2.step", "--tree").out
+    filtered = stepbot("inspect", "arm2.step", "--tree", "--filter", "*screw*").out
+    assert re.findall(r'"([^"]+)"(?=:|$)', filtered, re.MULTILINE) == [".", "base", "screw M6x12:1"]
+    monkeypatch.setenv("COLUMNS", "60")
+    assert max(map(len, stepbot("inspect", "arm2.step", "--tree").out.splitlines())) <= 60
+    assert stepbot("inspect", "arm2.step", "--tree", "--features").code == 2
