@@ -274,7 +274,7 @@ def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
 def test_names_along_the_branches_of_a_tree_are_paths(
     arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`--tree` shows every component below its parent; a filter keeps the subassemblies above it; lines fit the screen."""
+    """`--tree` shows each component below its parent; a filter keeps the subassemblies above; lines fit the screen."""
     run = stepbot("inspect", "arm2.step", "--tree", "--unfold")
     paths, above = [], list[str]()
     for guides, name in re.findall(r'^([│├└─ ]*)"([^"]+)"', run.out, re.MULTILINE):
