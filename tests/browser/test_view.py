@@ -187,6 +187,24 @@ def test_names_cannot_become_markup(page: Page, tmp_path: Path) -> None:
     assert EVIL in page.text("#name")
 
 
+def test_overlapping_links_are_red(page: Page, tmp_path: Path) -> None:
+    """A click on a pair of links that overlap selects both and shows their collision shapes in red."""
+    scene = scene_document(ROBOTS["four_bar"]())
+    first, second = (link["name"] for link in scene["links"][1:3])
+    scene["proof"] = {"rows": [], "overlaps": [{"links": [first, second], "depth": 0.0012}], "own_parsers": []}
+    page.open_file(tmp_path, scene)
+    page.tab("proof")
+    assert "1.2 mm deep" in page.text("#proof")
+    page.element("#proof button").click()
+    assert page.run("return [stepbot.state.selection.overlapped, stepbot.state.selection.link]") == [first, second]
+    shapes = "stepbot.view.items.filter((item) => item.kind === 'collision')"
+    red = set(page.run(f"return {shapes}.filter((item) => stepbot.view.color(item)[1] < 0.2).map((item) => item.link)"))
+    assert red == {first, second}
+    assert red < set(page.run(f"return {shapes}.map((item) => item.link)"))
+    glowing = page.run("return stepbot.view.items.filter((item) => stepbot.view.glow(item)).map((item) => item.link)")
+    assert set(glowing) == red
+
+
 def test_nothing_is_loaded_from_elsewhere(page: Page, four_bar: Session) -> None:
     """Every request of the page goes to its own server, below its token."""
     page.open(four_bar.server.url)

@@ -32,8 +32,14 @@ function table(rows) {
   })));
 }
 
+// Both links, and their collision shapes, which are red where links overlap.
+function show(state, [overlapped, link]) {
+  state.set("collisions", true);
+  state.select({ link, overlapped });
+}
+
 function overlaps(state, pairs) {
   if (!pairs.length) return [];
-  return [element("h3", {}, "Links that overlap as drawn"), element("ul", {}, pairs.map(({ links, depth }) => element("li", {}, element("button.row", { type: "button", onclick: () => state.select({ link: links[1] }) },
+  return [element("h3", {}, "Links that overlap as drawn"), element("ul", {}, pairs.map(({ links, depth }) => element("li", {}, element("button.row", { type: "button", onclick: () => show(state, links) },
     element("span.label", {}, links.join(" and ")), element("span.value", {}, depth === null ? "" : `${millimetres(depth)} deep`)))))];
 }

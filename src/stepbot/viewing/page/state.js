@@ -61,11 +61,16 @@ export class State {
     return Object.fromEntries(this.tree.joints.map((joint, i) => [joint.name, this.positions[i]]));
   }
 
+  // Whether a link overlaps another as drawn.
+  overlaps(link) {
+    return this.scene.proof?.overlaps.some(({ links }) => links.includes(link)) ?? false;
+  }
+
   pose(link) {
     return this.X[this.tree.linkIndex.get(link)];
   }
 
-  // selection: { link, component, triangle, point, X } or { connection }.
+  // selection: { link, component, triangle, point, X }, { link, overlapped } or { connection }.
   // What the scene does not have yet is selected when it comes.
   select(selection) {
     this.wanted = selection && !this.find(selection) ? selection : null;

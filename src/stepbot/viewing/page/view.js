@@ -118,7 +118,7 @@ export class View {
   }
 
   color(item) {
-    if (item.kind === "collision") return [0.98, 0.6, 0.2, 0.28];
+    if (item.kind === "collision") return this.state.overlaps(item.link) ? [0.9, 0.12, 0.12, 0.45] : [0.98, 0.6, 0.2, 0.28];
     const { show, selection } = this.state;
     const base = show.byLink || !item.rgba ? linkColor(item.index) : item.rgba;
     const covered = show.collisions || show.masses || (selection?.connection && !this.ends().includes(item.link));
@@ -135,7 +135,7 @@ export class View {
     if (!selection || item.kind === "collision") return null;
     if (this.state.isPicked(item.component)) return [0.25, 0.55, 1, 0.75];
     if (selection.connection) return this.ends()[1] === item.link ? [0.25, 0.55, 1, 0.35] : null;
-    return selection.link === item.link && !selection.picked ? [0.25, 0.55, 1, 0.3] : null;
+    return [selection.link, selection.overlapped].includes(item.link) && !selection.picked ? [0.25, 0.55, 1, 0.3] : null;
   }
 
   lines() {
