@@ -33,11 +33,15 @@ Read = Callable[[CorpusFile], ReadFile]
 
 def each(files: tuple[CorpusFile, ...]) -> pytest.MarkDecorator:
     """A parameter ``file``; tests of the same file run in the same process, so that it is read once."""
-    return pytest.mark.parametrize(
-        "file", [pytest.param(file, id=file.stem, marks=pytest.mark.xdist_group(file.stem)) for file in files]
-    )
+    marks = {
+        file: [pytest.mark.xdist_group(file.stem), *([pytest.mark.long] if file.name in LARGE else [])]
+        for file in files
+    }
+    return pytest.mark.parametrize("file", [pytest.param(file, id=file.stem, marks=marks[file]) for file in files])
 
 
+LARGE = ("openarm_leader_gripper.step", "rotor_pump_ap203.step", "russian_names_cp1251.step")
+"""Files that take as long as all others together."""
 UNITS = {"box_sides_inch.step": "inch", "dm1_ideas_inch.step": "inch", "s1_autocad_foot.step": "foot"}
 DENSITY = 1000.0
 """[kg/m^3]."""

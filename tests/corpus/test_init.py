@@ -13,7 +13,10 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.parametrize(
     ("file", "links", "joints"),
-    [("simple_pendulum.step", 2, ["revolute"]), ("two_joint_servo_arm_ap242.step", 3, ["revolute", "revolute"])],
+    [
+        pytest.param("simple_pendulum.step", 2, ["revolute"], marks=pytest.mark.long),
+        ("two_joint_servo_arm_ap242.step", 3, ["revolute", "revolute"]),
+    ],
 )
 def test_draft_of_a_real_assembly_converts(
     file: str, links: int, joints: list[str], corpus: Path, tmp_path: Path

@@ -38,7 +38,9 @@ def test_assembly_with_and_without_materials(corpus: Path, tmp_path: Path) -> No
     assert counts == {"material '' -> 'STEEL'": 6, "material '' -> 'ALUMINIUM'": 2, "material '' -> 'BRONZE'": 1}
 
 
-@pytest.mark.parametrize("name", ["as1-oc-214.step", "low_cost_robot_follower.step"])
+@pytest.mark.parametrize(
+    "name", ["as1-oc-214.step", pytest.param("low_cost_robot_follower.step", marks=pytest.mark.long)]
+)
 def test_every_name_changed(name: str, corpus: Path, tmp_path: Path) -> None:
     """With every product and occurrence renamed, each part is matched by its shape and pose, equal parts too."""
     revised = Revision(corpus / name).rename_all(lambda old: f"X{old[::-1]}" if old else old)

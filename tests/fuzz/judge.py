@@ -207,7 +207,7 @@ def unsound(assembly: Assembly) -> Iterator[str]:
     for index, body in enumerate(bodies):
         for fault in _unsound_body(body):
             yield f"body {index}: {fault}"
-    if not any(component.body >= 0 for component in components):
+    if not any(component.body >= 0 or component.missing for component in components):
         yield "no component has a body"
 
 

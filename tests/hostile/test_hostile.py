@@ -17,7 +17,11 @@ from .sidecar_tree import read_tree, written
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("hostile")
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    # tests/fuzz tries the mutants of `steps`.
+    [pytest.param(name, marks=pytest.mark.long) if name == "steps" else name for name in NAMES],
+)
 def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
     """The short form of each experiment finds no traceback, hang, leftover or incomplete file."""
     chosen = experiment(name)

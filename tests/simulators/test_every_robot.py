@@ -105,9 +105,15 @@ def _lacks(name: str) -> set[str]:
     return lacks
 
 
+def _marks(name: str) -> list[pytest.MarkDecorator]:
+    """Tests of a robot run in one process; the one with the most loops takes a third of the time."""
+    group = pytest.mark.xdist_group(f"every_robot_{name}")
+    return [group, pytest.mark.long] if name == "stewart" else [group]
+
+
 @pytest.fixture(
     scope="module",
-    params=[pytest.param(name, marks=pytest.mark.xdist_group(f"every_robot_{name}")) for name in ROBOTS],
+    params=[pytest.param(name, marks=_marks(name)) for name in ROBOTS],
 )
 def proof(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Report, list[str]]:
     """Name of a robot, its report, and its diagnostics."""

@@ -209,6 +209,6 @@ def _millimetres(length: float) -> str:
 def _axis(axis: Sequence[float]) -> str | list[float]:
     """``z`` or ``-z`` for an axis of the joint's frame, else three numbers."""
     for index, letter in enumerate("xyz"):
-        if abs(axis[index]) == 1.0 and sum(map(abs, axis)) == 1.0:
+        if abs(axis[index]) == 1.0 and not any(axis[:index]) and not any(axis[index + 1 :]):
             return letter if axis[index] > 0.0 else f"-{letter}"
     return list(axis)

@@ -151,6 +151,7 @@ def test_a_worker_started_from_a_thread_that_ends() -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="processes cannot be bound to cores")
+@pytest.mark.usefixtures("cold_processes")
 def test_a_worker_inherits_the_cores_of_the_thread_that_starts_it() -> None:
     """A worker inherits the cores of the thread that starts it, so that a batch keeps its share."""
     one = min(os.sched_getaffinity(0))

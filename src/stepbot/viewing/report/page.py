@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 
 from stepbot.diagnostics import Diagnostic
+from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import Report, Status
 from stepbot.robot.model import Robot
 from stepbot.version import __version__
@@ -69,7 +70,7 @@ def _summary(robot: Robot, report: Report, found: Sequence[Diagnostic]) -> Marku
     freedom = report.degrees_of_freedom
     tiles = (
         (verdict[0], checks or "verification", verdict[1]),
-        (mass_text(sum(link.mass_properties.mass for link in robot.links)), "mass", ""),
+        (mass_text(exact_sum(link.mass_properties.mass for link in robot.links)), "mass", ""),
         (str(len(robot.links)), "links", ""),
         (str(len(robot.joints)), "joints", ""),
         (str(len(robot.closures)), "closed loops", "") if robot.closures else None,

@@ -76,7 +76,9 @@ def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
 
 
 def _size(meshes: list[TriMesh]) -> int:
-    return sum(_PER_VERTEX * len(mesh.vertices) + _PER_FACE * len(mesh.faces) for mesh in meshes)
+    vertices = sum(len(mesh.vertices) for mesh in meshes)
+    faces = sum(len(mesh.faces) for mesh in meshes)
+    return _PER_VERTEX * vertices + _PER_FACE * faces
 
 
 def _diagonal(mesh: TriMesh) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from stepbot.geometry.sums import exact_sum
 from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
 from stepbot.report.record import MeasuredBody
 from stepbot.robot.joint_table import JointRow
@@ -71,7 +72,7 @@ def _limits(joint: Joint | None) -> tuple[Markup, Markup]:
 
 def masses_section(robot: Robot) -> Markup:
     """Mass, centre and inertia of every link, and the source of the mass of every component."""
-    total = sum(link.mass_properties.mass for link in robot.links)
+    total = exact_sum(link.mass_properties.mass for link in robot.links)
     headings = ("link", "mass", "share", "centre of mass [mm]", "inertia xx, yy, zz [kg m²]", "from")
     rows = [_link_row(link, total) for link in robot.links]
     rows.append(
