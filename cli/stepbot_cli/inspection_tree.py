@@ -28,13 +28,13 @@ def tree_lines(
         facts: For each row its properties in words.
         width: Width of the screen; None for unlimited.
     """
-    told = {row.component.index: words for row, words in zip(rows, facts, strict=True)}
+    words_of = {row.component.index: words for row, words in zip(rows, facts, strict=True)}
     branches: dict[int, Tree] = {}
 
     def branch(index: int) -> Tree:
         if index not in branches:
             component = components[index]
-            words = told.get(index, "")
+            words = words_of.get(index, "")
             label = Text(printable(": ".join(filter(None, (quoted(component.segment), words)))))
             branches[index] = branch(component.parent).add(label) if component.parent >= 0 else Tree(label)
         return branches[index]

@@ -90,7 +90,7 @@ def command(
             if not no_verify:
                 prover = Prover([session], lambda *result: None)
                 running.callback(prover.close)
-                session.heard = lambda: prover.ask(session)
+                session.on_edit = lambda: prover.ask(session)
                 prover.ask(session)
             threading.Event().wait()
         except KeyboardInterrupt:

@@ -76,7 +76,7 @@ class LocalServer:
             self._http.shutdown()
         self._http.server_close()
 
-    def tell(self, event: str, content: Json) -> None:
+    def send(self, event: str, content: Json) -> None:
         """Send an event to all open pages; a page that opens later gets the last one of each name."""
         message = f"event: {event}\ndata: {json.dumps(content, ensure_ascii=True)}\n\n".encode()
         with self._lock:

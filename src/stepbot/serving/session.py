@@ -47,7 +47,7 @@ class Session:
         self._scene = b"null"
         self._shown: Shown | None = None
         self._revision = 0
-        self.heard: Callable[[], None] = lambda: None
+        self.on_edit: Callable[[], None] = lambda: None
         """Called after an edit was shown."""
         self._editor: Editor | None = None
         answers = {"face": self._face}
@@ -62,7 +62,7 @@ class Session:
         shown = show(self.target, self._options)
         self.files = shown.files or (self.target,)
         if shown.scene is None or (shown.diagnostics.has_errors and self._shown is not None):
-            self.server.tell("findings", {"diagnostics": diagnostic_documents(shown.diagnostics)})
+            self.server.send("findings", {"diagnostics": diagnostic_documents(shown.diagnostics)})
             return shown
         self._set(shown)
         return shown
@@ -71,7 +71,7 @@ class Session:
         """Show the joints that inference finds in a plain STEP file; nothing for other targets."""
         shown = self._shown
         if shown is not None and shown.sidecar is None and shown.assembly is not None:
-            self.server.tell("busy", {"text": "looking for joints"})
+            self.server.send("busy", {"text": "looking for joints"})
             self._set(guessed(shown, self.target, self._options))
 
     def _set(self, shown: Shown) -> None:
@@ -82,11 +82,11 @@ class Session:
         for event in ("findings", "proof", "busy"):
             self.server.forget(event)
         edit = None if self._editor is None else self._editor.state()
-        self.server.tell("scene", {"revision": self._revision, "edit": edit})
+        self.server.send("scene", {"revision": self._revision, "edit": edit})
 
     def _edited(self, shown: Shown) -> None:
         self._set(shown)
-        self.heard()
+        self.on_edit()
 
     def prove(self) -> Conversion | None:
         """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""
@@ -94,16 +94,16 @@ class Session:
         if shown is None or shown.sidecar is None or shown.diagnostics.has_errors:
             return None
         documents = diagnostic_documents(shown.diagnostics)
-        self.server.tell("proof", {"proof": None, "diagnostics": documents, "proving": True})
+        self.server.send("proof", {"proof": None, "diagnostics": documents, "proving": True})
         conversion = (convert if self._writes else produce)(shown.sidecar, self._options)
         if shown is self._shown:
-            self._tell_proof(conversion)
+            self._send_proof(conversion)
         return conversion
 
-    def _tell_proof(self, conversion: Conversion) -> None:
+    def _send_proof(self, conversion: Conversion) -> None:
         found: Diagnostics = conversion.diagnostics
         proof = None if conversion.report is None else proof_document(conversion.report)
-        self.server.tell("proof", {"proof": proof, "diagnostics": diagnostic_documents(found), "proving": False})
+        self.server.send("proof", {"proof": proof, "diagnostics": diagnostic_documents(found), "proving": False})
 
     def close(self) -> None:
         """End the server."""

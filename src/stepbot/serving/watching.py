@@ -28,14 +28,14 @@ def can_watch() -> bool:
 class Prover:
     """Converts and verifies what sessions show, the latest state of each, one after the other."""
 
-    def __init__(self, sessions: Sequence[Session], told: Callable[[Session, Conversion], None]) -> None:
+    def __init__(self, sessions: Sequence[Session], report: Callable[[Session, Conversion], None]) -> None:
         """Start the thread.
 
         Args:
             sessions: All sessions.
-            told: Called with each result, in the thread.
+            report: Called with each result, in the thread.
         """
-        self._told = told
+        self._report = report
         self._wanted = {id(session): (session, Event()) for session in sessions}
         self._any, self._ended = Event(), False
         self._thread = Thread(target=self._run, name="prover", daemon=True)
@@ -62,7 +62,7 @@ class Prover:
                     wanted.clear()
                     conversion = session.prove()
                     if conversion is not None:
-                        self._told(session, conversion)
+                        self._report(session, conversion)
 
 
 def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None], ended: Event) -> None:

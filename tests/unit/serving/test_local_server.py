@@ -127,9 +127,9 @@ def test_answers_are_neither_kept_nor_framed(server: LocalServer) -> None:
 
 def test_events_reach_open_and_later_pages(server: LocalServer) -> None:
     """A page that opens later gets the last event of each name; all open pages get new ones."""
-    server.tell("scene", {"revision": 1})
-    server.tell("scene", {"revision": 2})
-    server.tell("findings", {})
+    server.send("scene", {"revision": 1})
+    server.send("scene", {"revision": 2})
+    server.send("findings", {})
     server.forget("findings")
     pages = []
     for _ in range(2):
@@ -142,7 +142,7 @@ def test_events_reach_open_and_later_pages(server: LocalServer) -> None:
             b'data: {"revision": 2}\n',
             b"\n",
         ]
-    server.tell("proof", {"name": "\u2028\n"})
+    server.send("proof", {"name": "\u2028\n"})
     for page in pages:
         assert page.readline() == b"event: proof\n"
         assert json.loads(page.readline().removeprefix(b"data: ")) == {"name": "\u2028\n"}

@@ -80,8 +80,8 @@ class Surfaces:
         found, unknown = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
         found[row[on]] = True
         unknown[row[~on & ~self._all.known[face]]] = True
-        told = found | ~unknown
-        return float(found[told].mean()) if told.any() else 0.0
+        known = found | ~unknown
+        return float(found[known].mean()) if known.any() else 0.0
 
     def covered(self, part: int, points: Array) -> float:
         """Share of the known faces of a component with points (n, 3) on them; 0 if none is known."""
