@@ -50,7 +50,7 @@ class LocalServer:
         self._listeners: list[SimpleQueue[bytes | None]] = []
         self._last: dict[str, bytes] = {}
         self._lock = Lock()
-        self._http = _Server((ADDRESS, port), _handler(self))
+        self._http = _Server(self, port)
         self._thread = Thread(target=self._http.serve_forever, name="page server", daemon=True)
 
     @property
@@ -107,106 +107,110 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
     allow_reuse_address = True
 
+    def __init__(self, local: LocalServer, port: int) -> None:
+        self.local = local
+        super().__init__((ADDRESS, port), _Handler)
 
-def _handler(server: LocalServer) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        protocol_version = "HTTP/1.1"
-        server_version = "stepbot"
-        sys_version = ""
-        timeout = 60.0
 
-        def do_GET(self) -> None:
-            match self._place():
-                case "":
-                    self._send(server._page().encode(), "text/html; charset=utf-8")
-                case "scene":
-                    self._send(server._scene(), "application/json")
-                case "events":
-                    self._stream()
-                case None:
-                    self._refuse(HTTPStatus.FORBIDDEN)
-                case _:
-                    self._refuse(HTTPStatus.NOT_FOUND)
+class _Handler(BaseHTTPRequestHandler):
+    """Answers requests below the token of the server's page."""
 
-        def do_POST(self) -> None:
-            place = self._place()
-            name = (place or "").removeprefix("ask/")
-            if place is None:
+    server: _Server
+    protocol_version = "HTTP/1.1"
+    server_version = "stepbot"
+    sys_version = ""
+    timeout = 60.0
+
+    def do_GET(self) -> None:
+        match self._place():
+            case "":
+                self._send(self.server.local._page().encode(), "text/html; charset=utf-8")
+            case "scene":
+                self._send(self.server.local._scene(), "application/json")
+            case "events":
+                self._stream()
+            case None:
                 self._refuse(HTTPStatus.FORBIDDEN)
-            elif not place.startswith("ask/") or name not in server._answers:
+            case _:
                 self._refuse(HTTPStatus.NOT_FOUND)
-            elif self.headers.get_content_type() != "application/json":
-                self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE)
-            else:
-                self._answer(server._answers[name])
 
-        def _answer(self, answer: Answer) -> None:
-            length = self.headers.get("Content-Length", "")
-            if not length.isascii() or not length.isdigit() or int(length) > LARGEST_QUESTION:
-                self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
-                return
-            try:
-                question = json.loads(self.rfile.read(int(length)))
-                if not isinstance(question, dict):
-                    raise Refused("a JSON object is expected")
-                self._send(json.dumps(answer(question)).encode(), "application/json")
-            except (Refused, ValueError, RecursionError) as error:
-                self._send(str(error).encode(), "text/plain; charset=utf-8", HTTPStatus.BAD_REQUEST)
+    def do_POST(self) -> None:
+        place = self._place()
+        name = (place or "").removeprefix("ask/")
+        if place is None:
+            self._refuse(HTTPStatus.FORBIDDEN)
+        elif not place.startswith("ask/") or name not in self.server.local._answers:
+            self._refuse(HTTPStatus.NOT_FOUND)
+        elif self.headers.get_content_type() != "application/json":
+            self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE)
+        else:
+            self._answer(self.server.local._answers[name])
 
-        def _place(self) -> str | None:
-            """The path below the token; None for a request that must not be answered."""
-            here = {f"{name}:{server.port}" for name in (ADDRESS, "localhost")}
-            origin = self.headers.get("Origin")
-            if self.headers.get("Host") not in here:
-                return None
-            if origin is not None and origin not in {f"http://{host}" for host in here}:
-                return None
-            if self.headers.get("Sec-Fetch-Site", "none") not in ("same-origin", "none"):
-                return None
-            token, slash, place = self.path.removeprefix("/").partition("/")
-            is_ours = secrets.compare_digest(token.encode(), server.token.encode())
-            return place if is_ours and slash else None
+    def _answer(self, answer: Answer) -> None:
+        length = self.headers.get("Content-Length", "")
+        if not length.isascii() or not length.isdigit() or int(length) > LARGEST_QUESTION:
+            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
+            return
+        try:
+            question = json.loads(self.rfile.read(int(length)))
+            if not isinstance(question, dict):
+                raise Refused("a JSON object is expected")
+            self._send(json.dumps(answer(question)).encode(), "application/json")
+        except (Refused, ValueError, RecursionError) as error:
+            self._send(str(error).encode(), "text/plain; charset=utf-8", HTTPStatus.BAD_REQUEST)
 
-        def _stream(self) -> None:
-            self.close_connection = True
-            self.send_response(HTTPStatus.OK)
-            self._headers("text/event-stream")
-            queue = server._listen()
-            try:
-                while True:
-                    try:
-                        message = queue.get(timeout=HEARTBEAT)
-                    except Empty:
-                        message = b": still here\n\n"
-                    if message is None:
-                        return
-                    self.wfile.write(message)
-                    self.wfile.flush()
-            except OSError:  # the page was closed
-                return
-            finally:
-                server._leave(queue)
+    def _place(self) -> str | None:
+        """The path below the token; None for a request that must not be answered."""
+        here = {f"{name}:{self.server.local.port}" for name in (ADDRESS, "localhost")}
+        origin = self.headers.get("Origin")
+        if self.headers.get("Host") not in here:
+            return None
+        if origin is not None and origin not in {f"http://{host}" for host in here}:
+            return None
+        if self.headers.get("Sec-Fetch-Site", "none") not in ("same-origin", "none"):
+            return None
+        token, slash, place = self.path.removeprefix("/").partition("/")
+        is_ours = secrets.compare_digest(token.encode(), self.server.local.token.encode())
+        return place if is_ours and slash else None
 
-        def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
-            self.send_response(status)
-            self.send_header("Content-Length", str(len(content)))
-            self._headers(kind)
-            self.wfile.write(content)
+    def _stream(self) -> None:
+        self.close_connection = True
+        self.send_response(HTTPStatus.OK)
+        self._headers("text/event-stream")
+        queue = self.server.local._listen()
+        try:
+            while True:
+                try:
+                    message = queue.get(timeout=HEARTBEAT)
+                except Empty:
+                    message = b": still here\n\n"
+                if message is None:
+                    return
+                self.wfile.write(message)
+                self.wfile.flush()
+        except OSError:  # the page was closed
+            return
+        finally:
+            self.server.local._leave(queue)
 
-        def _headers(self, kind: str) -> None:
-            self.send_header("Content-Type", kind)
-            self.send_header("Cache-Control", "no-store")
-            self.send_header("X-Content-Type-Options", "nosniff")
-            self.send_header("X-Frame-Options", "DENY")
-            self.send_header("Referrer-Policy", "no-referrer")
-            self.send_header("Cross-Origin-Resource-Policy", "same-origin")
-            self.end_headers()
+    def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
+        self.send_response(status)
+        self.send_header("Content-Length", str(len(content)))
+        self._headers(kind)
+        self.wfile.write(content)
 
-        def _refuse(self, status: HTTPStatus) -> None:
-            self.close_connection = True
-            self._send(f"{status.phrase}\n".encode(), "text/plain; charset=utf-8", status)
+    def _headers(self, kind: str) -> None:
+        self.send_header("Content-Type", kind)
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("X-Frame-Options", "DENY")
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.send_header("Cross-Origin-Resource-Policy", "same-origin")
+        self.end_headers()
 
-        def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - the base class's name
-            """Requests are not logged: their paths hold the token."""
+    def _refuse(self, status: HTTPStatus) -> None:
+        self.close_connection = True
+        self._send(f"{status.phrase}\n".encode(), "text/plain; charset=utf-8", status)
 
-    return Handler
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - the base class's name
+        """Requests are not logged: their paths hold the token."""
