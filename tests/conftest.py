@@ -13,6 +13,7 @@ from hypothesis import settings
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from tests import warm
+from tests.portable import PORTABLE
 
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.pop("COLUMNS", None)
@@ -27,22 +28,6 @@ PYBULLET_ABSENT = (
     "(`pip install stepbot[pybullet]` compiles it)"
 )
 PAGE_ABSENT = "no page is tested: it needs Chromium, ChromeDriver and `pip install stepbot[browser,view]`"
-PORTABLE = (
-    "unit/assemble/test_enclosing_shapes.py",
-    "unit/assemble/test_joints.py",
-    "unit/assemble/test_mass.py",
-    "unit/geometry/",
-    "unit/robot/test_dynamics.py",
-    "unit/robot/test_kinematics.py",
-    "unit/runtime/cache/",
-    "unit/runtime/test_fork_server.py",
-    "unit/runtime/test_worker.py",
-    "unit/runtime/test_parallel.py",
-    "unit/verification/test_comparison.py",
-    "conformance/",
-    "cli/test_application.py",
-)
-"""Tests run by `make wheels` in each Python: processes, types at run time, numbers, bytes, engines."""
 
 # The duration of an example depends on the load of the machine.
 settings.register_profile("unhurried", settings(), deadline=None)
