@@ -17,7 +17,6 @@ from .contents import Contents, contents
 from .counts import counted
 from .diagnostic_text import printable
 from .inspection_rows import Choice, Row, Rows, listed
-from .inspection_tree import tree_lines
 from .shared_axes import SharedAxes
 
 _VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")
@@ -50,6 +49,8 @@ def inspection_text(
     names = [_telling_names(row.component) for row in rows.rows]
     text = [*_fitted(_head(assembly, sums[0]), width), ""]
     if tree:
+        from .inspection_tree import tree_lines
+
         text += tree_lines(assembly.components, rows.rows, list(map(_facts, cells_of_rows, names)), width)
     else:
         blocks = _blocks(cells_of_rows, names, width)

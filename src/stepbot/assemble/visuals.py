@@ -6,14 +6,12 @@ occurrence; the default's, its own or its material's; grey.
 
 from collections.abc import Sequence
 
-from stepbot.robot.model import Rgba, Visual
+from stepbot.robot.model import GREY, Visual
 
 from .assets import MeshAssets
 from .binder import Binder
 from .collisions import Placed
 from .material_assignment import default_color
-
-GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
 
 
 def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Placed]) -> tuple[Visual, ...]:

@@ -10,10 +10,9 @@ from math import tau
 from typing import Any
 
 from stepbot.assemble.assets import MeshAssets
-from stepbot.assemble.visuals import GREY
 from stepbot.authoring.draft import Draft, DraftConnection, DraftJoint
 from stepbot.geometry.spatial import IDENTITY, Pose, perpendicular_frame, unit, vector3
-from stepbot.robot.model import Joint, JointKind, Limit, Link, LoopClosure, Robot, Visual
+from stepbot.robot.model import GREY, Joint, JointKind, Limit, Link, LoopClosure, Robot, Visual
 from stepbot.robot.shared_meshes import share_meshes
 from stepbot.step.assembly import Assembly, BodyKind
 

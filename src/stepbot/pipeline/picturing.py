@@ -15,14 +15,13 @@ from stepbot.pictures.exploding import exploded
 from stepbot.pictures.primitives import box_mesh, capsule_mesh, cylinder_mesh
 from stepbot.pictures.scene import Axis, Shape, Subject
 from stepbot.robot.kinematics import Configuration, link_poses
-from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
+from stepbot.robot.model import GREY, Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.structure.paths import nearest_claim, plain_name
 
 from .conversion import Options
 from .stages import produce
 
-GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
 _UNNAMED = re.compile(r"body(#\d+)?")
 """Segments of components whose names say nothing."""
 _SLIDING = {JointKind.PRISMATIC, JointKind.SCREW, JointKind.CYLINDRICAL}

@@ -2,29 +2,23 @@
 
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stepbot.assemble import UNREVISED, build_robot
 from stepbot.authoring.draft import Draft
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
-from stepbot.robot.shared_meshes import share_meshes
 from stepbot.robot.step_names import is_step_name, step_stem
-from stepbot.robot.validity import check_robot
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
 from stepbot.viewing.scene import scene_document
 
+from .building import build
 from .conversion import Options
 from .describing import described_robot
 from .drafted_robot import evidence_of_draft, robot_of_assembly, robot_of_draft
 from .drafting import draft_step
 from .loading import Loading
-from .locking import compared_with_lock
-from .sidecars import load, named_step, what_to_read
-
-SIDECAR_SUFFIXES = (".yaml", ".yml")
+from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,20 +106,14 @@ def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Show
         with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
             assembly = loading.assembly(found)
             files = (path, *_files(step, assembly))
-            measures = partial(loading.measures, found)
-            compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
-            revised = UNREVISED if compared is None else compared.rebinding.revised
-            built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
+            built = build(sidecar, assembly, loading, options, found)
             found.raise_if_errors()
             assert built is not None  # a missing robot always has an error
-            robot = share_meshes(built.robot)
-            check_robot(robot, found, sidecar.span(), assembly.unit)
-            found.raise_if_errors()
             built.double_counting.report(options.timeout)
     except StepbotError as error:
         found.extend(error.diagnostics)
         if assembly is None:
             return Shown(found, sidecar=path, files=files)
         return _parts_alone(assembly, step_stem(assembly.source), found, path, files)
-    scene = scene_document(robot, evidence=evidence_of_rows(built.joint_table), assembly=assembly, found=found)
+    scene = scene_document(built.robot, evidence=evidence_of_rows(built.joint_table), assembly=assembly, found=found)
     return Shown(found, scene, assembly, path, files)

@@ -13,6 +13,8 @@ from stepbot.step.assembly import ReadOptions
 
 from .conversion import Options
 
+SIDECAR_SUFFIXES = (".yaml", ".yml")
+
 
 def load(path: Path, options: Options, found: Diagnostics, text: str | None = None) -> Sidecar:
     """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.

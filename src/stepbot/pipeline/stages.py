@@ -10,11 +10,10 @@ This module prints nothing. The result contains the diagnostics, which the comma
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepbot.assemble import UNREVISED, build_robot, link_components
+from stepbot.assemble import link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.diagnostics.source_lines import source_lines
 from stepbot.engines.workers import check_required
@@ -26,24 +25,19 @@ from stepbot.report.document import report_bytes
 from stepbot.report.record import Report
 from stepbot.robot.closures import degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
-from stepbot.robot.shared_meshes import share_meshes
-from stepbot.robot.validity import check_robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.step.assembly import Assembly
-from stepbot.viewing.report.page import report_page
 
+from .building import build
 from .conversion import REPORT, REPORT_PAGE, Checked, Conversion, Options, write
 from .loading import Loading
-from .locking import compared_with_lock
-from .sidecars import load, named_step, what_to_read
+from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 
 if TYPE_CHECKING:
     from .proof import Proof
 
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
-
-SIDECAR_SUFFIXES = (".yaml", ".yml")
 
 
 @dataclass(frozen=True)
@@ -112,15 +106,10 @@ def _produce(
         assembly = loading.assembly(found)
 
         progress("build")
-        measures = partial(loading.measures, found)
-        compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
-        revised = UNREVISED if compared is None else compared.rebinding.revised
-        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
+        built = build(sidecar, assembly, loading, options, found)
         found.raise_if_errors()
         assert built is not None  # a missing robot always has an error
-        robot, inputs = share_meshes(built.robot), loading.inputs()
-        check_robot(robot, found, sidecar.span(), assembly.unit)
-        found.raise_if_errors()
+        robot, inputs = built.robot, loading.inputs()
 
         progress("write")
         lowered = {written.name: lower(robot, written, found) for written in formats}
@@ -140,6 +129,8 @@ def _produce(
         found.make_strict()
     files = {**joined(by_format), REPORT: report_bytes(report, found)}
     if options.html:
+        from stepbot.viewing.report.page import report_page
+
         files[REPORT_PAGE] = report_page(robot, report, tuple(found), source_lines(found))
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
 
@@ -168,13 +159,9 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         if open_step:
             source = options.step or named_step(loaded, found)
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
-                assembly, measures = loading.assembly(found), partial(loading.measures, found)
-                compared = compared_with_lock(loaded, assembly, measures, loading.content, options, found)
-                revised = UNREVISED if compared is None else compared.rebinding.revised
-                built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker, revised)
+                built = build(loaded, loading.assembly(found), loading, options, found)
                 if built is not None:
                     checked = replace(checked, joint_table=built.joint_table)
-                    check_robot(share_meshes(built.robot), found, loaded.span(), assembly.unit)
                     built.double_counting.report(options.timeout)
         if not found.has_errors:
             _report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)

@@ -14,14 +14,14 @@ def direction_words(direction: Vector3) -> str:
     return f"[{', '.join(f'{round(c, 6) + 0.0:.4g}' for c in direction)}]"
 
 
-def millimetres(length: float) -> str:
+def in_millimetres(length: float) -> str:
     """A length [m] as a number of millimetres, to the micrometre."""
     return f"{round(length * 1e3, 3) + 0.0:.10g}"
 
 
 def point_words(point: Vector3) -> str:
     """A point [m]: ``[0, 12.5, 3] mm``."""
-    return f"[{', '.join(map(millimetres, point))}] mm"
+    return f"[{', '.join(map(in_millimetres, point))}] mm"
 
 
 def evidence_words(evidence: Evidence) -> str:
@@ -35,16 +35,16 @@ def evidence_words(evidence: Evidence) -> str:
         return f"axis of {' and '.join(map(face_words, evidence.sides))}{selected}"
     a, b = sorted(evidence.sides, key=lambda side: side.bore)
     if evidence.basis is Basis.FIT:
-        return f"{face_words(a)} in {face_words(b)}, {millimetres(evidence.overlap or 0.0)} mm engaged{selected}"
+        return f"{face_words(a)} in {face_words(b)}, {in_millimetres(evidence.overlap or 0.0)} mm engaged{selected}"
     gap = -(evidence.overlap or 0.0)
     if evidence.basis is Basis.FLANGE:
-        return f"equal bores of radius {millimetres(a.radius)} mm, {_gap(gap)}{selected}"
+        return f"equal bores of radius {in_millimetres(a.radius)} mm, {_gap(gap)}{selected}"
     return f"{face_words(a)} and {face_words(b)}, {_gap(gap)}{selected}"
 
 
 def rival_words(rival: Rival) -> str:
     """Another line that matches the origin, in one phrase."""
-    radii = ", ".join(map(millimetres, rival.radii[:4]))
+    radii = ", ".join(map(in_millimetres, rival.radii[:4]))
     share = f"{100.0 * rival.share:.3g} % as wide"
     return (
         f"other line ({rival.basis}), {share}: {direction_words(rival.direction)} "
@@ -54,10 +54,10 @@ def rival_words(rival: Rival) -> str:
 
 def face_words(side: Side) -> str:
     """A face: ``bore of radius 4 mm``."""
-    return f"{'bore' if side.bore else 'shaft'} of radius {millimetres(side.radius)} mm"
+    return f"{'bore' if side.bore else 'shaft'} of radius {in_millimetres(side.radius)} mm"
 
 
 def _gap(gap: float) -> str:
     if round(abs(gap), 6) == 0.0:
         return "end to end"
-    return f"{millimetres(gap)} mm apart" if gap > 0.0 else f"overlapping by {millimetres(-gap)} mm"
+    return f"{in_millimetres(gap)} mm apart" if gap > 0.0 else f"overlapping by {in_millimetres(-gap)} mm"

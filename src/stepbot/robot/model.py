@@ -107,6 +107,8 @@ class MeshAsset:
 
 Rgba = tuple[float, float, float, float]
 """Colour and opacity, each 0 to 1, sRGB as CAD programs show it."""
+GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
+"""Colour of what has none."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ class Visual:
     geometry: Geometry
     X_LG: Pose = IDENTITY
     """Pose of the geometry in the link."""
-    rgba: Rgba = (0.8, 0.8, 0.8, 1.0)
+    rgba: Rgba = GREY
     component: str = ""
     """Path of the component that it shows; empty without an assembly."""
 

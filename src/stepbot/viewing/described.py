@@ -17,6 +17,7 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, ZERO3, ZERO33, Pose, perpendicular_frame
 from stepbot.robot.kinematics import MOVING, TURNING
 from stepbot.robot.model import (
+    GREY,
     Actuator,
     ActuatorKind,
     Base,
@@ -36,7 +37,6 @@ from stepbot.robot.model import (
 from stepbot.robot.shared_meshes import share_meshes
 from stepbot.robot.unique_names import free_name
 
-_GREY = (0.8, 0.8, 0.8, 1.0)
 _CLOSING = TURNING | {JointKind.BALL, JointKind.PRISMATIC, JointKind.FIXED}
 """Kinds of closures that the loop solver has."""
 
@@ -104,7 +104,7 @@ def _link(
     if link.mass is not None:
         mass = MassProperties.of(link.mass, link.com or ZERO3, np.array(link.inertia or ZERO33))
     visuals = (
-        Visual(f"{link.name}_{i}", assets.geometry(one), one.X_LG, one.rgba or _GREY)
+        Visual(f"{link.name}_{i}", assets.geometry(one), one.X_LG, one.rgba or GREY)
         for i, one in enumerate(shown)
         if one.link == link.name
     )

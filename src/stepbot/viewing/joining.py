@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from stepbot.geometry.spatial import Vector3, vector3
-from stepbot.report.joint_words import millimetres
+from stepbot.report.joint_words import in_millimetres
 from stepbot.robot.joint_table import Basis
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisLine, axis_faces, choose, mates, selectors
@@ -52,5 +52,5 @@ def shared_lines(assembly: Assembly, a: int, b: int) -> tuple[SharedLine, ...]:
 
 def _words(line: AxisLine) -> str:
     """How the faces of a line meet, and their radii."""
-    radii = " and ".join(millimetres(radius) for radius in line.radii[:2])
+    radii = " and ".join(in_millimetres(radius) for radius in line.radii[:2])
     return f"{_WORDS.get(line.basis, line.basis.value)}, radius {radii} mm"

@@ -1,0 +1,36 @@
+"""One sidecar and its assembly become one robot, with what the lock file records of an earlier revision."""
+
+from dataclasses import replace
+from functools import partial
+
+from stepbot.assemble import UNREVISED, Built, build_robot
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.validity import check_robot
+from stepbot.sidecar.located import Sidecar
+from stepbot.step.assembly import Assembly
+
+from .conversion import Options
+from .loading import Loading
+from .locking import compared_with_lock
+
+
+def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Options, found: Diagnostics) -> Built | None:
+    """Build and check the robot; equal meshes are shared. None where errors prevent a robot.
+
+    Args:
+        sidecar: The sidecar, without errors of its own.
+        assembly: What ``loading`` has read.
+        loading: Measures the bodies, and searches for overlaps.
+        options: Cache, and whether another STEP was given than the one that the sidecar names.
+        found: Receives the diagnostics.
+    """
+    measures = partial(loading.measures, found)
+    compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
+    revised = UNREVISED if compared is None else compared.rebinding.revised
+    built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
+    if built is None:
+        return None
+    built = replace(built, robot=share_meshes(built.robot))
+    check_robot(built.robot, found, sidecar.span(), assembly.unit)
+    return built
