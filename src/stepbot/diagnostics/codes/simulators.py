@@ -222,6 +222,6 @@ CODES: tuple[Code, ...] = (
         "parts of a robot description not shown",
         "`stepbot view` could not read a mesh of the description, or shows a joint or closure of an unsupported type otherwise than the file describes it.",
         "The page shows less than the file contains: a link without its shape, a joint that does not move, a loop that stays open.",
-        "The notes list each one. Put missing meshes where the description names them, and convert Collada and glTF meshes to STL, OBJ or PLY.",
+        "The notes list each one. Put missing meshes where the description names them, and convert meshes of other types to STL, OBJ, PLY, Collada or glTF.",
     ),
 )

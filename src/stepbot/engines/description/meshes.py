@@ -1,4 +1,4 @@
-"""Mesh files of a description: STL, OBJ and PLY, without materials and without opening referenced files."""
+"""Mesh files of a description, without materials and without opening referenced files."""
 
 from pathlib import Path
 

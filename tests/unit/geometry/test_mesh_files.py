@@ -1,0 +1,115 @@
+"""Mesh files against the coordinates that their formats define."""
+
+import base64
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.geometry.mesh_files import read_mesh
+
+_CORNERS = np.array([[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 20.0]])
+"""Corners of a tetrahedron, in the file's unit."""
+_FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+_OFFSET = np.array([5.0, 6.0, 7.0])
+"""Translation of its node."""
+
+_COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><created>2020-01-01T00:00:00</created><modified>2020-01-01T00:00:00</modified>{unit}<up_axis>{up}</up_axis></asset>
+<library_geometries><geometry id="g" name="g"><mesh>
+<source id="p"><float_array id="pa" count="12">{points}</float_array><technique_common>
+<accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><translate>5 6 7</translate>
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+"""
+
+
+def _collada(folder: Path, unit: str, up: str = "Z_UP") -> Path:
+    path = folder / "part.dae"
+    points, faces = (" ".join(map(str, values.ravel().tolist())) for values in (_CORNERS, _FACES))
+    path.write_text(_COLLADA.format(unit=unit, up=up, points=points, faces=faces))
+    return path
+
+
+def _gltf() -> tuple[dict[str, object], bytes]:
+    """The tetrahedron as glTF 2.0: its JSON without the buffer's place, and the buffer."""
+    points, faces = _CORNERS.astype("<f4").tobytes(), _FACES.astype("<u2").tobytes()
+    content: dict[str, object] = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": _OFFSET.tolist()}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": 4,
+                "type": "VEC3",
+                "min": _CORNERS.min(axis=0).tolist(),
+                "max": _CORNERS.max(axis=0).tolist(),
+            },
+            {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": len(points)},
+            {"buffer": 0, "byteOffset": len(points), "byteLength": len(faces)},
+        ],
+    }
+    return content, points + faces
+
+
+def _corners(path: Path) -> set[tuple[float, ...]]:
+    mesh = read_mesh(path)
+    assert mesh is not None
+    assert len(mesh.faces) == len(_FACES)
+    return {tuple(point) for point in np.round(mesh.vertices, 9).tolist()}
+
+
+def _expected(unit: float) -> set[tuple[float, ...]]:
+    return {tuple(point) for point in np.round((_CORNERS + _OFFSET) * unit, 9).tolist()}
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres"),
+    [("", 1.0), ('<unit name="mm" meter="0.001"/>', 1e-3), ('<unit name="inch" meter="0.0254"/>', 0.0254)],
+)
+def test_collada_is_read_in_metres(tmp_path: Path, unit: str, metres: float) -> None:
+    """Lengths of a Collada file are multiplied by the unit that it states, and its nodes place the geometry."""
+    assert _corners(_collada(tmp_path, unit)) == _expected(metres)
+
+
+def test_up_axis_of_collada_is_ignored(tmp_path: Path) -> None:
+    """The description places the coordinates of the file, whatever its up axis, as in RViz."""
+    assert _corners(_collada(tmp_path, "", up="Y_UP")) == _expected(1.0)
+
+
+def test_gltf_with_its_data_inside(tmp_path: Path) -> None:
+    """Binary glTF, and glTF with an embedded buffer, have the points of the specification."""
+    content, buffer = _gltf()
+    embedded = tmp_path / "part.gltf"
+    uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
+    embedded.write_text(json.dumps({**content, "buffers": [{"byteLength": len(buffer), "uri": uri}]}))
+    text = json.dumps({**content, "buffers": [{"byteLength": len(buffer)}]}).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(buffer), 0x004E4942) + buffer
+    binary = tmp_path / "part.glb"
+    binary.write_bytes(struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks)
+    assert _corners(embedded) == _corners(binary) == _expected(1.0)
+
+
+def test_files_named_by_a_gltf_are_not_opened(tmp_path: Path) -> None:
+    """A buffer in another file is not opened: the mesh counts as unreadable."""
+    content, buffer = _gltf()
+    (tmp_path / "part.bin").write_bytes(buffer)
+    path = tmp_path / "part.gltf"
+    path.write_text(json.dumps({**content, "buffers": [{"byteLength": len(buffer), "uri": "part.bin"}]}))
+    assert read_mesh(path) is None
