@@ -11,6 +11,7 @@ axis_evidence        the faces that an origin was found by
 joints               joints, closures, the joint table
 devices              named frames, actuators, sensors
 links                mass properties, visuals, collisions
+given_inertials      the `inertial` of links against their geometry
 """
 
 from collections.abc import Callable, Sequence
@@ -32,6 +33,7 @@ from .claims import Claims, claim
 from .devices import build_actuators, build_frames, build_sensors
 from .double_counting import DoubleCounting
 from .frames import Frames
+from .given_inertials import report_given_inertials
 from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
 from .masses import masses
@@ -99,6 +101,7 @@ def build_robot(
     X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
     built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
     links.report_flat()
+    report_given_inertials(binder, claims, built, joints, X_WL)
     robot = Robot(
         document.robot,
         built,

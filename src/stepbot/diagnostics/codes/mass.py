@@ -160,4 +160,35 @@ CODES = (
         "Mass, centre of mass and inertia of its link change.",
         "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
     ),
+    Code(
+        "SB518",
+        "warning",
+        "inertia too large for the geometry",
+        "The `inertial` of a link gives it an inertia that no distribution of its mass within the link's geometry has: "
+        "along the named axis, the mass would have to lie outside.",
+        "Engines accept it, and the robot accelerates and turns too slowly. Typical causes are an inertia about the joint "
+        "instead of the centre of mass, another unit, and estimates in published descriptions.",
+        "Give the inertia about the centre of mass, or omit `inertia` to compute it from the shape. If the value is a maker's, "
+        "or the CAD omits a heavy part, keep it with `ignore_findings: [{code: SB518, reason: ...}]` on the link.",
+    ),
+    Code(
+        "SB519",
+        "warning",
+        "centre of mass outside the geometry",
+        "The `inertial` of a link places its centre of mass outside the convex hull of the link's geometry, by more than a "
+        "hundredth of its diagonal.",
+        "A centre of mass is inside the convex hull of its body. Gravity would act at the wrong place.",
+        "Give `com` in the link's frame, which is that of the joint above it, not in the assembly's. If the CAD omits a heavy part, "
+        "keep it with `ignore_findings: [{code: SB519, reason: ...}]` on the link.",
+    ),
+    Code(
+        "SB520",
+        "warning",
+        "inertia too small for the mass",
+        "The `inertial` of a link gives it less inertia than a ball of osmium, the densest element, of the same mass.",
+        "No body is that compact. Typical causes are another unit, such as kg mm^2 or g mm^2 converted twice, and "
+        "placeholders. Engines need small time steps for such links, or diverge.",
+        "Give the inertia in kg m^2, or omit `inertia` to compute it from the shape. To keep a maker's value, use "
+        "`ignore_findings: [{code: SB520, reason: ...}]` on the link.",
+    ),
 )
