@@ -1,7 +1,7 @@
 """The tests that run in every Python: processes, types at run time, numbers, bytes, engines."""
 
 PORTABLE = (
-    "unit/assemble/test_enclosing_shapes.py",
+    "unit/geometry/test_enclosing_shapes.py",
     "unit/assemble/test_joints.py",
     "unit/assemble/test_mass.py",
     "unit/geometry/",

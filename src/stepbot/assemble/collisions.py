@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Sphere
 from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, MergedCollision, Shape
@@ -18,7 +19,6 @@ from stepbot.step.structure.paths import quoted
 
 from .assets import MeshAssets
 from .binder import Binder, listed
-from .enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
 from .material_assignment import MaterialAssignment
 
 _Placed = tuple[Geometry, Pose]

@@ -11,6 +11,11 @@ from math import inf
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.primitives import Box as Box  # noqa: PLC0414
+from stepbot.geometry.primitives import Capsule as Capsule  # noqa: PLC0414
+from stepbot.geometry.primitives import Cylinder as Cylinder  # noqa: PLC0414
+from stepbot.geometry.primitives import Primitive
+from stepbot.geometry.primitives import Sphere as Sphere  # noqa: PLC0414
 from stepbot.geometry.spatial import (
     IDENTITY,
     Pose,
@@ -43,42 +48,6 @@ class Base(StrEnum):
 
 
 @dataclass(frozen=True)
-class Box:
-    """A box around its frame's origin."""
-
-    size: Vector3
-    """Full edge lengths [m]."""
-
-
-@dataclass(frozen=True)
-class Cylinder:
-    """A cylinder along z around its frame's origin."""
-
-    radius: float
-    """Radius [m]."""
-    length: float
-    """Full length [m]."""
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """A sphere around its frame's origin."""
-
-    radius: float
-    """Radius [m]."""
-
-
-@dataclass(frozen=True)
-class Capsule:
-    """A cylinder along z with half spheres on both ends, around its frame's origin."""
-
-    radius: float
-    """Radius [m]."""
-    length: float
-    """Length [m] of the cylinder, without the half spheres."""
-
-
-@dataclass(frozen=True)
 class MeshRef:
     """One of the robot's mesh assets, scale 1."""
 
@@ -86,7 +55,7 @@ class MeshRef:
     """Name of the asset in :attr:`Robot.meshes`."""
 
 
-Geometry = Box | Cylinder | Sphere | Capsule | MeshRef
+Geometry = Primitive | MeshRef
 
 
 @dataclass(frozen=True, eq=False)

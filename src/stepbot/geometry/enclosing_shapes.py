@@ -11,8 +11,8 @@ from math import pi
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Pose, perpendicular_frame
-from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+from .primitives import Box, Capsule, Cylinder, Sphere
+from .spatial import Array, Pose, perpendicular_frame
 
 THINNEST = 1e-6
 """Minimum size [m] of a shape."""

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from stepbot.assemble.enclosing_shapes import box_around, capsule_around, cylinder_around, smallest_ball, sphere_around
+from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, smallest_ball, sphere_around
 from stepbot.geometry.spatial import rotation_from_rpy
 from tests.unit.assemble.workshop import CORNERS, rod_mesh
 
