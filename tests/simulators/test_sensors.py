@@ -118,3 +118,34 @@ def test_joints_of_every_kind_can_be_measured(name: str, tmp_path: Path) -> None
     assert moving
     top = etree.parse(str(folder.written["mjcf"].path)).getroot()
     assert len(list(top.find("sensor"))) >= 2 * len(moving)
+
+
+def test_sensors_measure_at_their_rate_and_hold_their_reading(tmp_path: Path) -> None:
+    """An encoder of 100 Hz reads the position of every tenth millisecond, and holds it in between; rays do the same."""
+    skip_without("mujoco")
+    import mujoco
+
+    robot = equipped()
+    file = write(robot, tmp_path).written["mjcf"].path
+    wall = '<worldbody><geom type="box" pos="1 0 0.06" size="0.01 0.5 0.5"/>'
+    file.write_text(file.read_text(encoding="utf-8").replace("<worldbody>", wall, 1), encoding="utf-8")
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    data = mujoco.MjData(model)
+    data.joint("shoulder").qvel = 1.0
+    read, moved, ahead = [], [], []
+    for _ in range(100):
+        moved.append(float(data.joint("shoulder").qpos[0]))
+        model.geom_pos[0][0] += 1e-3  # the wall moves away from the lidar in every step
+        mujoco.mj_step(model, data)
+        read.append(float(data.sensor("shoulder_encoder/position").data[0]))
+        ahead.append(max(float(data.sensor(s).data[0]) for s in _rays_of(model)))
+    encoder, lidar = (round(period / model.opt.timestep) for period in (0.01, 0.1))
+    assert read == [moved[step - step % encoder] for step in range(100)]
+    assert len(set(moved)) == 100
+    assert [step for step in range(1, 100) if ahead[step] != ahead[step - 1]] == list(range(lidar, 100, lidar))
+
+
+def _rays_of(model: Any) -> list[int]:
+    """The sensors of the rays of the lidar with several rays."""
+    return [s for s in range(model.nsensor) if model.sensor(s).name.startswith("lidar/range")]

@@ -9,7 +9,7 @@ bound                links, masses and joints as far as the sidecar binds
 frames               origin of each joint and frame, as drawn
 axis_evidence        the faces that an origin was found by
 joints               joints, closures, the joint table
-devices              named frames, actuators, sensors
+devices              named frames, actuators, sensors, settings for simulations
 links                mass properties, visuals, collisions
 given_inertials      the `inertial` of links against their geometry
 """
@@ -30,7 +30,7 @@ from stepbot.step.assembly import Assembly
 from .binder import UNREVISED, Binder, Revised
 from .bound import Bound, bind
 from .claims import Claims, claim
-from .devices import build_actuators, build_frames, build_sensors
+from .devices import build_actuators, build_frames, build_sensors, build_simulation
 from .double_counting import DoubleCounting
 from .frames import Frames
 from .given_inertials import report_given_inertials
@@ -113,6 +113,7 @@ def build_robot(
         document.base,
         assembly.source,
         sensors,
+        build_simulation(document),
     )
     rows = joint_table(frames, joints, closures)
     report_up_axis(binder, claims, root, rows)

@@ -1,10 +1,11 @@
-"""Devices mounted on the robot: named frames, actuators and sensors."""
+"""Devices mounted on the robot: named frames, actuators and sensors; and the settings for simulations."""
 
 from math import inf, pi
 
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import Actuator, Frame, Limit
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
+from stepbot.robot.simulation import Simulation
 from stepbot.sidecar.devices import SensorSection
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.motion import LimitsSection
@@ -33,6 +34,12 @@ def build_actuators(document: Document) -> tuple[Actuator, ...]:
         Actuator(name, drive.joint, drive.kind, drive.kp.value, drive.kv.value, drive.gear, limit=_limit(drive.limits))
         for name, drive in document.actuators.items()
     )
+
+
+def build_simulation(document: Document) -> Simulation:
+    """The settings for simulations."""
+    given = document.simulation
+    return Simulation(given.timestep, given.integrator, given.closure_stiffness)
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

@@ -61,6 +61,8 @@ class Feature(StrEnum):
     CAMERA_EXTRAS = "rate or range of a camera"
     LIDAR_NEAREST = "minimum range of a lidar"
     OPEN_VIEW = "camera or lidar without minimum or maximum range"
+    TIMESTEP = "time step"
+    SOLVER = "integrator, closure stiffness"
     JOINT_NAME = "joint or closure with the name of a link"
     FRAME_NAME = "frame with the name of a link or joint"
     RESERVED_NAME = "reserved name"

@@ -9,6 +9,7 @@ from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Robot
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.sensors import SEEING, Sensor
+from stepbot.robot.simulation_settings import settings_of
 
 from .record import Report
 
@@ -42,6 +43,7 @@ def robot_document(report: Report, robot: Robot) -> Json:
         ],
         "actuators": [_actuator(actuator) for actuator in robot.actuators],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
+        "simulation": _simulation(robot),
         "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
     }
 
@@ -118,6 +120,15 @@ def _actuator(actuator: Actuator) -> Json:
         "kv": actuator.kv,
         "gear": actuator.gear,
         "limits": _limits(actuator.limit),
+    }
+
+
+def _simulation(robot: Robot) -> Json:
+    settings = settings_of(robot)
+    return {
+        "timestep": settings.timestep,
+        "integrator": settings.integrator.value,
+        "closure_stiffness": settings.closure_stiffness,
     }
 
 

@@ -23,6 +23,7 @@ from stepbot.geometry.spatial import (
 )
 
 from .sensors import Sensor
+from .simulation import DEFAULTS, Simulation
 
 
 class JointKind(StrEnum):
@@ -270,6 +271,8 @@ class Robot:
     source: str = ""
     """File name of the STEP that it was built from."""
     sensors: tuple[Sensor, ...] = ()
+    simulation: Simulation = DEFAULTS
+    """Settings that the sidecar gives for simulations; :func:`.simulation_settings.settings_of` has the defaults."""
 
     @property
     def root(self) -> Link:

@@ -43,6 +43,7 @@ from .shapes import (
     Shape,
     SphereShape,
 )
+from .simulation import SimulationSection
 
 
 class MassMode(StrEnum):
@@ -284,6 +285,8 @@ class Document(Section):
     """Actuators by name."""
     sensors: dict[Name, SensorSection] = Field(default_factory=dict)
     """Sensors by name."""
+    simulation: SimulationSection = SimulationSection()
+    """Time step, integrator and stiffness of closures, for formats and engines that have them."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes to suppress everywhere."""
 
@@ -325,6 +328,7 @@ __all__ = [
     "RootSection",
     "Section",
     "Shape",
+    "SimulationSection",
     "SphereShape",
     "StepDensity",
 ]

@@ -22,6 +22,9 @@ from .units import Dimension, UnitError, read_quantity
 
 Parser = Callable[[Any], float]
 
+LONGEST_TIMESTEP = 0.1
+"""Maximum time step [s]: no engine simulates a robot with a longer one."""
+
 
 class JointValue(float):
     """An SI value with the dimension of its unit, to be checked against the joint type."""
@@ -291,6 +294,16 @@ FieldOfView = Annotated[
     _json(units.ANGLE, minimum=0, maximum=math.tau),
 ]
 Frequency = Annotated[float, BeforeValidator(_finite(units.FREQUENCY, low=0.0)), _json(units.FREQUENCY, minimum=0)]
+Timestep = Annotated[
+    float,
+    BeforeValidator(_finite(units.TIME, above=0.0, high=LONGEST_TIMESTEP)),
+    _json(units.TIME, exclusiveMinimum=0, maximum=LONGEST_TIMESTEP),
+]
+StepShare = Annotated[
+    float,
+    BeforeValidator(_finite(units.RATIO, above=0.0, high=1.0)),
+    _json(units.RATIO, exclusiveMinimum=0, maximum=1),
+]
 Count = Annotated[int, BeforeValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
 Resolution = Annotated[tuple[Count, Count], BeforeValidator(_two)]
 _Distance = Annotated[float, BeforeValidator(_distance), _json(units.LENGTH, minimum=0)]

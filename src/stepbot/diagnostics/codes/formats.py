@@ -217,4 +217,13 @@ CODES: tuple[Code, ...] = (
         "In this file, the actuator can use the full range of the joint.",
         "Limit the input in the controller, or set these limits on the joint.",
     ),
+    Code(
+        "SB730",
+        "note",
+        "simulation settings not written",
+        "The sidecar has settings under `simulation` that the format cannot represent.",
+        "The loading program simulates with its own settings. `robot.simulation` in `report.json` has those of the "
+        "sidecar.",
+        "Set them after loading the file, such as `pybullet.setTimeStep`, or use MJCF.",
+    ),
 )

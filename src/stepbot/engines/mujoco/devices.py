@@ -110,16 +110,21 @@ def _reading(compiled: "Compiled", s: int) -> _Reading:
 
 def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> ObservedSensor:
     """The sensor that a group of readings forms."""
-    model = compiled.model
     words = sorted({reading.word for reading in readings})
     kind = _GROUPS.get(frozenset(words))
-    rates = {float(model.sensor_interval[reading.index][0]) for reading in readings}
+    rates = {_interval(compiled, reading.index) for reading in readings}
     interval = rates.pop()
     seen = ObservedSensor(name, " and ".join(words), rate=1.0 / interval if interval else 0.0)
     if kind is None or rates:
         return seen
     properties = dict(_PROPERTIES[kind](compiled, readings))
     return replace(seen, **{"kind": kind.value, **properties}) if properties else seen
+
+
+def _interval(compiled: "Compiled", s: int) -> float:
+    """Time [s] between the measurements of a sensor; 0 for one in every step, as in every sensor without a buffer."""
+    model = compiled.model
+    return float(model.sensor_interval[s][0]) if model.sensor_history[s][0] else 0.0
 
 
 def _at_a_site(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:

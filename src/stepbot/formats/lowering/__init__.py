@@ -130,6 +130,15 @@ def _root_if(base: Base) -> Callable[[Robot], list[str]]:
     return lambda robot: [f"'{robot.root.name}' is {robot.base}"] if robot.base is base else []
 
 
+def _given(*names: str) -> Callable[[Robot], list[str]]:
+    """The settings for simulations that are given; defaults are not reported."""
+    return lambda robot: [
+        f"{name} {value}{' s' if name == 'timestep' else ''}"
+        for name in names
+        if (value := getattr(robot.simulation, name)) is not None
+    ]
+
+
 def _sensors(kind: SensorKind) -> _Handling:
     return _Handling(sensors_of(kind), leave_out=without_sensors(kind))
 
@@ -184,6 +193,8 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.CAMERA_EXTRAS: _Handling(sensors_where(has_camera_extras), leave_out=without_camera_extras),
     Feature.LIDAR_NEAREST: _Handling(sensors_where(is_blind_when_near), leave_out=seeing_what_is_near),
     Feature.OPEN_VIEW: _Handling(sensors_where(is_open_view), bound_views),
+    Feature.TIMESTEP: _Handling(_given("timestep")),
+    Feature.SOLVER: _Handling(_given("integrator", "closure_stiffness")),
     Feature.CAPSULE: _Handling(links_with_capsules, split_capsules),
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(concave_collisions),

@@ -90,7 +90,8 @@ def sensors(top: Element, robot: Robot) -> None:
 
 
 def _readings(xml: Element, sensor: Sensor, robot: Robot) -> None:
-    timing: dict[str, Value] = {"interval": 1.0 / sensor.rate} if sensor.rate else {}
+    # Without a buffer for its last reading, MuJoCo ignores the interval, and measures in every step.
+    timing: dict[str, Value] = {"interval": 1.0 / sensor.rate, "nsample": 1} if sensor.rate else {}
     match sensor.kind:
         case SensorKind.IMU | SensorKind.FORCE_TORQUE:
             for reading, tag in _READINGS[sensor.kind].items():

@@ -9,7 +9,7 @@ Sites, not anchors, because MuJoCo places an anchor in the second body by the po
 close; the keyframe ``home`` is the drawn pose, where it does.
 """
 
-from math import isfinite, isinf
+from math import isfinite, isinf, sqrt
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -31,11 +31,14 @@ from stepbot.robot.model import (
     Link,
     LoopClosure,
     MeshRef,
+    Mimic,
     Robot,
     Sphere,
     Visual,
 )
 from stepbot.robot.multi_dof import steps_by_child
+from stepbot.robot.simulation import Integrator
+from stepbot.robot.simulation_settings import Settings, settings_of
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, geometries, lowered, refused, reported
@@ -100,18 +103,30 @@ EXPRESSES = {
     Feature.LIDAR: exact("`<rangefinder>` at each of `<replicate>` sites"),
     Feature.CONTACT: exact("`<contact>` of a body"),
     Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
-    Feature.SENSOR_RATE: exact("`interval`"),
-    Feature.ENCODER_RATE: exact("`interval`"),
+    Feature.SENSOR_RATE: exact("`interval`, with a buffer of one reading"),
+    Feature.ENCODER_RATE: exact("`interval`, with a buffer of one reading"),
     Feature.CAMERA_EXTRAS: reported(
         "SB727", "MuJoCo renders on demand, with one near and one far plane for all cameras"
     ),
     Feature.LIDAR_NEAREST: reported("SB727", "`<rangefinder>` has no minimum range"),
     Feature.OPEN_VIEW: exact("no `cutoff`"),
+    Feature.TIMESTEP: exact("`<option>`"),
+    Feature.SOLVER: exact("`<option>`; `solref`, `solimp` of `<equality>`"),
     Feature.JOINT_NAME: exact("each element type has its own namespace"),
     Feature.FRAME_NAME: exact("each element type has its own namespace"),
     Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),
 }
 
+_INTEGRATORS = {
+    Integrator.IMPLICITFAST: "implicitfast",
+    Integrator.IMPLICIT: "implicit",
+    Integrator.EULER: "Euler",
+    Integrator.RK4: "RK4",
+}
+_IMPEDANCE = (0.99, 0.999, 0.001)
+"""`solimp` of equality constraints: almost rigid at once, and more so beyond a gap of 1 mm or 1 mrad."""
+_CLOSURE = "closure"
+"""Class of equality constraints."""
 _WORLD = "world"
 _Z = (0.0, 0.0, 1.0)
 HOME = "home"
@@ -133,6 +148,8 @@ def render(robot: Robot) -> bytes:
     top = root("mujoco", robot.source, model=robot.name)
     if robot.joints or robot.sensors:
         element(top, "compiler", angle="radian")
+    settings = settings_of(robot)
+    element(top, "option", timestep=settings.timestep, integrator=_INTEGRATORS[settings.integrator])
     _defaults(top, robot)
     _assets(top, robot)
     _bodies(top, robot)
@@ -151,15 +168,37 @@ def companions(_robot: Robot) -> tuple[Companion, ...]:
 
 
 def _defaults(top: Element, robot: Robot) -> None:
-    """Classes of geoms, in the groups that model collections conventionally use: viewers hide the third by default."""
+    """Classes of geoms and equality constraints.
+
+    Geoms are in the groups that model collections conventionally use: viewers hide the third by default.
+    """
     classes: dict[str, dict[str, Value]] = {}
     if any(link.visuals for link in robot.links):
         classes["visual"] = {"group": 2, "contype": 0, "conaffinity": 0}
     if any(link.collisions for link in robot.links):
         classes["collision"] = {"group": 3}
-    default = element(top, "default") if classes else top
+    constrained = bool(robot.closures or _mimics(robot))
+    default = element(top, "default") if classes or constrained else top
     for name, settings in classes.items():
         element(element(default, "default", class_=name), "geom", **settings)
+    if constrained:
+        stiff = {"solref": _reference(settings_of(robot)), "solimp": _IMPEDANCE}
+        element(element(default, "default", class_=_CLOSURE), "equality", **stiff)
+
+
+def _mimics(robot: Robot) -> list[tuple[str, Mimic]]:
+    """The mimics of all joints, by the name of the joint that follows."""
+    steps = [step for chain in steps_by_child(robot).values() for step in chain]
+    return [(step.name, step.mimic) for step in steps if step.mimic is not None]
+
+
+def _reference(settings: Settings) -> tuple[float, float]:
+    """`solref`: time constant [s] and damping ratio of a constraint that closes a share of its gap within one step.
+
+    MuJoCo derives from them the damping 2 / time constant, which here stops the gap's velocity within one step, and the
+    stiffness 1 / (time constant * damping ratio)^2. A time constant below two steps it replaces by two steps.
+    """
+    return 2.0 * settings.timestep, 0.5 / sqrt(settings.closure_stiffness)
 
 
 def _assets(top: Element, robot: Robot) -> None:
@@ -311,8 +350,7 @@ def _welds(robot: Robot) -> dict[str, str]:
 
 
 def _equality(top: Element, robot: Robot) -> None:
-    steps = [step for chain in steps_by_child(robot).values() for step in chain]
-    mimics = [(step.name, step.mimic) for step in steps if step.mimic is not None]
+    mimics = _mimics(robot)
     if not (mimics or robot.closures):
         return
     equality = element(top, "equality")
@@ -320,14 +358,14 @@ def _equality(top: Element, robot: Robot) -> None:
         given: dict[str, Value] = {}
         if (mimic.offset, mimic.multiplier) != (0.0, 1.0):
             given["polycoef"] = (mimic.offset, mimic.multiplier)
-        element(equality, "joint", joint1=name, joint2=mimic.joint, **given)
+        element(equality, "joint", class_=_CLOSURE, joint1=name, joint2=mimic.joint, **given)
     for closure in robot.closures:
         kind = "weld" if closure.kind is JointKind.FIXED else "connect"
         sides = {"site1": f"{closure.name}/a", "site2": f"{closure.name}/b"}
-        element(equality, kind, name=closure.name, **sides)
+        element(equality, kind, name=closure.name, class_=_CLOSURE, **sides)
         if closure.kind is JointKind.REVOLUTE:
             on_axis = {side: f"{site}/axis" for side, site in sides.items()}
-            element(equality, kind, name=f"{closure.name}/axis", **on_axis)
+            element(equality, kind, name=f"{closure.name}/axis", class_=_CLOSURE, **on_axis)
 
 
 def _velocity_limits(top: Element, robot: Robot) -> None:

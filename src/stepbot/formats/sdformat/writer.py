@@ -98,6 +98,8 @@ EXPRESSES = {
     Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
     Feature.LIDAR_NEAREST: exact("`<range>`"),
     Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.TIMESTEP: reported("SB730", "a setting of the world"),
+    Feature.SOLVER: reported("SB730", "settings of the physics engine"),
     Feature.JOINT_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` are reserved"),

@@ -29,6 +29,8 @@ from ..lowering.shapes import upright
 from ..xml import Element, document, element, root
 from .extensions import extensions
 
+_SIMULATOR = "settings of the loading program"
+
 EXPRESSES = {
     Feature.FIXED_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
     Feature.FLOATING_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
@@ -88,6 +90,8 @@ EXPRESSES = {
     Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
     Feature.LIDAR_NEAREST: exact("`<range>`"),
     Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.TIMESTEP: reported("SB730", _SIMULATOR),
+    Feature.SOLVER: reported("SB730", _SIMULATOR),
     Feature.JOINT_NAME: exact("links and joints have separate namespaces"),
     Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),
