@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.spatial import Vector3
+from stepbot.geometry.spatial import Vector3, tidy
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import ComponentMass, JointKind
 from stepbot.sidecar.located import Sidecar
@@ -13,7 +13,7 @@ from stepbot.step.assembly import Assembly
 from .binder import UNREVISED, Binder, Revised
 from .claims import Claims, claim
 from .frames import Frames, Wanted
-from .joints import direction_in, tidy, tree_order
+from .joints import direction_in, tree_order
 from .masses import masses
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies

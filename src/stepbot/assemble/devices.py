@@ -2,7 +2,7 @@
 
 from math import inf, pi
 
-from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.robot.model import Actuator, Frame, Limit
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.simulation import Simulation
@@ -12,7 +12,6 @@ from stepbot.sidecar.motion import LimitsSection
 
 from .binder import Binder
 from .frames import Frames, Wanted
-from .joints import tidy
 
 CAMERA_FOV = pi / 3.0
 LIDAR_FOV = 2.0 * pi

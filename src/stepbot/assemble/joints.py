@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
+from stepbot.geometry.spatial import Pose, Vector3, tidy, vector3
 from stepbot.robot.joint_table import Evidence, JointRow
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Mimic
 from stepbot.sidecar.document import Document
@@ -20,7 +20,6 @@ from .binder import Binder
 from .frames import Frames, Wanted
 
 _DECIMALS = 12
-_NOISE = 1e-12
 
 
 def tree_order(document: Document) -> tuple[str, tuple[str, ...]]:
@@ -86,18 +85,6 @@ def _row(name: str, kind: JointKind, ends: tuple[str, str], X_WF: Pose, axis: Ve
 def direction_in(X_WF: Pose, axis: Vector3) -> Vector3:
     """An axis given in a frame, expressed in the assembly's, without the noise of the last bits."""
     return vector3(np.round(X_WF.turn(axis), _DECIMALS) + 0.0)
-
-
-def tidy(pose: Pose) -> Pose:
-    """The pose rounded to 1e-12 m, so that it is the same on all machines.
-
-    Rotation entries within 1e-12 of 0 or 1 are replaced by these values, a change of a picometre at a metre; the other
-    entries are kept, so that the matrix stays a rotation to within 1e-12.
-    """
-    R: Array = np.array(pose.rotation)
-    nearest = np.rint(R)
-    R = np.where(np.abs(R - nearest) < _NOISE, nearest, R)
-    return Pose.of(R + 0.0, np.round(pose.position, _DECIMALS) + 0.0)
 
 
 def _joint(document: Document, frames: Frames, name: str) -> Joint | None:

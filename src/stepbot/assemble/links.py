@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepbot.geometry.inertia import MassProperties, combined
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.inertia import MassProperties, combined, without_residue
+from stepbot.geometry.spatial import Pose, tidy
 from stepbot.report.record import MeasuredBody
 from stepbot.robot.model import ComponentMass, Link
 from stepbot.sidecar.document import InertialSection
@@ -16,7 +16,6 @@ from .assets import MeshAssets
 from .binder import Binder, listed
 from .claims import Claims
 from .collisions import Collisions, Placed
-from .joints import tidy
 from .material_assignment import MaterialAssignment
 from .visuals import visuals
 
@@ -84,7 +83,7 @@ class Links:
             name,
             properties,
             visuals(self._binder, self.assets, name, parts),
-            self._collisions.of(name, parts),
+            tuple(replace(shape, X_LG=tidy(shape.X_LG)) for shape in self._collisions.of(name, parts)),
             masses,
             tuple(components[part.index].path for part in parts),
         )
@@ -103,7 +102,7 @@ class Links:
         by_volume = inertial is not None and any(self._masses[part.index].mass is None for part in weighed)
         bodies = [self._part(part, by_volume) for part in weighed]
         masses = tuple(self._masses[part.index] for part in weighed)
-        computed = combined(bodies)
+        computed = without_residue(combined(bodies))
         if inertial is None:
             return computed, masses
         factor = inertial.mass / computed.mass

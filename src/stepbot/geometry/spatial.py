@@ -18,6 +18,12 @@ Array = NDArray[np.float64]
 Vector3 = tuple[float, float, float]
 Matrix3 = tuple[Vector3, Vector3, Vector3]
 
+RESIDUE = 1e-12
+"""Angle [rad], coordinate [m] or rotation entry below which a number is numeric residue."""
+
+_DECIMALS = 12
+"""Decimals of a coordinate [m] that are the same on every processor."""
+
 ZERO3: Vector3 = (0.0, 0.0, 0.0)
 IDENTITY3: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZERO33: Matrix3 = (ZERO3, ZERO3, ZERO3)
@@ -124,6 +130,18 @@ class Pose:
 IDENTITY = Pose()
 
 
+def tidy(pose: Pose) -> Pose:
+    """The pose rounded to 1e-12 m, so that it is the same on all machines.
+
+    Rotation entries within 1e-12 of 0 or 1 are replaced by these values, a change of a picometre at a metre; the other
+    entries are kept, so that the matrix stays a rotation to within 1e-12.
+    """
+    R: Array = np.array(pose.rotation)
+    nearest = np.rint(R)
+    R = np.where(np.abs(R - nearest) < RESIDUE, nearest, R)
+    return Pose.of(R + 0.0, np.round(pose.position, _DECIMALS) + 0.0)
+
+
 def rotation_from_rpy(rpy: ArrayLike) -> Array:
     """R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
     roll, pitch, yaw = np.asarray(rpy, dtype=np.float64).tolist()
@@ -140,7 +158,7 @@ def rotation_from_rpy(rpy: ArrayLike) -> Array:
 
 
 def rpy_from_rotation(R: Array) -> Vector3:
-    """Roll, pitch, yaw [rad] of a rotation matrix, accurate through the gimbal pole.
+    """Roll, pitch, yaw [rad] of a rotation matrix, accurate through the gimbal pole; angles below 1e-12 are 0.
 
     Pitch comes from ``atan2``, not ``asin``, which loses half the digits near +-90 degrees. Close to the pole, yaw is
     taken from the first column and roll is solved from the remainder, so that the result always reproduces the
@@ -151,7 +169,12 @@ def rpy_from_rotation(R: Array) -> Vector3:
     cy, sy = math.cos(yaw), math.sin(yaw)
     # Undo the yaw: the second and third column of Rz(-yaw) R hold cos(roll) and sin(roll) in their y component.
     roll = math.atan2(sy * R[0, 2] - cy * R[1, 2], cy * R[1, 1] - sy * R[0, 1])
-    return (roll, pitch, yaw)
+    return (_without_residue(roll), _without_residue(pitch), _without_residue(yaw))
+
+
+def _without_residue(value: float) -> float:
+    """0 for an angle [rad] or a component of a quaternion that moves a point at 1 m by less than a picometre."""
+    return 0.0 if abs(value) < RESIDUE else value
 
 
 def rotation_from_quaternion(wxyz: Sequence[float]) -> Array:
@@ -181,7 +204,7 @@ def quaternion_from_rotation(R: Array) -> tuple[float, float, float, float]:
         q[1 + j] = R[j, i] + R[i, j]
         q[1 + k] = R[k, i] + R[i, k]
     q /= np.linalg.norm(q)
-    w, x, y, z = (q if q[0] >= 0 else -q).tolist()
+    w, x, y, z = map(_without_residue, (q if q[0] >= 0 else -q).tolist())
     return (w, x, y, z)
 
 

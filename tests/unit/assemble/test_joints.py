@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.assemble.joints import tidy, tree_order
+from stepbot.assemble.joints import tree_order
 from stepbot.geometry.spatial import Pose, rotation_about
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import Actuator, ActuatorKind, JointDynamics, JointKind, Limit, Mimic, Robot
@@ -230,12 +230,3 @@ def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) 
         )
         assert built is not None
         assert built.joints[0].kind == kind
-
-
-def test_tidy_leaves_no_noise() -> None:
-    """Numbers that differ from simple ones in the last bits are rounded; others are kept."""
-    pose = tidy(Pose.of(rotation_about((0, 0, 1), pi / 2), (0.1 + 2e-17, -0.0, 1 / 3)))
-    assert pose.rotation == ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    assert pose.position == (0.1, 0.0, 0.333333333333)
-    R = rotation_about((0, 0, 1), 1e-6)
-    np.testing.assert_allclose(tidy(Pose.of(R)).R, R, atol=1e-15)

@@ -22,7 +22,7 @@ TWO = """
     links: {base: {rest: true}, arm: {parts: [sheet]%s}}
     joints: {j: {type: continuous, parent: base, child: arm, origin: {xyz: [0, 0, 0]}}}
 """
-GIVEN = "inertial: {mass: 5 g, com: [10 mm, 0, 0], inertia: {ixx: 1e-7, iyy: 2e-7, izz: 3e-7}}"
+GIVEN = "inertial: {mass: 5 g, com: [20 mm, 0, 0], inertia: {ixx: 3e-7, iyy: 1e-7, izz: 2e-7}}"
 
 
 def _convert(drawing: Drawing | Path, folder: Path, text: str, found: Diagnostics) -> Robot | None:
@@ -64,7 +64,7 @@ def test_a_link_of_surfaces_needs_an_inertial(tmp_path: Path, found: ReadDiagnos
     robot = _convert(drawing, tmp_path, WATER + TWO % f", {GIVEN}, collision: none", again)
     assert robot is not None
     arm = robot.link_by_name["arm"]
-    assert (arm.mass_properties.mass, arm.mass_properties.com) == (0.005, (0.01, 0.0, 0.0))
+    assert (arm.mass_properties.mass, arm.mass_properties.com) == (0.005, (0.02, 0.0, 0.0))
     assert len(arm.visuals) == 1
     assert not list(again)
 

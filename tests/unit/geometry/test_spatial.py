@@ -23,6 +23,7 @@ from stepbot.geometry.spatial import (
     rotation_from_rpy,
     rpy_from_rotation,
     shift_inertia,
+    tidy,
     turn_inertia,
     unit,
 )
@@ -182,3 +183,23 @@ def test_bounds_of_points_and_boxes() -> None:
     assert join_bounds([((0, 0, 0), (1, 1, 1)), ((-1, 0.5, 0), (0, 2, 0))]) == ((-1, 0, 0), (1, 2, 1))
     with pytest.raises(ValueError, match="no box"):
         join_bounds([])
+
+
+def test_tidy_leaves_no_noise() -> None:
+    """Numbers that differ from simple ones in the last bits are rounded; others are kept."""
+    pose = tidy(Pose.of(rotation_about((0, 0, 1), math.pi / 2), (0.1 + 2e-17, -0.0, 1 / 3)))
+    assert pose.rotation == ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    assert pose.position == (0.1, 0.0, 0.333333333333)
+    R = rotation_about((0, 0, 1), 1e-6)
+    np.testing.assert_allclose(tidy(Pose.of(R)).R, R, atol=1e-15)
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.6, 0.8, 0)])
+@pytest.mark.parametrize("angle", [math.pi, math.pi / 2, 5e-13, 1e-11])
+def test_angles_and_quaternions_have_no_residue(axis: tuple[float, float, float], angle: float) -> None:
+    """Components below 1e-12 are 0, larger ones are kept, and the rotation is the same to 1e-12."""
+    R = rotation_about(axis, angle)
+    rpy, quaternion = rpy_from_rotation(R), quaternion_from_rotation(R)
+    assert [value for value in (*rpy, *quaternion) if 0.0 < abs(value) < 1e-12] == []
+    np.testing.assert_allclose(rotation_from_rpy(rpy), R, atol=1e-12)
+    np.testing.assert_allclose(rotation_from_quaternion(quaternion), R, atol=1e-12)

@@ -8,7 +8,8 @@ are now above them.
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stepbot.geometry.spatial import Pose, Vector3
+from stepbot.geometry.inertia import without_residue
+from stepbot.geometry.spatial import Pose, Vector3, tidy
 from stepbot.robot.model import Collision, Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Robot, Visual
 from stepbot.robot.sensors import PLACED, SensorKind
 
@@ -116,7 +117,7 @@ def _opposite(axis: Vector3) -> Vector3:
 
 def _moved(link: str, X_LF: Pose, X_LN: Mapping[str, Pose]) -> Pose:
     """A pose on a link, in the link's new frame."""
-    return X_LN[link].inverse() @ X_LF if link in X_LN else X_LF
+    return tidy(X_LN[link].inverse() @ X_LF) if link in X_LN else X_LF
 
 
 def _moved_joint(joint: Joint, X_LN: Mapping[str, Pose]) -> Joint:
@@ -129,9 +130,10 @@ def _moved_closure(closure: LoopClosure, X_LN: Mapping[str, Pose]) -> LoopClosur
 
 
 def _moved_link(link: Link, X_NL: Pose) -> Link:
-    visuals: tuple[Visual, ...] = tuple(replace(shape, X_LG=X_NL @ shape.X_LG) for shape in link.visuals)
-    collisions: tuple[Collision, ...] = tuple(replace(shape, X_LG=X_NL @ shape.X_LG) for shape in link.collisions)
-    return replace(link, mass_properties=link.mass_properties.moved(X_NL), visuals=visuals, collisions=collisions)
+    visuals: tuple[Visual, ...] = tuple(replace(shape, X_LG=tidy(X_NL @ shape.X_LG)) for shape in link.visuals)
+    collisions: tuple[Collision, ...] = tuple(replace(shape, X_LG=tidy(X_NL @ shape.X_LG)) for shape in link.collisions)
+    moved = without_residue(link.mass_properties.moved(X_NL))
+    return replace(link, mass_properties=moved, visuals=visuals, collisions=collisions)
 
 
 def _in_tree_order(robot: Robot, links: list[Link], joints: list[Joint]) -> Robot:

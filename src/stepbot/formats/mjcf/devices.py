@@ -123,6 +123,6 @@ def mjcf_pose(X: Pose) -> dict[str, Value]:
     pose: dict[str, Value] = {}
     if any(X.position):
         pose["pos"] = X.position
-    if X.rotation != Pose().rotation:
+    if any(X.quaternion[1:]):
         pose["quat"] = X.quaternion
     return pose
