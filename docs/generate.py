@@ -12,6 +12,7 @@ from pathlib import Path
 from click import Context
 
 from stepbot.diagnostics.codes.page import diagnostics_page
+from stepbot.driving.limits import LIMITS, UNITS
 from stepbot.formats.mapping import mapping_page
 from stepbot.sidecar.schema import schema_text
 from stepbot_cli.application import application
@@ -71,11 +72,27 @@ def _example(folder: Path) -> str:
     return "\n".join(shown)
 
 
+_LIMITS = re.compile(r"(<!-- limits -->\n).*?(<!-- end of limits -->)", re.DOTALL)
+
+
+def drive() -> str:
+    """docs/drive.md with the default limits."""
+    rows = ["| test | quantity | limit | reason |", "| --- | --- | --- | --- |"]
+    rows += [
+        f"| {test} | {quantity} | {bound.value:g} {UNITS[quantity]} | {bound.why} |"
+        for test, bounds in LIMITS.items()
+        for quantity, bound in sorted(bounds.items())
+    ]
+    text = (ROOT / "docs" / "drive.md").read_text(encoding="utf-8")
+    return _LIMITS.sub(lambda match: match[1] + "\n" + "\n".join(rows) + "\n\n" + match[2], text)
+
+
 GENERATED: dict[str, Callable[[], str]] = {
     "docs/architecture.md": architecture,
     "schemas/robot-1.schema.json": schema_text,
     "docs/diagnostics.md": diagnostics,
     "docs/mapping.md": mapping_page,
+    "docs/drive.md": drive,
     "README.md": readme,
 }
 

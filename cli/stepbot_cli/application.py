@@ -27,6 +27,7 @@ COMMANDS = (
     "lock",
     "uptodate",
     "verify",
+    "drive",
     "diff",
     "explain",
     "schema",

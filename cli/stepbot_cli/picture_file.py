@@ -38,6 +38,19 @@ def require_packages() -> None:
         importlib.import_module(package)
 
 
+def require_plots() -> None:
+    """Import what plots need.
+
+    Raises:
+        ModuleNotFoundError: The package of the extra ``draw`` is missing.
+    """
+    import importlib
+
+    from stepbot.driving.plots import PACKAGE
+
+    importlib.import_module(PACKAGE)
+
+
 def write_picture(path: Path, picture: "Picture", found: Diagnostics) -> None:
     """Write a PNG file; SB004 if that is impossible."""
     from stepbot.pictures.picture import png_bytes

@@ -20,6 +20,7 @@ STAGES = {
     "verify": "verifying in the engines",
     "save": "saving the files",
     "render": "rendering the picture",
+    "drive": "driving the robot",
 }
 """Stages, and the text of the bar."""
 CONVERSION = ("read", "build", "write", "verify", "save")

@@ -1,0 +1,139 @@
+"""``stepbot drive``: move a robot by its actuators in MuJoCo and PyBullet, and judge how it behaves."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stepbot.diagnostics import Diagnostics, did_you_mean
+
+from .caching import say_trouble
+from .command import Command, display_options, json_option, names_option
+from .diagnostic_text import printable
+from .picture_file import require_plots
+from .progress import progress_bar
+from .reading import reading_options
+from .table import filled, status_lines
+from .terminal import Display, screen_width, show_diagnostics, wants_color, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.driving.driving import Driven
+    from stepbot.driving.judgement import Verdict
+    from stepbot.driving.results import Measure
+    from stepbot.pipeline.conversion import Options
+
+_TESTS = ("hold", "step", "sweep", "torque", "drop", "grip", "roll", "stand")
+_ENGINES = ("mujoco", "pybullet")
+_HEADINGS = ("test", "engine", "result", "worst", "steps/s")
+
+
+def _known(given: tuple[str, ...], known: tuple[str, ...], noun: str) -> tuple[str, ...]:
+    names = tuple(name.lower() for name in given)
+    for name in names:
+        if name not in known:
+            near = "".join(did_you_mean(name, known)) or f"choose from {', '.join(known)}"
+            raise click.BadParameter(f"unknown {noun} '{name}'; {near}")
+    return names
+
+
+@click.command(
+    cls=Command,
+    short_help="Move a robot in the engines.",
+    epilog="Example: stepbot drive gripper.robot.yaml --test hold,grip",
+)
+@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@names_option(
+    "--test", "tests", metavar="TEST,...", help=f"Tests to run, of {', '.join(_TESTS)}.  [default: all that apply]"
+)
+@names_option("--engine", "engines", metavar="ENGINE,...", help="mujoco, pybullet.  [default: both]")
+@click.option(
+    "--limits",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="JSON file whose object `drive` has the robot's own limits, such as an expected.json of the library.",
+)
+@click.option(
+    "--plots", type=click.Path(path_type=Path), metavar="DIR", help="Draw the curves of each test, as SVG files in DIR."
+)
+@reading_options
+@json_option
+@display_options
+def command(
+    options: "Options",
+    target: Path,
+    tests: tuple[str, ...],
+    engines: tuple[str, ...],
+    limits: Path | None,
+    plots: Path | None,
+    as_json: bool,
+    display: Display,
+) -> int:
+    """Move the robot of TARGET by its actuators in MuJoCo and PyBullet, and compare its behaviour with limits.
+
+    TARGET is a sidecar, a folder that `stepbot convert` wrote, or an MJCF or URDF in such a folder. The files are
+    driven as they are; a floor or a cube is added around the robot. Tests that do not apply are listed with the reason.
+    """
+    from stepbot.pipeline.driving import DriveOptions, drive
+
+    if plots is not None:
+        require_plots()
+    chosen = DriveOptions(_known(tests, _TESTS, "test"), _known(engines, _ENGINES, "engine") or _ENGINES, limits)
+    found = Diagnostics()
+    with progress_bar(("read", "build", "write", "drive")) as progress:
+        driven = drive(target, options, chosen, found, progress)
+    say_trouble(options.cache, found)
+    drawn = _draw(driven, plots) if driven is not None and plots is not None else []
+    if as_json:
+        write_json({**_document(driven), "plots": drawn, "diagnostics": found, "exit_code": found.exit_code})
+        return found.exit_code
+    show_diagnostics(found, display)
+    if driven is not None and not (display.quiet or display.concise):
+        write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
+    return found.exit_code
+
+
+def _draw(driven: "Driven", folder: Path) -> list[str]:
+    from stepbot.driving.plots import draw
+
+    return [path.as_posix() for path in draw(driven, folder)]
+
+
+def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) -> list[str]:
+    """The verdicts as a table, then the tests that do not apply, then the counts."""
+    texts = [_HEADINGS, *(_cells(verdict) for verdict in driven.verdicts)]
+    lines = status_lines(texts, [v.status.value for v in driven.verdicts], width, wants_color(sys.stdout))
+    if verbose:
+        for verdict in driven.verdicts:
+            lines += filled(f"{verdict.test} in {verdict.engine}: {', '.join(_numbers(verdict))}", width)
+    for test, reason in driven.inapplicable.items():
+        lines += filled(f"{test} does not apply: {printable(reason)}", width)
+    statuses = [verdict.status.value for verdict in driven.verdicts]
+    return [*lines, f"{len(statuses)} tests: {statuses.count('passed')} passed, {statuses.count('failed')} failed"]
+
+
+def _cells(verdict: "Verdict") -> tuple[str, ...]:
+    speed = f"{verdict.result.steps_per_second:,.0f}" if verdict.result else "-"
+    worst = verdict.worst
+    if worst is None or verdict.bounds is None:
+        text = verdict.why or "-"
+    else:
+        text = f"{_number(worst)}, limit {verdict.bounds[worst.quantity]:g}"
+    return verdict.test, verdict.engine, verdict.status.value, text, speed
+
+
+def _number(measure: "Measure") -> str:
+    from stepbot.driving.limits import UNITS
+
+    place = f" of {printable(measure.where)}" if measure.where else ""
+    return f"{measure.quantity}{place} {measure.value:.3g} {UNITS[measure.quantity]}"
+
+
+def _numbers(verdict: "Verdict") -> list[str]:
+    return [_number(measure) for measure in verdict.result.measures] if verdict.result else [verdict.why]
+
+
+def _document(driven: "Driven | None") -> dict[str, Any]:
+    from stepbot.driving.document import driven_document
+
+    return {"robot": None, "tests": [], "inapplicable": {}} if driven is None else driven_document(driven, timed=True)

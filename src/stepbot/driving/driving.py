@@ -1,0 +1,156 @@
+"""Drives a robot that stepbot wrote, in all engines at the same time, each in a process of its own."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines import engine_of
+from stepbot.engines.openable import openable
+from stepbot.engines.simulation import Mechanism
+from stepbot.report.reading import robot_of_report
+from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
+
+from .judgement import Status, Verdict, judge
+from .limits import Demands
+from .mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
+from .plan import TESTS, reasons
+from .survey import Survey
+from .worker import Assignment
+
+ENGINES: Mapping[str, str] = {"mujoco": ".xml", "pybullet": ".urdf"}
+"""The engines that drive, and the suffix of the file that each drives."""
+_DRIVE = "stepbot.driving.worker:drive"
+_SURVEY = "stepbot.driving.survey:survey"
+
+
+@dataclass(frozen=True)
+class Driven:
+    """The drive tests of one robot."""
+
+    robot: str
+    """Name of the robot."""
+    verdicts: tuple[Verdict, ...] = ()
+    inapplicable: Mapping[str, str] = field(default_factory=dict)
+    """Tests that do not apply, each with its reason."""
+
+
+def drive_files(
+    document: Mapping[str, Any],
+    files: Mapping[str, Path],
+    demands: Demands,
+    found: Diagnostics,
+    *,
+    tests: Iterable[str] = (),
+    timeout: float,
+    memory_limit: int | None = None,
+) -> Driven:
+    """Drive a robot in engines.
+
+    Args:
+        document: The parsed ``report.json`` of the robot.
+        files: For each engine the file that it drives.
+        demands: Limits, and tests that must apply.
+        found: Receives SB830, SB831, SB832 and SB835.
+        tests: The tests to run; empty for all that apply.
+        timeout: Time limit [s] of each engine.
+        memory_limit: Address space [bytes] of each engine; None for no limit.
+
+    Raises:
+        KeyError, TypeError, ValueError: The document is not a report with a robot.
+    """
+    robot = robot_of_report(document)
+    mechanism = mechanism_of(robot, tuple(document["robot"]["pybullet"]))
+    drive = _Drive(mechanism, files, demands, found, timeout, memory_limit)
+    survey = drive.survey()
+    if survey is None:
+        return Driven(robot.name)
+    wheels, limbs = wheels_of(mechanism), limbs_of(mechanism)
+    why = reasons(mechanism, survey, wheels, limbs, mjcf="mujoco" in files)
+    wanted = tuple(tests)
+    for test in dict.fromkeys((*wanted, *demands.tests)):
+        if why[test]:
+            found.add("SB835", f"{test}: {why[test]}", Span(drive.shown))
+    chosen = tuple(test for test in TESTS if not why[test] and (not wanted or test in wanted))
+    verdicts = drive.verdicts(
+        {
+            engine: Assignment(engine, str(openable(file)), mechanism, survey, wheels, limbs, chosen)
+            for engine, file in files.items()
+        }
+    )
+    return Driven(robot.name, verdicts, {test: reason for test, reason in why.items() if reason})
+
+
+class _Drive:
+    """The workers of one robot."""
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        files: Mapping[str, Path],
+        demands: Demands,
+        found: Diagnostics,
+        timeout: float,
+        memory_limit: int | None,
+    ) -> None:
+        self._mechanism, self._files, self._demands, self._found = mechanism, files, demands, found
+        self._timeout, self._memory_limit = timeout, memory_limit
+        self.shown = next(iter(files.values())).name
+
+    def survey(self) -> Survey | None:
+        """The poses and grasps; None if MuJoCo cannot load the file."""
+        file = str(openable(self._files["mujoco"])) if "mujoco" in self._files else ""
+        fingers = finger_candidates(self._mechanism)
+        with Worker(_SURVEY, memory_limit=self._memory_limit) as worker:
+            worker.submit(file, self._mechanism, fingers, self._demands.mass)
+            survey: Survey | None = self._result("mujoco", worker)
+        return survey
+
+    def verdicts(self, assignments: Mapping[str, Assignment]) -> tuple[Verdict, ...]:
+        """Run the tests in all engines at the same time."""
+        with ExitStack() as running:
+            workers = {
+                name: running.enter_context(Worker(_DRIVE, memory_limit=self._memory_limit)).submit(assignment)
+                for name, assignment in assignments.items()
+            }
+            return tuple(
+                verdict
+                for name, worker in workers.items()
+                for verdict in self._judged(name, worker, assignments[name].tests)
+            )
+
+    def _judged(self, engine: str, worker: Worker, tests: Sequence[str]) -> list[Verdict]:
+        results = self._result(engine, worker)
+        if results is None:
+            return [Verdict(engine, test, Status.FAILED, "the engine did not finish") for test in tests]
+        return list(judge(engine, self._files[engine].name, results, self._demands, self._found))
+
+    def _result(self, engine: str, worker: Worker) -> Any:
+        """The result of a worker; None after SB832."""
+        span = Span(self._files[engine].name if engine in self._files else self.shown)
+        try:
+            return worker.result(self._timeout)
+        except RemoteError as error:
+            if error.kind != "EngineRefused":
+                raise
+            self._found.add("SB832", f"{engine}: {error.text}", span)
+        except WorkerDied as death:
+            self._found.add("SB832", f"{engine}: {death.reason}", span, notes=death.last_lines)
+        return None
+
+
+def missing_engines(names: Iterable[str], found: Diagnostics) -> tuple[str, ...]:
+    """The engines that can run here; the others are reported (SB005)."""
+    present = []
+    for name in names:
+        engine = engine_of(name)
+        reason = engine.available()
+        if reason is None:
+            present.append(name)
+            continue
+        others = [other for other in ENGINES if other != name]
+        help = (engine.install or f"pip install {name}", f"or drive in the other alone: --engine {others[0]}")
+        found.add("SB005", f"drive in {name}: {reason}", Span("stepbot"), help=help)
+    return tuple(present)

@@ -1,0 +1,149 @@
+"""Where two fingers grip a cube: found on their collision shapes, in MuJoCo.
+
+Two groups of links are fingers if the motor that moves them changes the gap between them by more than
+:data:`SHORTEST_STROKE`, and they touch nothing when open. The cube is half as wide as the widest gap, its faces across
+the direction in which the fingers close, its centre in the middle of the faces that are nearest to each other.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from stepbot.engines.mujoco.simulation import MujocoSimulation
+from stepbot.engines.simulation import Cube, Mechanism, Setup
+from stepbot.geometry.spatial import Array, Pose, unit
+from stepbot.robot.posing import NotReached, posed
+
+from .mechanism import Fingers
+
+SHORTEST_STROKE = 0.01
+"""Change [m] of the gap from which two links count as fingers."""
+WIDEST = 0.04
+"""Largest edge [m] of a cube."""
+_FACE = 1.5e-3
+"""Depth [m] of the faces that grip: vertices behind the nearest point by less belong to them."""
+_POSITIONS = 21
+_FAR = 1.0
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """A cube between two fingers."""
+
+    fingers: Fingers
+    cube: Cube
+    X_HC: Pose
+    """Pose of the cube in the hand's link."""
+    open: Mapping[str, float]
+    """Configuration with the widest gap."""
+    closed: float
+    """Position [rad] or [m] towards which the motors close."""
+    gaps: tuple[float, float]
+    """Narrowest and widest gap [m]."""
+
+
+def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -> Grasp | None:
+    """The grasp of two groups of links; None if they are not fingers.
+
+    Args:
+        file: The MJCF.
+        mechanism: The robot.
+        fingers: The links.
+        mass: Mass [kg] of the cube.
+    """
+    room = _Room(file, mechanism, fingers)
+    path = room.path()
+    if len(path) < 2:
+        return None
+    gaps = [room.gap(q)[0] for q in path]
+    widest, narrowest = max(gaps), min(gaps)
+    ends = gaps[0], gaps[-1]
+    if widest - narrowest < SHORTEST_STROKE or abs(ends[0] - ends[1]) < 0.5 * (widest - narrowest):
+        return None
+    if ends[0] < ends[1]:  # the path is to go from open to closed
+        path, gaps = path[::-1], gaps[::-1]
+    edge = min(WIDEST, 0.5 * widest)
+    for _ in range(3):
+        near = next((i for i, gap in enumerate(gaps) if gap <= edge), len(gaps) - 1)
+        X_HC = room.cube_pose(path[near], path[max(0, near - 1)])
+        if X_HC is not None and not room.blocked(path[0], X_HC, edge):
+            joint = room.joint
+            return Grasp(fingers, Cube(edge, mass), X_HC, path[0], path[-1][joint], (narrowest, widest))
+        edge *= 0.7
+    return None
+
+
+class _Room:
+    """The robot without a floor, to measure gaps."""
+
+    def __init__(self, file: str, mechanism: Mechanism, fingers: Fingers) -> None:
+        self._file, self._mechanism, self._fingers = file, mechanism, fingers
+        self._simulation = MujocoSimulation(file, mechanism, Setup(held=True))
+        self._sides = [self._simulation.solids(side) for side in (fingers.one, fingers.other)]
+        self._motors = [motor for motor in mechanism.motors if motor.name in fingers.motors]
+        self.joint = self._motors[0].joint
+
+    def path(self) -> list[dict[str, float]]:
+        """Configurations over the range of the motors, as far as the loops allow."""
+        limit = self._motors[0].limit
+        if not np.isfinite([limit.lower, limit.upper]).all() or not all(self._sides):
+            return []
+        found = []
+        for q in np.linspace(limit.lower, limit.upper, _POSITIONS).tolist():
+            try:
+                found.append(posed(self._mechanism.robot, {motor.joint: q for motor in self._motors}))
+            except NotReached:
+                continue
+        return found
+
+    def gap(self, q: Mapping[str, float]) -> tuple[float, Array]:
+        """Distance [m] of the two sides, and the nearest points (2, 3)."""
+        self._simulation.reset(q)
+        pairs = [self._simulation.distance(a, b, _FAR) for a, b in product(*self._sides)]
+        return min(pairs, key=lambda pair: pair[0])
+
+    def cube_pose(self, q: Mapping[str, float], before: Mapping[str, float]) -> Pose | None:
+        """Pose of the cube in the hand: x is the direction in which the fingers close; None if they do not face it."""
+        moved = self._centres(q) - self._centres(before)
+        closing = moved[0] - moved[1]
+        if np.linalg.norm(closing) < 1e-9:
+            return None
+        x = unit(closing)
+        _, ends = self.gap(q)
+        faces = [self._face(side, x, end, sign) for side, end, sign in zip(self._sides, ends, (1.0, -1.0), strict=True)]
+        X_WH = self._simulation.pose(self._fingers.hand)
+        middle = 0.5 * (faces[0].mean(axis=0) + faces[1].mean(axis=0))
+        z = middle - X_WH.p
+        z -= x * (x @ z)
+        z = unit(z) if np.linalg.norm(z) > 1e-6 else unit(np.cross(x, np.eye(3)[int(np.argmin(np.abs(x)))]))
+        R = np.column_stack([x, np.cross(z, x), z])
+        low = np.max([(face @ R).min(axis=0) for face in faces], axis=0)
+        high = np.min([(face @ R).max(axis=0) for face in faces], axis=0)
+        centre = 0.5 * (low + high)
+        centre[0] = 0.5 * float((ends @ x).sum())
+        if (high[1:] < low[1:]).any():
+            return None
+        return X_WH.inverse() @ Pose.of(R, R @ centre)
+
+    def _centres(self, q: Mapping[str, float]) -> Array:
+        self._simulation.reset(q)
+        return np.array([self._points(side).mean(axis=0) for side in self._sides])
+
+    def _points(self, side: list[int]) -> Array:
+        return np.vstack([self._simulation.shape_points(geom) for geom in side])
+
+    def _face(self, side: list[int], x: Array, end: Array, sign: float) -> Array:
+        """Vertices of a side that face the other."""
+        points = self._points(side)
+        chosen: Array = points[sign * (points @ x - end @ x) > -_FACE]
+        return chosen if len(chosen) else end.reshape(1, 3)
+
+    def blocked(self, q: Mapping[str, float], X_HC: Pose, edge: float) -> bool:
+        """Whether the cube touches the robot while the fingers are open."""
+        simulation = MujocoSimulation(self._file, self._mechanism, Setup(held=True, cube=Cube(edge, 0.1)))
+        simulation.reset(q)
+        allowed = simulation.penetration()
+        simulation.place_cube(simulation.pose(self._fingers.hand) @ X_HC)
+        return simulation.penetration() > allowed + 1e-6

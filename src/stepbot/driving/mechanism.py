@@ -1,0 +1,185 @@
+"""What a robot can do, found in its model: motors, wheels, limbs, and pairs of links that may be fingers."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from stepbot.engines.simulation import Mechanism, Motor
+from stepbot.geometry.spatial import Array
+from stepbot.robot.actuators import actuator_limit
+from stepbot.robot.kinematics import TURNING, link_poses, mimic_relation
+from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
+from stepbot.robot.multi_dof import ball_coordinates, unfolded
+from stepbot.robot.posing import posed
+
+_LEVEL = 0.1
+"""Cosine of the angle between an axle and the vertical up to which the axle counts as horizontal."""
+_FEWEST_LIMBS = 2
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A driven wheel."""
+
+    motor: str
+    link: str
+    forwards: float
+    """1 if a positive speed drives forwards, else -1."""
+
+
+@dataclass(frozen=True)
+class Wheels:
+    """The driven wheels of a base."""
+
+    wheels: tuple[Wheel, ...]
+    direction: tuple[float, float, float]
+    """Direction of driving forwards, in the root link."""
+
+
+@dataclass(frozen=True)
+class Fingers:
+    """Two groups of links that motors move relative to each other."""
+
+    motors: tuple[str, ...]
+    """All move by the same amount."""
+    one: frozenset[str]
+    """Links rigidly connected to each other."""
+    other: frozenset[str]
+    hand: str
+    """The link that the fingers move on."""
+
+
+def mechanism_of(robot: Robot, constraints: tuple[Mapping[str, Any], ...]) -> Mechanism:
+    """A robot as simulations need it.
+
+    Args:
+        robot: The robot.
+        constraints: The list ``robot.pybullet`` of ``report.json``.
+    """
+    motors = tuple(
+        Motor(
+            actuator.name,
+            actuator.joint,
+            actuator.kind,
+            actuator.kp,
+            actuator.kv,
+            actuator.gear,
+            actuator_limit(actuator, robot.joint_by_name[actuator.joint]),
+            robot.joint_by_name[actuator.joint].kind is not JointKind.PRISMATIC,
+        )
+        for actuator in robot.actuators
+        if actuator.joint in robot.joint_by_name
+    )
+    mimics = {joint.name: joint.mimic for joint in unfolded(robot).joints if joint.mimic is not None}
+    return Mechanism(robot, motors, posed(robot, {}), ball_coordinates(robot), mimics, constraints)
+
+
+def wheels_of(mechanism: Mechanism) -> Wheels | None:
+    """The driven wheels: motors on continuous joints with horizontal axles, under a floating base; None without."""
+    robot = mechanism.robot
+    if robot.base is not Base.FLOATING:
+        return None
+    poses = link_poses(robot, mechanism.home)
+    found: list[tuple[Motor, str, Array]] = []
+    for motor in mechanism.motors:
+        joint = robot.joint_by_name[motor.joint]
+        axis = poses[joint.child].turn(joint.axis)
+        if joint.kind is JointKind.CONTINUOUS and motor.kind is ActuatorKind.VELOCITY and abs(axis[2]) < _LEVEL:
+            found.append((motor, joint.child, np.cross(axis, (0.0, 0.0, 1.0))))
+    if not found:
+        return None
+    ahead = found[0][2] / np.linalg.norm(found[0][2])
+    ahead = ahead if ahead @ (1.0, 1e-3, 0.0) > 0.0 else -ahead
+    wheels = tuple(Wheel(motor.name, link, float(np.sign(way @ ahead))) for motor, link, way in found)
+    return Wheels(wheels, (float(ahead[0]), float(ahead[1]), float(ahead[2])))
+
+
+def limbs_of(mechanism: Mechanism) -> tuple[str, ...]:
+    """The first links of limbs: branches of a floating base that two or more motors move."""
+    robot = mechanism.robot
+    if robot.base is not Base.FLOATING:
+        return ()
+    driven = {motor.joint for motor in mechanism.motors if motor.kind is ActuatorKind.POSITION}
+    count: dict[str, int] = {}
+    branch: dict[str, str] = {}
+    for joint in robot.joints:
+        if joint.parent == robot.root.name:
+            branch[joint.child] = joint.child
+        else:
+            branch[joint.child] = branch[joint.parent]
+        count[branch[joint.child]] = count.get(branch[joint.child], 0) + (joint.name in driven)
+    limbs = tuple(first for first, motors in count.items() if motors >= 2)
+    return limbs if len(limbs) >= _FEWEST_LIMBS else ()
+
+
+def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
+    """Pairs of links that may be fingers: both at the end of the tree, moved in opposite ways on one hand.
+
+    Either one motor moves both, by a mimic, or two motors with equal limits on the same hand move one each.
+    """
+    robot = mechanism.robot
+    rigid = _rigid_groups(robot)
+    tips = _tips(robot, rigid)
+    drivers = [motor for motor in mechanism.motors if motor.kind is ActuatorKind.POSITION]
+    found: dict[Fingers, None] = {}
+    for motor in drivers:
+        hand = robot.joint_by_name[motor.joint].parent
+        moved = [joint for joint in robot.joints if joint.kind in (*TURNING, JointKind.PRISMATIC)]
+        followers = [
+            j for j in moved if mimic_relation(robot, j.name)[0] == motor.joint and rigid[j.parent] == rigid[hand]
+        ]
+        for one, other in combinations(followers, 2):
+            found.update(dict.fromkeys(_pairs((motor.name,), one, other, tips, rigid, hand)))
+    for first, second in combinations(drivers, 2):
+        one, other = (robot.joint_by_name[motor.joint] for motor in (first, second))
+        alike = one.kind is other.kind and one.parent == other.parent and first.limit == second.limit
+        bounded = np.isfinite([first.limit.lower, first.limit.upper]).all()
+        if alike and bounded and _is_tip(one.child, tips, rigid) and _is_tip(other.child, tips, rigid):
+            names = (first.name, second.name)
+            found.update(dict.fromkeys(_pairs(names, one, other, tips, rigid, one.parent)))
+    return tuple(found)
+
+
+def _is_tip(link: str, tips: Mapping[str, frozenset[str]], rigid: Mapping[str, str]) -> bool:
+    """Whether nothing moves below a link."""
+    return tips[link] == {link} or all(rigid[tip] == rigid[link] for tip in tips[link])
+
+
+def _pairs(
+    motors: tuple[str, ...],
+    one: Joint,
+    other: Joint,
+    tips: Mapping[str, frozenset[str]],
+    rigid: Mapping[str, str],
+    hand: str,
+) -> Iterator[Fingers]:
+    groups = [sorted({rigid[tip] for tip in tips[joint.child]}) for joint in (one, other)]
+    for a in groups[0]:
+        for b in groups[1]:
+            sides = [frozenset(link for link, group in rigid.items() if group == name) for name in (a, b)]
+            yield Fingers(motors, sides[0], sides[1], hand)
+
+
+def _rigid_groups(robot: Robot) -> dict[str, str]:
+    """For each link the first link of those that fixed joints connect it to."""
+    group = {robot.root.name: robot.root.name}
+    for joint in robot.joints:
+        group[joint.child] = group[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    return group
+
+
+def _tips(robot: Robot, rigid: Mapping[str, str]) -> dict[str, frozenset[str]]:
+    """For each link the links at the end of the tree below it, itself included."""
+    below: dict[str, frozenset[str]] = {}
+    for link in reversed(robot.links):
+        children = [joint.child for joint in robot.joints if joint.parent == link.name]
+        moving = [child for child in children if rigid[child] != rigid[link.name]]
+        fixed = [child for child in children if rigid[child] == rigid[link.name]]
+        ends = frozenset(tip for child in moving for tip in below[child])
+        beyond = frozenset(tip for child in fixed for tip in below[child])
+        own = frozenset() if ends or any(rigid[tip] != rigid[link.name] for tip in beyond) else frozenset({link.name})
+        below[link.name] = ends | frozenset(tip for tip in beyond if rigid[tip] != rigid[link.name]) | own
+    return below

@@ -1,0 +1,57 @@
+"""Which tests apply to a robot, decided from its model, with the reason for each that does not."""
+
+from collections.abc import Mapping
+from math import isfinite
+
+from stepbot.engines.simulation import Mechanism
+from stepbot.robot.model import ActuatorKind
+
+from .mechanism import Wheels
+from .survey import Survey
+
+TESTS = {
+    "hold": "random poses are held",
+    "step": "each motor steps to a new target",
+    "sweep": "each motor visits both ends of its range",
+    "torque": "random efforts up to the limits",
+    "drop": "falls on the floor, or limp if the base is fixed",
+    "grip": "holds a cube",
+    "roll": "drives straight ahead and back",
+    "stand": "stands, and is pushed",
+}
+"""All tests, in the order in which they run, and what the robot does."""
+
+
+def reasons(
+    mechanism: Mechanism, survey: Survey, wheels: Wheels | None, limbs: tuple[str, ...], *, mjcf: bool
+) -> Mapping[str, str]:
+    """For each test why it does not apply; an empty string for those that do.
+
+    Args:
+        mechanism: The robot.
+        survey: Its poses and grasps.
+        wheels: Its wheels.
+        limbs: Its limbs.
+        mjcf: Whether there is an MJCF, in which grasps are found.
+    """
+    kinds = {motor.kind for motor in mechanism.motors}
+    driving = {wheel.motor for wheel in wheels.wheels} if wheels else set()
+    spins = any(motor.kind is ActuatorKind.VELOCITY and motor.name not in driving for motor in mechanism.motors)
+    servo = "" if ActuatorKind.POSITION in kinds else "no position actuator"
+    limited = any(isfinite(motor.limit.effort) for motor in mechanism.motors)
+    moving = "" if mechanism.home else "no moving joint"
+    no_grasp = "no two links that a motor closes on each other" if mjcf else "needs the MJCF, where grasps are found"
+    return {
+        "hold": servo,
+        "step": ""
+        if survey.steps or spins
+        else "no position actuator with room for a step, and no velocity actuator but wheels",
+        "sweep": servo,
+        "torque": "" if limited else "no actuator on a joint with an effort limit",
+        "drop": moving,
+        "grip": "" if survey.grasps else no_grasp,
+        "roll": ""
+        if wheels
+        else "no velocity actuator on a continuous joint with a horizontal axle, on a floating base",
+        "stand": "" if limbs and not wheels else "no floating base with two or more limbs of two motors each",
+    }

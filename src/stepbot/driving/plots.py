@@ -1,0 +1,77 @@
+"""The curves of drive tests as SVG, drawn with matplotlib: the same bytes from the same numbers."""
+
+from pathlib import Path
+from typing import Any
+
+from .driving import Driven
+from .judgement import Verdict
+from .results import Plot
+
+PACKAGE = "matplotlib"
+"""Part of ``pip install 'stepbot[draw]'``."""
+_COLORS = ("#1f6feb", "#d1672b", "#2c8c4b", "#8a4fbf", "#b0323d", "#66788a", "#b48a00", "#1b8a99")
+_SIZE = (7.2, 2.6)
+_MOST_NAMED = 8
+"""Curves up to which each has its name beside the axes."""
+_STYLE = {
+    "svg.hashsalt": "stepbot",
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "font.size": 8,
+    "path.simplify": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+}
+_NO_METADATA = {"Date": None, "Creator": None}
+
+
+def draw(driven: Driven, folder: Path) -> list[Path]:
+    """Write one picture per test, an engine beside the other; returns the paths.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    by_test: dict[str, list[Verdict]] = {}
+    for verdict in driven.verdicts:
+        if verdict.result is not None:
+            by_test.setdefault(verdict.test, []).append(verdict)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for test, verdicts in by_test.items():
+        path = folder / f"{test}.svg"
+        path.write_bytes(svg(verdicts))
+        paths.append(path)
+    return paths
+
+
+def svg(verdicts: list[Verdict]) -> bytes:
+    """The curves of one test in each engine."""
+    from io import BytesIO
+
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=_SIZE, layout="constrained")
+        FigureCanvasSVG(figure)
+        all_axes = figure.subplots(1, len(verdicts), sharey=True, squeeze=False)[0]
+        for axes, verdict in zip(all_axes, verdicts, strict=True):
+            assert verdict.result is not None
+            _panel(axes, verdict.result.plot, f"{verdict.test}, {verdict.engine}: {verdict.status.value}")
+        all_axes[0].set_ylabel(verdicts[0].result.plot.y if verdicts[0].result else "")
+        handles, labels = all_axes[0].get_legend_handles_labels()
+        if 1 < len(handles) <= _MOST_NAMED:
+            figure.legend(handles, labels, loc="outside right center", frameon=False)
+        stream = BytesIO()
+        figure.savefig(stream, format="svg", metadata=_NO_METADATA)
+    return stream.getvalue()
+
+
+def _panel(axes: Any, plot: Plot, title: str) -> None:
+    for number, (name, (x, y)) in enumerate(plot.curves.items()):
+        rounded = [float(f"{value:.4g}") for value in y]  # the same picture where an engine's last bits differ
+        axes.plot(x, rounded, color=_COLORS[number % len(_COLORS)], linewidth=1.1, label=name)
+    axes.set_title(title, fontsize=8, loc="left")
+    axes.set_xlabel(plot.x)
+    axes.grid(True, linewidth=0.4, color="#dde3ea")

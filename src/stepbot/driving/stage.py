@@ -1,0 +1,128 @@
+"""What the tests share: the robot in a fresh scene, targets at home, and the gaps of the loops."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stepbot.engines.simulation import Mechanism, Motor, Setup, Simulation
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.model import ActuatorKind, JointKind, LoopClosure
+
+from .mechanism import Wheels
+from .results import Measure, largest
+from .survey import Survey
+
+MM = 1e3
+_LIFT = 1e-4
+"""Height [m] at which a robot is placed above the floor."""
+
+
+class Diverged(Exception):
+    """The simulation is not finite any more."""
+
+
+@dataclass(eq=False)
+class Stage:
+    """One robot in one engine."""
+
+    open: Callable[[Setup], Simulation]
+    """Loads the file into a scene."""
+    mechanism: Mechanism
+    survey: Survey
+    wheels: Wheels | None
+    limbs: tuple[str, ...]
+    steps: int = 0
+    seconds: float = 0.0
+    _gap: "Gaps | None" = field(default=None, repr=False)
+
+    @contextmanager
+    def scene(self, *, floor: bool = False, held: bool = False, setup: Setup | None = None) -> Iterator[Simulation]:
+        """A simulation in a scene of its own.
+
+        Raises:
+            Diverged: It is not finite at the end.
+        """
+        simulation = self.open(setup or Setup(floor=floor, held=held))
+        try:
+            yield simulation
+            if not simulation.finite():
+                raise Diverged
+        finally:
+            self.steps += simulation.steps
+            self.seconds += simulation.seconds
+            simulation.close()
+
+    def motors(self, kind: ActuatorKind) -> tuple[Motor, ...]:
+        """The motors of a kind."""
+        return tuple(motor for motor in self.mechanism.motors if motor.kind is kind)
+
+    @property
+    def home(self) -> dict[str, float]:
+        """Targets of all motors at home: positions, and no speed."""
+        return self.targets(self.mechanism.home)
+
+    def targets(self, q: Mapping[str, float]) -> dict[str, float]:
+        """Targets of all motors at a configuration: positions, and no speed."""
+        return {
+            motor.name: q[motor.joint] if motor.kind is ActuatorKind.POSITION else 0.0
+            for motor in self.mechanism.motors
+            if motor.kind is not ActuatorKind.MOTOR
+        }
+
+    def motor(self, name: str) -> Motor:
+        """The motor of a name."""
+        return next(motor for motor in self.mechanism.motors if motor.name == name)
+
+
+def run(simulation: Simulation, seconds: float) -> Iterator[float]:
+    """Step for a time [s]; yields the time [s] after each step."""
+    for step in range(1, round(seconds / simulation.timestep) + 1):
+        simulation.step()
+        yield step * simulation.timestep
+
+
+def stand(simulation: Simulation, stage: Stage, height: float = 0.0) -> None:
+    """Place the robot at home with its lowest point at a height [m] above the floor."""
+    simulation.reset(stage.mechanism.home, Pose.of(position=(0.0, 0.0, 1.0)))
+    low = simulation.lowest()
+    simulation.reset(stage.mechanism.home, Pose.of(position=(0.0, 0.0, 1.0 - low + height + _LIFT)))
+
+
+class Gaps:
+    """The widest gap of each closure so far."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._closures = stage.mechanism.robot.closures
+        self._widest = dict.fromkeys((closure.name for closure in self._closures), 0.0)
+        self.trace: list[float] = []
+
+    def measure(self, simulation: Simulation) -> None:
+        """Measure all gaps now."""
+        now = 0.0
+        for closure in self._closures:
+            gap = MM * _gap(closure, simulation)
+            now = max(now, gap)
+            self._widest[closure.name] = max(self._widest[closure.name], gap)
+        self.trace.append(now)
+
+    def measures(self) -> tuple[Measure, ...]:
+        """The widest gap [mm]; none for a robot without loops."""
+        return largest("loop opening", self._widest)
+
+
+def _gap(closure: LoopClosure, simulation: Simulation) -> float:
+    """Distance [m] of the two frames, across the axis of a prismatic closure."""
+    X_WF, X_WG = simulation.pose(closure.link_a) @ closure.X_AF, simulation.pose(closure.link_b) @ closure.X_BF
+    apart: Array = X_WG.p - X_WF.p
+    if closure.kind is JointKind.PRISMATIC:
+        apart = np.cross(X_WF.turn(closure.axis), apart)
+    return float(np.linalg.norm(apart))
+
+
+def by_kind(errors: Mapping[Motor, float], angular: str, linear: str) -> tuple[Measure, ...]:
+    """The largest value [rad] of turning and [mm] of sliding joints, as two quantities."""
+    turning = {motor.joint: value for motor, value in errors.items() if motor.angular}
+    sliding = {motor.joint: MM * value for motor, value in errors.items() if not motor.angular}
+    return (*largest(angular, turning), *largest(linear, sliding))

@@ -1,0 +1,229 @@
+"""A robot's MJCF driven in MuJoCo, in the scene of a test."""
+
+from collections.abc import Iterator, Mapping
+from math import sqrt
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.model import Base
+
+from ..observation import EngineRefused
+from ..simulation import FRICTION, HEIGHT, Mechanism, Setup
+from .compiled import Compiled
+
+FORMAT = "mjcf"
+"""The format that is driven."""
+SCENE = "scene.xml"
+"""Name of the scene beside the robot's file; its floor, contact settings and light are used if it is there."""
+_CUBE = "stepbot/cube"
+_TOUCH = 1e-4
+"""Depth [m] up to which two shapes touch without overlapping: flush faces of CAD."""
+
+
+class MujocoSimulation:
+    """:class:`~stepbot.engines.simulation.Simulation` in MuJoCo."""
+
+    def __init__(self, file: str, mechanism: Mechanism, setup: Setup) -> None:
+        """Compile the file with the scene of a test around it.
+
+        Raises:
+            EngineRefused: MuJoCo does not compile it.
+        """
+        import mujoco as engine
+
+        self._engine, self._mechanism, self._setup = engine, mechanism, setup
+        try:
+            self.model: Any = _spec(engine, file, mechanism, setup).compile()
+        except ValueError as error:
+            raise EngineRefused(str(error).replace(f"{Path(file).parent.as_posix()}/", "").strip()) from error
+        self.data: Any = engine.MjData(self.model)
+        self.timestep = float(self.model.opt.timestep)
+        self.seconds, self.steps = 0.0, 0
+        self._coordinates = Compiled(engine, self.model, mechanism.balls).coordinates
+        self._root = self._id("BODY", mechanism.robot.root.name)
+        self._flags = int(self.model.opt.disableflags)
+        self._actuator = {motor.name: self._id("ACTUATOR", motor.name) for motor in mechanism.motors}
+        moving = [self._id("JOINT", name) for name in self._coordinates.names]
+        self._joints = {name: joint for name, joint in zip(self._coordinates.names, moving, strict=True) if joint >= 0}
+        self._qpos = [int(self.model.jnt_qposadr[joint]) for joint in self._joints.values()]
+        self._dofs = [int(self.model.jnt_dofadr[joint]) for joint in self._joints.values()]
+        self._solid = [g for g in range(self.model.ngeom) if self._is_solid(g)]
+        self._own = frozenset(self._solid)
+
+    def _id(self, kind: str, name: str) -> int:
+        return int(self._engine.mj_name2id(self.model, getattr(self._engine.mjtObj, f"mjOBJ_{kind}"), name))
+
+    def _is_solid(self, geom: int) -> bool:
+        """Whether a geom is a collision shape of the robot."""
+        body = int(self.model.geom_bodyid[geom])
+        touches = self.model.geom_contype[geom] or self.model.geom_conaffinity[geom]
+        return bool(touches) and int(self.model.body_rootid[body]) == self._root
+
+    def reset(self, q: Mapping[str, float], X_WR: Pose | None = None) -> None:  # noqa: D102
+        self._engine.mj_resetData(self.model, self.data)
+        self._coordinates.place(self.data.qpos, q)
+        if X_WR is not None and self._mechanism.robot.base is Base.FLOATING:
+            start = int(self.model.jnt_qposadr[self.model.body_jntadr[self._root]])
+            self.data.qpos[start : start + 7] = [*X_WR.position, *X_WR.quaternion]
+        self.release()
+        if self._setup.cube is not None:
+            self.place_cube(Pose.of(position=(0.0, 0.0, -HEIGHT)))
+        self._engine.mj_forward(self.model, self.data)
+
+    def command(self, targets: Mapping[str, float]) -> None:  # noqa: D102
+        self.model.opt.disableflags = self._flags
+        for motor in self._mechanism.motors:
+            if motor.name in targets:
+                self.data.ctrl[self._actuator[motor.name]] = motor.gear * targets[motor.name]
+
+    def release(self) -> None:  # noqa: D102
+        self.model.opt.disableflags = self._flags | int(self._engine.mjtDisableBit.mjDSBL_ACTUATION)
+        self.data.qfrc_applied[:] = 0.0
+        self.data.xfrc_applied[:] = 0.0
+
+    def apply(self, efforts: Mapping[str, float]) -> None:  # noqa: D102
+        for name, effort in efforts.items():
+            self.data.qfrc_applied[self.model.jnt_dofadr[self._joints[name]]] = effort
+
+    def push(self, force_W: Array) -> None:  # noqa: D102
+        self.data.xfrc_applied[self._root, :3] = force_W
+
+    def step(self) -> None:  # noqa: D102
+        start = perf_counter()
+        self._engine.mj_step(self.model, self.data)
+        self.seconds += perf_counter() - start
+        self.steps += 1
+
+    def positions(self) -> dict[str, float]:  # noqa: D102
+        return dict(zip(self._joints, self.data.qpos[self._qpos].tolist(), strict=True))
+
+    def speeds(self) -> dict[str, float]:  # noqa: D102
+        return dict(zip(self._joints, self.data.qvel[self._dofs].tolist(), strict=True))
+
+    def pose(self, link: str) -> Pose:  # noqa: D102
+        return self._body_pose(self._id("BODY", link))
+
+    def _body_pose(self, body: int) -> Pose:
+        # Step leaves xpos at the start of the step; positions are compared with qpos, so both are of the same instant.
+        return Pose.of(self.data.xmat[body].reshape(3, 3), self.data.xpos[body])
+
+    def lowest(self) -> float:  # noqa: D102
+        return min((self._lowest(geom) for geom in self._solid), default=0.0)
+
+    def _lowest(self, geom: int) -> float:
+        kinds = self._engine.mjtGeom
+        kind, size = kinds(self.model.geom_type[geom]), self.model.geom_size[geom]
+        z, up = float(self.data.geom_xpos[geom][2]), self.data.geom_xmat[geom].reshape(3, 3)[2]
+        if kind == kinds.mjGEOM_SPHERE:
+            return z - float(size[0])
+        if kind == kinds.mjGEOM_CAPSULE:
+            return z - float(size[0] + size[1] * abs(up[2]))
+        if kind == kinds.mjGEOM_CYLINDER:
+            return z - float(size[1] * abs(up[2]) + size[0] * sqrt(max(0.0, 1.0 - up[2] ** 2)))
+        if kind == kinds.mjGEOM_ELLIPSOID:
+            return z - float(np.linalg.norm(size * up))
+        return float(self.shape_points(geom)[:, 2].min())
+
+    def shape_points(self, geom: int) -> Array:
+        """Corners (n, 3) of a mesh or box in the world; of a round shape, of a box around it."""
+        model, data = self.model, self.data
+        mesh = int(model.geom_dataid[geom])
+        if mesh >= 0:
+            start = int(model.mesh_vertadr[mesh])
+            points = np.array(model.mesh_vert[start : start + int(model.mesh_vertnum[mesh])], dtype=np.float64)
+        else:
+            half = np.array(model.geom_aabb[geom][3:])
+            signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
+            points = signs * half
+        return np.array(points @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
+
+    def solids(self, links: "frozenset[str] | set[str]") -> list[int]:
+        """The collision geoms of some links."""
+        bodies = {self._id("BODY", link) for link in links}
+        return [geom for geom in self._solid if int(self.model.geom_bodyid[geom]) in bodies]
+
+    def distance(self, one: int, other: int, most: float) -> tuple[float, Array]:
+        """Distance [m] of two geoms up to ``most``, and the nearest points (2, 3)."""
+        ends = np.zeros(6)
+        distance = self._engine.mj_geomDistance(self.model, self.data, one, other, most, ends)
+        return float(distance), ends.reshape(2, 3)
+
+    def energy(self) -> tuple[float, float]:  # noqa: D102
+        # A step leaves the poses of its start: potential and kinetic energy are to be of the same instant.
+        self._engine.mj_kinematics(self.model, self.data)
+        self._engine.mj_comPos(self.model, self.data)
+        self._engine.mj_energyPos(self.model, self.data)
+        self._engine.mj_energyVel(self.model, self.data)
+        return float(self.data.energy[0]), float(self.data.energy[1])
+
+    def _depths(self) -> Iterator[float]:
+        for contact in range(self.data.ncon):
+            one = self.data.contact[contact]
+            if int(one.geom1) in self._own or int(one.geom2) in self._own:
+                yield -float(one.dist)
+
+    def penetration(self) -> float:  # noqa: D102
+        return max(0.0, *self._depths(), 0.0)
+
+    def touching(self) -> bool:  # noqa: D102
+        return any(depth > _TOUCH for depth in self._depths())
+
+    def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
+        body = self._id("BODY", _CUBE)
+        start = int(self.model.jnt_qposadr[self.model.body_jntadr[body]])
+        self.data.qpos[start : start + 7] = [*X_WC.position, *X_WC.quaternion]
+        dof = int(self.model.jnt_dofadr[self.model.body_jntadr[body]])
+        self.data.qvel[dof : dof + 6] = 0.0
+        self.model.body_gravcomp[body] = 1.0
+        self._engine.mj_forward(self.model, self.data)
+
+    def let_go(self) -> None:  # noqa: D102
+        self.model.body_gravcomp[self._id("BODY", _CUBE)] = 0.0
+
+    def cube(self) -> Pose:  # noqa: D102
+        return self._body_pose(self._id("BODY", _CUBE))
+
+    def finite(self) -> bool:  # noqa: D102
+        bad = any(warning.number for warning in self.data.warning)
+        return bool(np.isfinite(self.data.qpos).all() and np.isfinite(self.data.qvel).all() and not bad)
+
+    def close(self) -> None:  # noqa: D102
+        pass
+
+
+def _spec(engine: Any, file: str, mechanism: Mechanism, setup: Setup) -> Any:
+    """The robot's file, or the scene that includes it, with what a test adds."""
+    scene = Path(file).parent / SCENE
+    spec = engine.MjSpec.from_file(str(scene) if setup.floor and scene.is_file() else file)
+    for key in list(spec.keys):  # a keyframe does not fit a model with a cube
+        spec.delete(key)
+    if setup.floor and not any(geom.type == engine.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
+        spec.worldbody.add_geom(
+            name="stepbot/floor", type=engine.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], friction=[FRICTION, 0.005, 0.0001]
+        )
+    if setup.held and mechanism.robot.base is Base.FLOATING:
+        step = float(spec.option.timestep)
+        spec.add_equality(
+            name="stepbot/stand",
+            type=engine.mjtEq.mjEQ_WELD,
+            objtype=engine.mjtObj.mjOBJ_BODY,
+            name1=mechanism.robot.root.name,
+            name2="world",
+            solref=[2.0 * step, 1.0],
+            solimp=[0.99, 0.999, 0.0001, 0.5, 2.0],
+        )
+    if setup.cube is not None:
+        body = spec.worldbody.add_body(name=_CUBE, pos=[0.0, 0.0, -HEIGHT], gravcomp=1.0)
+        body.add_freejoint()
+        half = 0.5 * setup.cube.edge
+        body.add_geom(
+            type=engine.mjtGeom.mjGEOM_BOX,
+            size=[half] * 3,
+            mass=setup.cube.mass,
+            friction=[FRICTION, 0.005, 0.0001],
+        )
+    return spec

@@ -1,0 +1,260 @@
+"""A robot's URDF driven in PyBullet, in the scene of a test.
+
+URDF has no gains, so a position motor is PyBullet's own: it reaches its target with the time constant kv / kp of the
+actuator, within the joint's effort and velocity. Mimics are gears and loops point-to-point constraints, as in
+``stepbot.close_loops``: PyBullet reads neither from a file. Armature is not in URDF either. Links do not collide with
+each other, PyBullet's default, since URDF cannot exclude pairs.
+"""
+
+from collections.abc import Mapping
+from math import isfinite
+from time import perf_counter
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.model import ActuatorKind, Base
+from stepbot.robot.pybullet_closures import add_constraints
+
+from ..captured_output import printed
+from ..observation import EngineRefused
+from ..simulation import FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
+from .body import Body, body_of, pose
+
+FORMAT = "urdf"
+"""The format that is driven."""
+_STEP = 2e-3
+"""Step [s] of robots without loops."""
+_LOOP_STEP = 1e-3
+"""Step [s] of robots with loops."""
+_ITERATIONS = 50
+_LOOP_ITERATIONS = 200
+"""Solver iterations per step with loops: coupled constraints converge one by one."""
+_UNLIMITED = 1e4
+"""Force [N], [N m] of motors without an effort limit."""
+_GEAR_FORCE = 1e4
+"""Maximum force [N], [N m] of the gear of a mimic."""
+
+
+class PybulletSimulation:
+    """:class:`~stepbot.engines.simulation.Simulation` in PyBullet."""
+
+    def __init__(self, file: str, mechanism: Mechanism, setup: Setup) -> None:
+        """Load the file into a world of its own.
+
+        Raises:
+            EngineRefused: PyBullet does not load it.
+        """
+        import pybullet as engine
+
+        self._engine, self._mechanism, self._setup = engine, mechanism, setup
+        self.timestep = _LOOP_STEP if mechanism.constraints else _STEP
+        self.seconds, self.steps = 0.0, 0
+        self._client = engine.connect(engine.DIRECT)
+        engine.setGravity(0.0, 0.0, -GRAVITY)
+        engine.setPhysicsEngineParameter(
+            fixedTimeStep=self.timestep,
+            numSolverIterations=_LOOP_ITERATIONS if mechanism.constraints else _ITERATIONS,
+            deterministicOverlappingPairs=1,
+        )
+        floating = mechanism.robot.base is Base.FLOATING
+        self._free = floating and not setup.held
+        height = HEIGHT if floating else 0.0
+        flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_IMPLICIT_CYLINDER
+        try:
+            with printed():
+                number = engine.loadURDF(file, [0.0, 0.0, height], useFixedBase=not self._free, flags=flags)
+        except engine.error as error:
+            engine.disconnect(self._client)
+            raise EngineRefused(str(error)) from error
+        self._body: Body = body_of(engine, number)
+        self._index = {link: index for index, link in enumerate(self._body.links, start=-1)}
+        self._joints = self._body.coordinates
+        self._turning = [info[0] for info in self._body.joints if info[2] == engine.JOINT_SPHERICAL]
+        for index in self._index.values():  # damping of PyBullet's own, which no file asks for
+            engine.changeDynamics(number, index, linearDamping=0.0, angularDamping=0.0)
+        self._masses = self._mass_properties()
+        self._motors = {motor.name: motor for motor in mechanism.motors if motor.joint in self._joints}
+        self._push: Array | None = None
+        self._efforts: Mapping[str, float] = {}
+        self._floor = self._cube = -1
+        self._weightless = True
+        self._add_scene(file)
+        self.reset(mechanism.home)
+        self._join()
+
+    def _add_scene(self, file: str) -> None:  # noqa: ARG002
+        engine, setup = self._engine, self._setup
+        friction = FRICTION / float(engine.getDynamicsInfo(self._body.id, -1)[1] or 1.0)
+        if setup.floor:
+            plane = engine.createCollisionShape(engine.GEOM_PLANE, planeNormal=[0, 0, 1])
+            self._floor = engine.createMultiBody(0.0, plane)
+            engine.changeDynamics(self._floor, -1, lateralFriction=friction)
+        if setup.cube is not None:
+            half = 0.5 * setup.cube.edge
+            box = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=[half] * 3)
+            self._cube = engine.createMultiBody(setup.cube.mass, box, basePosition=[0, 0, -HEIGHT])
+            engine.changeDynamics(
+                self._cube, -1, lateralFriction=friction, linearDamping=0.0, angularDamping=0.0, activationState=4
+            )
+
+    def _join(self) -> None:
+        """Close the loops and add the gears of mimics."""
+        engine, body = self._engine, self._body
+        add_constraints(body.id, self._mechanism.constraints)
+        for name, mimic in self._mechanism.mimics.items():
+            if mimic.multiplier == 0.0 or name not in self._joints or mimic.joint not in self._joints:
+                continue
+            follower, leader = self._joints[name], self._joints[mimic.joint]
+            axis = body.joints[follower][13]
+            gear = engine.createConstraint(
+                body.id, leader, body.id, follower, engine.JOINT_GEAR, axis, [0, 0, 0], [0, 0, 0]
+            )
+            # PyBullet's ratio has the opposite sign: leader + ratio * follower = const.
+            engine.changeConstraint(gear, gearRatio=-1.0 / mimic.multiplier, maxForce=_GEAR_FORCE)
+
+    def reset(self, q: Mapping[str, float], X_WR: Pose | None = None) -> None:  # noqa: D102
+        engine, body = self._engine, self._body
+        if X_WR is None:
+            height = HEIGHT if self._mechanism.robot.base is Base.FLOATING else 0.0
+            X_WR = Pose.of(position=(0.0, 0.0, height))
+        X_WI = X_WR @ body.X_LI[0]
+        engine.resetBasePositionAndOrientation(body.id, X_WI.position, _xyzw(X_WI))
+        engine.resetBaseVelocity(body.id, [0, 0, 0], [0, 0, 0])
+        body.set(q)
+        self.release()
+        if self._cube >= 0:
+            self.place_cube(Pose.of(position=(0.0, 0.0, -HEIGHT)))
+
+    def command(self, targets: Mapping[str, float]) -> None:  # noqa: D102
+        self._efforts = {}
+        for name, target in targets.items():
+            if name in self._motors:
+                self._drive(self._motors[name], target)
+
+    def _drive(self, motor: Motor, target: float) -> None:
+        engine, index = self._engine, self._joints[motor.joint]
+        force = motor.limit.effort if isfinite(motor.limit.effort) else _UNLIMITED
+        if motor.kind is ActuatorKind.VELOCITY:
+            engine.setJointMotorControl2(
+                self._body.id, index, engine.VELOCITY_CONTROL, targetVelocity=target, force=force
+            )
+            return
+        # The motor's speed is gain * error / step: the gain of a time constant kv / kp is step * kp / kv.
+        gain = min(1.0, self.timestep * motor.kp / motor.kv) if motor.kv > 0.0 else 1.0
+        fastest = {"maxVelocity": motor.limit.velocity} if isfinite(motor.limit.velocity) else {}
+        engine.setJointMotorControl2(
+            self._body.id,
+            index,
+            engine.POSITION_CONTROL,
+            targetPosition=target,
+            positionGain=gain,
+            velocityGain=1.0,
+            force=force,
+            **fastest,
+        )
+
+    def release(self) -> None:  # noqa: D102
+        engine, body = self._engine, self._body
+        self._efforts, self._push = {}, None
+        for index in self._joints.values():
+            engine.setJointMotorControl2(body.id, index, engine.VELOCITY_CONTROL, force=0.0)
+        for index in self._turning:
+            engine.setJointMotorControlMultiDof(
+                body.id, index, engine.POSITION_CONTROL, [0, 0, 0, 1], force=[0, 0, 0], positionGain=0.0
+            )
+
+    def apply(self, efforts: Mapping[str, float]) -> None:  # noqa: D102
+        self._efforts = {name: effort for name, effort in efforts.items() if name in self._joints}
+
+    def push(self, force_W: Array) -> None:  # noqa: D102
+        self._push = force_W if np.any(force_W) else None
+
+    def step(self) -> None:  # noqa: D102
+        engine, body = self._engine, self._body
+        start = perf_counter()
+        for name, effort in self._efforts.items():
+            engine.setJointMotorControl2(body.id, self._joints[name], engine.TORQUE_CONTROL, force=effort)
+        if self._push is not None:
+            place = body.X_WI(-1).position
+            engine.applyExternalForce(body.id, -1, self._push.tolist(), place, engine.WORLD_FRAME)
+        if self._cube >= 0 and self._weightless and self._setup.cube is not None:
+            place = engine.getBasePositionAndOrientation(self._cube)[0]
+            lift = [0.0, 0.0, GRAVITY * self._setup.cube.mass]
+            engine.applyExternalForce(self._cube, -1, lift, place, engine.WORLD_FRAME)
+        engine.stepSimulation()
+        self.seconds += perf_counter() - start
+        self.steps += 1
+
+    def _states(self) -> list[tuple[float, float]]:
+        states = self._engine.getJointStates(self._body.id, list(self._joints.values())) if self._joints else ()
+        return [(float(state[0]), float(state[1])) for state in states]
+
+    def positions(self) -> dict[str, float]:  # noqa: D102
+        return {name: state[0] for name, state in zip(self._joints, self._states(), strict=True)}
+
+    def speeds(self) -> dict[str, float]:  # noqa: D102
+        return {name: state[1] for name, state in zip(self._joints, self._states(), strict=True)}
+
+    def pose(self, link: str) -> Pose:  # noqa: D102
+        return self._body.X_WL(self._index[link])
+
+    def lowest(self) -> float:  # noqa: D102
+        self._engine.performCollisionDetection()
+        near = self._engine.getClosestPoints(self._body.id, self._floor, 10.0)
+        return min((float(point[8]) for point in near), default=0.0)
+
+    def _mass_properties(self) -> list[tuple[int, float, Array]]:
+        """Index, mass and principal inertia (3,) of each link with mass."""
+        found = []
+        for index in range(-1, len(self._body.joints)):
+            info = self._engine.getDynamicsInfo(self._body.id, index)
+            if info[0] > 0.0:
+                found.append((index, float(info[0]), np.array(info[2], dtype=np.float64)))
+        return found
+
+    def energy(self) -> tuple[float, float]:  # noqa: D102
+        potential = kinetic = 0.0
+        for index, mass, inertia in self._masses:
+            if index < 0:
+                v, w = self._engine.getBaseVelocity(self._body.id)
+            else:
+                v, w = self._engine.getLinkState(self._body.id, index, computeLinkVelocity=1)[6:8]
+            X_WI = self._body.X_WI(index)
+            w_I = X_WI.R.T @ np.array(w)
+            potential += mass * GRAVITY * X_WI.position[2]
+            kinetic += 0.5 * mass * float(np.dot(v, v)) + 0.5 * float(w_I @ (inertia * w_I))
+        return potential, kinetic
+
+    def _depths(self) -> list[float]:
+        return [-float(contact[8]) for contact in self._engine.getContactPoints(self._body.id)]
+
+    def penetration(self) -> float:  # noqa: D102
+        return max(0.0, *self._depths(), 0.0)
+
+    def touching(self) -> bool:  # noqa: D102
+        return any(depth > 0.0 for depth in self._depths())
+
+    def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
+        self._engine.resetBasePositionAndOrientation(self._cube, X_WC.position, _xyzw(X_WC))
+        self._engine.resetBaseVelocity(self._cube, [0, 0, 0], [0, 0, 0])
+        self._weightless = True
+
+    def let_go(self) -> None:  # noqa: D102
+        self._weightless = False
+
+    def cube(self) -> Pose:  # noqa: D102
+        return pose(*self._engine.getBasePositionAndOrientation(self._cube))
+
+    def finite(self) -> bool:  # noqa: D102
+        base = self._engine.getBasePositionAndOrientation(self._body.id)
+        values = [value for state in (*self._states(), *base) for value in state]
+        return all(isfinite(value) for value in values)
+
+    def close(self) -> None:  # noqa: D102
+        self._engine.disconnect(self._client)
+
+
+def _xyzw(X: Pose) -> tuple[float, float, float, float]:
+    w, x, y, z = X.quaternion
+    return x, y, z, w

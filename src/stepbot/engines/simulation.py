@@ -1,0 +1,143 @@
+"""The interface of a simulation that is driven: an engine with a robot's file, and what a test adds around the robot.
+
+The file is loaded as it is. A floor, a cube and a weld that holds a floating base belong to the scene of a test.
+Positions are in [rad] or [m] by coordinate, as in :mod:`stepbot.robot.kinematics`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.model import ActuatorKind, Limit, Mimic, Robot
+
+GRAVITY = 9.81
+"""Acceleration [m/s^2] downwards in every test."""
+FRICTION = 1.0
+"""Friction coefficient between the robot and the scene of a test: MuJoCo's default for two geoms."""
+HEIGHT = 1.0
+"""Height [m] of the root link of a robot that is held in the air."""
+
+
+@dataclass(frozen=True)
+class Motor:
+    """An actuator, with the limits that apply at its joint."""
+
+    name: str
+    joint: str
+    kind: ActuatorKind
+    kp: float
+    kv: float
+    gear: float
+    limit: Limit
+    """Narrower of the limits of joint and actuator."""
+    angular: bool
+    """Whether the joint turns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A robot as its simulations need it."""
+
+    robot: Robot
+    """Without shapes."""
+    motors: tuple[Motor, ...]
+    home: Mapping[str, float]
+    """Initial position of every coordinate; closes the loops."""
+    balls: Mapping[str, tuple[str, str, str]]
+    """Names of the coordinates of each ball joint."""
+    mimics: Mapping[str, Mimic]
+    constraints: tuple[Mapping[str, Any], ...]
+    """The list ``robot.pybullet`` of ``report.json``."""
+
+
+@dataclass(frozen=True)
+class Cube:
+    """A cube to grip."""
+
+    edge: float
+    """[m]"""
+    mass: float
+    """[kg]"""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What surrounds the robot."""
+
+    floor: bool = False
+    """A horizontal plane at z = 0."""
+    held: bool = False
+    """Whether a floating base is held in the air."""
+    cube: Cube | None = None
+    """Without weight until :meth:`Simulation.let_go`."""
+
+
+class Simulation(Protocol):
+    """A robot in an engine, in the scene of one test."""
+
+    timestep: float
+    """[s]"""
+    seconds: float
+    """Time [s] spent in the engine's steps, by the clock."""
+    steps: int
+    """Number of steps so far."""
+
+    def reset(self, q: Mapping[str, float], X_WR: Pose | None = None) -> None:
+        """Place the robot at rest, motors off.
+
+        Args:
+            q: Positions of all coordinates.
+            X_WR: Pose of the root link if its base floats; None for its pose in the file.
+        """
+
+    def command(self, targets: Mapping[str, float]) -> None:
+        """Switch the motors on, each with its target: position [rad], [m] or speed [rad/s], [m/s], at the joint."""
+
+    def release(self) -> None:
+        """Switch all motors off."""
+
+    def apply(self, efforts: Mapping[str, float]) -> None:
+        """Apply efforts [N m] or [N] to joints until the next call, motors off."""
+
+    def push(self, force_W: Array) -> None:
+        """Push the root link's centre of mass with a force (3,) [N] until the next call."""
+
+    def step(self) -> None:
+        """Simulate one step."""
+
+    def positions(self) -> dict[str, float]:
+        """Position of every coordinate with one degree of freedom."""
+
+    def speeds(self) -> dict[str, float]:
+        """Speed of the same coordinates."""
+
+    def pose(self, link: str) -> Pose:
+        """Pose of a link in the world."""
+
+    def lowest(self) -> float:
+        """Height [m] of the lowest point of the collision shapes."""
+
+    def energy(self) -> tuple[float, float]:
+        """Potential and kinetic energy [J]."""
+
+    def penetration(self) -> float:
+        """Largest depth [m] of a contact; 0 without contact."""
+
+    def touching(self) -> bool:
+        """Whether the robot touches itself or the scene."""
+
+    def place_cube(self, X_WC: Pose) -> None:
+        """Place the cube at rest, without weight."""
+
+    def let_go(self) -> None:
+        """Give the cube its weight."""
+
+    def cube(self) -> Pose:
+        """Pose of the cube in the world."""
+
+    def finite(self) -> bool:
+        """Whether all positions and speeds are finite, and the engine reports no divergence."""
+
+    def close(self) -> None:
+        """End the simulation."""

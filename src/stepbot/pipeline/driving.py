@@ -1,0 +1,164 @@
+"""What ``stepbot drive`` drives: a sidecar's robot, a folder that was written, or one file of it."""
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.driving.driving import ENGINES, Driven, drive_files, missing_engines
+from stepbot.driving.limits import Demands, InvalidLimits, demands
+from stepbot.formats import FORMATS
+from stepbot.runtime.output import write_atomically
+from stepbot.runtime.temporary import run_folder
+from stepbot.verification.admission import admitted
+
+from .conversion import REPORT, Options
+
+_SIDECARS = (".yaml", ".yml")
+_FORMAT_OF = {"mujoco": "mjcf", "pybullet": "urdf"}
+
+
+@dataclass(frozen=True)
+class DriveOptions:
+    """How to drive a robot."""
+
+    tests: tuple[str, ...] = ()
+    """Tests to run; empty for all that apply."""
+    engines: tuple[str, ...] = tuple(ENGINES)
+    limits: Path | None = None
+    """File with an object ``drive``; None for the default limits."""
+
+
+def drive(
+    target: Path,
+    options: Options,
+    chosen: DriveOptions,
+    found: Diagnostics,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Driven | None:
+    """Drive a target; None if it could not be driven.
+
+    Args:
+        target: Sidecar, output folder, or MJCF or URDF in one.
+        options: Options of the conversion of a sidecar; limits of the engines.
+        chosen: Tests, engines, limits.
+        found: Receives the diagnostics.
+        progress: Called at the start of each stage.
+    """
+    if not target.exists():
+        found.add("SB001", f"no file or folder '{target.as_posix()}'", Span(target.as_posix()))
+        return None
+    demanded = read_demands(chosen.limits, found)
+    engines = missing_engines(chosen.engines, found)
+    if demanded is None or found.has_errors:
+        return None
+    with ExitStack() as kept:
+        if target.suffix.lower() in _SIDECARS:
+            folder = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
+            if not _convert(target, folder, options, found, progress):
+                return None
+            target = folder
+        progress("drive")
+        return _drive_written(target, engines, demanded, chosen.tests, options, found)
+
+
+def drive_converted(
+    files: Mapping[str, bytes], demanded: Demands, options: Options, found: Diagnostics
+) -> Driven | None:
+    """Drive the files of a conversion before they are saved.
+
+    Args:
+        files: Content by path, the report among them.
+        demanded: The limits.
+        options: Options of the conversion.
+        found: Receives the diagnostics.
+    """
+    engines = missing_engines(ENGINES, found)
+    with TemporaryDirectory(dir=run_folder()) as folder:
+        write_atomically(files, Path(folder))
+        return _drive_written(Path(folder), engines, demanded, (), options, found)
+
+
+def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
+    """The limits in a file's object ``drive``, and the default ones; None after SB834."""
+    if path is None:
+        return demands(None)
+    span = Span(path.as_posix())
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(content, dict):
+            raise InvalidLimits("the file is not an object")
+        return demands(content.get("drive"))
+    except OSError as error:
+        found.add("SB834", f"cannot be read: {error.strerror or error}", span)
+    except ValueError as error:  # JSON, encoding or content
+        found.add("SB834", str(error), span)
+    return None
+
+
+def _convert(
+    sidecar: Path, folder: Path, options: Options, found: Diagnostics, progress: Callable[[str], None]
+) -> bool:
+    from .stages import produce
+
+    formats = tuple(name for name in FORMATS if name in _FORMAT_OF.values())
+    conversion = produce(sidecar, replace(options, formats=formats, verify=False), progress)
+    found.extend(one for one in conversion.diagnostics if one.severity == "error")
+    if conversion.diagnostics.has_errors:
+        return False
+    write_atomically(conversion.files, folder)
+    return True
+
+
+def _drive_written(
+    target: Path, engines: Iterable[str], demanded: Demands, tests: Iterable[str], options: Options, found: Diagnostics
+) -> Driven | None:
+    """Drive a folder, or one file of a folder."""
+    folder = target if target.is_dir() else target.parent
+    document = _report(folder, target, found)
+    if document is None:
+        return None
+    files = _files(document, folder, target, engines)
+    if not files:
+        wanted = " or ".join(ENGINES[name] for name in engines)
+        found.add("SB833", f"no file {wanted} of the report's robot", Span(target.as_posix()))
+        return None
+    formats = {path: _FORMAT_OF[engine] for engine, path in files.items()}
+    timeout, memory_limit = options.timeout, options.memory_limit
+    if len(admitted(formats, found, timeout=timeout, memory_limit=memory_limit)) < len(formats):
+        return None
+    try:
+        return drive_files(document, files, demanded, found, tests=tests, timeout=timeout, memory_limit=memory_limit)
+    except (KeyError, TypeError, ValueError) as error:
+        found.add("SB833", f"{REPORT} is not the report of a robot: {error}", Span((folder / REPORT).as_posix()))
+    return None
+
+
+def _report(folder: Path, target: Path, found: Diagnostics) -> dict[str, Any] | None:
+    """The report of a folder; None after SB833."""
+    try:
+        document = json.loads((folder / REPORT).read_text(encoding="utf-8"))
+    except OSError:
+        found.add("SB833", f"no {REPORT} in '{folder.as_posix()}'", Span(target.as_posix()))
+        return None
+    except ValueError as error:
+        found.add("SB833", f"{REPORT} is not JSON: {error}", Span((folder / REPORT).as_posix()))
+        return None
+    if not isinstance(document, dict) or not isinstance(document.get("robot"), dict):
+        found.add("SB833", f"{REPORT} has no robot", Span((folder / REPORT).as_posix()))
+        return None
+    return document
+
+
+def _files(document: Mapping[str, Any], folder: Path, target: Path, engines: Iterable[str]) -> dict[str, Path]:
+    """For each engine the file that it drives."""
+    name = str(document["robot"].get("name", ""))
+    found = {engine: folder / f"{name}{ENGINES[engine]}" for engine in engines}
+    chosen = {engine: path for engine, path in found.items() if path.is_file()}
+    if target.is_dir():
+        return chosen
+    return {engine: path for engine, path in chosen.items() if path.name == target.name}

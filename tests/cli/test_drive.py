@@ -1,0 +1,130 @@
+"""``stepbot drive``: a robot's files driven in engines."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stepbot.engines import engine_of
+from tests.cli.conftest import Stepbot
+from tests.unit.driving.workbench import HORIZONTAL, gripper, one_joint, written
+
+pytestmark = [pytest.mark.mujoco]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with a written arm in ``arm/`` and a gripper in ``gripper/``."""
+    written(one_joint(HORIZONTAL, 150.0, 20.0), tmp_path / "arm")
+    written(gripper(20.0), tmp_path / "gripper")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def untimed(document: dict[str, Any]) -> dict[str, Any]:
+    """A document without the speeds, which are measured by the clock."""
+    return {
+        **document,
+        "tests": [{k: v for k, v in one.items() if k != "steps_per_second"} for one in document["tests"]],
+    }
+
+
+@pytest.mark.pybullet
+def test_files_are_driven_and_stay_as_they_are(folder: Path, stepbot: Stepbot) -> None:
+    """Every test that applies runs in both engines; the others have reasons; two runs give the same numbers."""
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    first = stepbot("drive", "arm", "--json")
+    assert first.code == 0, first.out
+    document = json.loads(first.out)
+    assert [(one["test"], one["engine"]) for one in document["tests"]] == [
+        (test, engine) for engine in ("mujoco", "pybullet") for test in ("hold", "step", "sweep", "torque", "drop")
+    ]
+    assert set(document["inapplicable"]) == {"grip", "roll", "stand"}
+    assert all(one["steps_per_second"] > 0 for one in document["tests"])
+    again = stepbot("drive", "arm", "--json")
+    assert untimed(json.loads(again.out)) == untimed(document)
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_one_file_and_one_test(folder: Path, stepbot: Stepbot) -> None:
+    """An MJCF is driven in MuJoCo alone, with the report beside it; the table has a line per test."""
+    run = stepbot("drive", "arm/one_joint.xml", "--test", "step,hold", "--engine", "mujoco")
+    assert run.code == 0, run.err
+    lines = run.out.splitlines()
+    assert [line.split()[:3] for line in lines[1:3]] == [["hold", "mujoco", "passed"], ["step", "mujoco", "passed"]]
+    assert lines[-1] == "2 tests: 2 passed, 0 failed"
+    assert any(line.startswith("roll does not apply: no velocity actuator") for line in lines)
+
+
+def test_a_failure_names_place_number_limit_and_remedy(folder: Path, stepbot: Stepbot) -> None:
+    """A limit of the robot's own is compared, and its reason is in the diagnostic."""
+    (folder / "own.json").write_text('{"drive": {"limits": {"hold": {"angle error": [0.001, "a test rig"]}}}}')
+    run = stepbot("drive", "arm", "--engine", "mujoco", "--test", "hold", "--limits", "own.json", "--json")
+    assert run.code == 1
+    (found,) = json.loads(run.out)["diagnostics"]
+    assert (found["code"], found["file"]) == ("SB830", "one_joint.xml")
+    assert found["message"].startswith("hold in mujoco: angle error of 'turn' is 0.0")
+    assert found["message"].endswith("rad, limit 0.001 rad")
+    assert found["notes"] == ["the limit: a test rig"]
+    assert found["help"][0].startswith("raise kp")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (("nowhere",), "SB001", "no file or folder 'nowhere'"),
+        (("arm/report.json",), "SB833", "no file .xml of the report's robot"),
+        (("arm", "--limits", "none.json"), "SB834", "cannot be read"),
+        (("broken",), "SB833", "report.json is not JSON"),
+        (("list",), "SB833", "report.json has no robot"),
+        (("poor",), "SB833", "report.json is not the report of a robot"),
+    ],
+)
+def test_bad_input(folder: Path, stepbot: Stepbot, arguments: tuple[str, ...], code: str, message: str) -> None:
+    """What cannot be driven ends in a diagnostic and exit code 2."""
+    for name, text in (("broken", "{"), ("list", "[]"), ("poor", '{"robot": {"name": "one_joint"}}')):
+        written(one_joint(HORIZONTAL), folder / name)
+        (folder / name / "report.json").write_text(text)
+    run = stepbot("drive", *arguments, "--engine", "mujoco", "--json")
+    document = json.loads(run.out)
+    assert (run.code, document["exit_code"], document["robot"]) == (2, 2, None)
+    (found,) = document["diagnostics"]
+    assert found["code"] == code
+    assert message in found["message"]
+
+
+def test_unknown_test_and_engine(folder: Path, stepbot: Stepbot) -> None:
+    """A misspelt name is a usage error with the nearest one."""
+    assert "did you mean 'sweep'" in stepbot("drive", "arm", "--test", "sweeep").err
+    assert "did you mean 'mujoco'?" in stepbot("drive", "arm", "--engine", "mujoko").err
+
+
+def test_a_missing_engine_is_exit_code_2(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An engine that cannot run is never left out in silence; the other can be named."""
+    monkeypatch.setattr(engine_of("pybullet"), "available", lambda: "pybullet is not installed")
+    run = stepbot("drive", "arm", "--test", "hold", "--json")
+    (found,) = json.loads(run.out)["diagnostics"]
+    assert (run.code, found["code"], found["message"]) == (2, "SB005", "drive in pybullet: pybullet is not installed")
+    assert found["help"] == ["pip install pybullet", "or drive in the other alone: --engine mujoco"]
+    assert stepbot("drive", "arm", "--test", "hold", "--engine", "mujoco").code == 0
+
+
+def test_a_time_limit_ends_a_drive(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drive that takes too long is reported with the engine."""
+    monkeypatch.setattr("stepbot.pipeline.driving.admitted", lambda formats, *others, **more: formats)
+    run = stepbot("drive", "gripper", "--engine", "mujoco", "--timeout", "0.01", "--json")
+    document = json.loads(run.out)
+    assert run.code == 1
+    assert [one["code"] for one in document["diagnostics"]] == ["SB832"]
+
+
+def test_plots_are_the_same_bytes_in_two_runs(folder: Path, stepbot: Stepbot) -> None:
+    """One SVG for each test; without times and random names inside."""
+    pytest.importorskip("matplotlib")
+    for name in ("one", "two"):
+        assert stepbot("drive", "arm", "--engine", "mujoco", "--test", "hold,drop", "--plots", name).code == 0
+    drawn = sorted((folder / "one").iterdir())
+    assert [path.name for path in drawn] == ["drop.svg", "hold.svg"]
+    for path in drawn:
+        assert path.read_bytes() == (folder / "two" / path.name).read_bytes()

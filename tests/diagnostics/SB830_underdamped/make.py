@@ -1,0 +1,14 @@
+"""An arm that overshoots."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.unit.driving.workbench import VERTICAL, one_joint, written
+
+OUT = Path("out")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    written(one_joint(VERTICAL, 100.0, 1.0), OUT)

@@ -1,0 +1,15 @@
+"""Files whose report is missing."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.unit.driving.workbench import VERTICAL, one_joint, written
+
+OUT = Path("out")
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    written(one_joint(VERTICAL, 100.0, 10.0), OUT)
+    (OUT / "report.json").unlink()

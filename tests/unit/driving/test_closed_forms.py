@@ -1,0 +1,74 @@
+"""Drive tests against closed forms: a pendulum, a damped second-order system, a block held by friction."""
+
+from importlib import import_module
+from math import cos, exp, pi, radians, sqrt
+from pathlib import Path
+
+import pytest
+
+from stepbot.driving.results import Result
+from stepbot.driving.stage import Stage
+from stepbot.engines.simulation import GRAVITY
+from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, one_joint, stage_of
+
+INERTIA = 0.05 + 1.0 * 0.5**2
+"""Inertia [kg m^2] of the arm of ``one_joint`` about its joint."""
+
+pytestmark = [pytest.mark.mujoco, pytest.mark.pybullet]
+
+
+def value(result: Result, quantity: str) -> float:
+    """The value of a quantity."""
+    return next(one.value for one in result.measures if one.quantity == quantity)
+
+
+def run(test: str, stage: Stage) -> Result:
+    """The result of a test."""
+    result: Result = import_module(f"stepbot.driving.experiments.{test}").experiment(stage)
+    return result
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_energy_of_a_pendulum(engine: str, tmp_path: Path) -> None:
+    """At rest it is m g h, and a pendulum without damping keeps it within a percent of what it exchanges."""
+    stage = stage_of(one_joint(HORIZONTAL), engine, tmp_path)
+    with stage.scene() as simulation:
+        simulation.reset({"turn": radians(-60.0)})
+        above = sum(simulation.energy())
+        simulation.reset({"turn": 0.0})
+        level = sum(simulation.energy())
+        assert above - level == pytest.approx(GRAVITY * 0.5 * cos(radians(30.0)), rel=1e-6)
+        for _ in range(round(2.0 / simulation.timestep)):
+            simulation.step()
+        assert sum(simulation.energy()) - level == pytest.approx(0.0, abs=0.01 * GRAVITY * 0.5)
+    assert value(run("drop", stage), "energy gain") < 1.0
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.6, 1.0])
+def test_overshoot_of_a_second_order_system(ratio: float, tmp_path: Path) -> None:
+    """In MuJoCo, whose actuator is a spring and a damper, the step overshoots by exp(-pi z / sqrt(1 - z^2))."""
+    stiffness = 150.0
+    stage = stage_of(one_joint(VERTICAL, stiffness, 2.0 * ratio * sqrt(stiffness * INERTIA)), "mujoco", tmp_path)
+    expected = 100.0 * exp(-pi * ratio / sqrt(1.0 - ratio**2)) if ratio < 1.0 else 0.0
+    assert value(run("step", stage), "overshoot") == pytest.approx(expected, abs=1.5)
+
+
+def test_sag_under_gravity(tmp_path: Path) -> None:
+    """A held arm sags by gravity's torque over the stiffness of its motor, at most m g r / kp."""
+    stage = stage_of(one_joint(HORIZONTAL, 100.0, 15.0), "mujoco", tmp_path)
+    expected = max(GRAVITY * 0.5 * abs(cos(q["turn"])) / 100.0 for q in stage.survey.poses)
+    assert value(run("hold", stage), "angle error") == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("force", "holds"), [(0.6, False), (20.0, True)])
+def test_cube_is_held_by_friction(engine: str, force: float, holds: bool, tmp_path: Path) -> None:
+    """With a friction coefficient of 1, two fingers hold a cube if twice their force exceeds its weight of 1.96 N.
+
+    One motor moves both fingers, so each has half of its force.
+    """
+    stage = stage_of(gripper(force), engine, tmp_path)
+    (grasp,) = stage.survey.grasps
+    assert grasp.gaps == pytest.approx((0.0, 0.06), abs=1e-6) or grasp.gaps[1] - grasp.gaps[0] > 0.03
+    slip = value(run("grip", stage), "slip")
+    assert slip < 20.0 if holds else slip > 50.0

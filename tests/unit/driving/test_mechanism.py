@@ -1,0 +1,64 @@
+"""What a robot can do is found in its model, and each test that does not apply has a reason."""
+
+from dataclasses import replace
+
+import pytest
+
+from stepbot.driving.mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
+from stepbot.driving.plan import TESTS, reasons
+from stepbot.driving.survey import Survey
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Link, Robot
+from tests.robots import ROBOTS
+from tests.unit.driving.workbench import VERTICAL, body, gripper, one_joint
+
+NOTHING = Survey((), (), (), 1.0, ())
+
+
+def cart(base: Base) -> Robot:
+    """Two driven wheels whose axes point to opposite sides, and a driven caster with a vertical axis."""
+    links, joints, actuators = [Link("cart", body(5.0))], [], []
+    for name, turn in (("left", -1.5707963267948966), ("right", 1.5707963267948966), ("caster", 0.0)):
+        links.append(Link(f"{name}_wheel", body(0.3)))
+        X = Pose.from_xyz_rpy((0.0, 0.1, 0.05), (turn, 0.0, 0.0))
+        joints.append(Joint(name, JointKind.CONTINUOUS, "cart", f"{name}_wheel", X, VERTICAL, limit=Limit(effort=2.0)))
+        actuators.append(Actuator(f"{name}_motor", name, ActuatorKind.VELOCITY, kv=1.0))
+    return Robot("cart", tuple(links), tuple(joints), actuators=tuple(actuators), base=base)
+
+
+def test_wheels_have_horizontal_axles_and_drive_the_same_way() -> None:
+    """Wheels turn forwards with opposite signs if their axes point to opposite sides; casters are no wheels."""
+    wheels = wheels_of(mechanism_of(cart(Base.FLOATING), ()))
+    assert wheels is not None
+    assert {wheel.link: wheel.forwards for wheel in wheels.wheels} == {"left_wheel": 1.0, "right_wheel": -1.0}
+    assert wheels.direction == pytest.approx((1.0, 0.0, 0.0))
+    assert wheels_of(mechanism_of(cart(Base.FIXED), ())) is None
+
+
+def test_fingers_are_moved_by_one_motor() -> None:
+    """A finger and its mimic are a pair; the links of an arm are not."""
+    (fingers,) = finger_candidates(mechanism_of(gripper(10.0), ()))
+    assert {fingers.one, fingers.other} == {frozenset({"left"}), frozenset({"right"})}
+    assert finger_candidates(mechanism_of(ROBOTS["two_link_arm"](), ())) == ()
+
+
+def test_limbs_have_two_motors_each() -> None:
+    """A biped has two limbs if it floats, none on a fixed base."""
+    biped = ROBOTS["floating_biped"]()
+    driven = tuple(
+        Actuator(f"{joint.name}_drive", joint.name, ActuatorKind.POSITION, kp=1.0)
+        for joint in biped.joints
+        if joint.kind is JointKind.REVOLUTE
+    )
+    biped = replace(biped, actuators=driven)
+    mechanism = mechanism_of(biped, ())
+    count = dict.fromkeys(limbs_of(mechanism), 0)
+    assert len(count) in (0, 2)
+    assert limbs_of(mechanism_of(replace(biped, base=Base.FIXED), ())) == ()
+
+
+def test_every_test_that_does_not_apply_has_a_reason() -> None:
+    """A joint without an actuator can only be dropped."""
+    why = reasons(mechanism_of(one_joint(VERTICAL), ()), NOTHING, None, (), mjcf=True)
+    assert why.keys() == TESTS.keys()
+    assert [test for test, reason in why.items() if not reason] == ["drop"]

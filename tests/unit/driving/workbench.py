@@ -1,0 +1,124 @@
+"""Robots with closed-form behaviour, written as files and driven in an engine."""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.driving.mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
+from stepbot.driving.stage import Stage
+from stepbot.driving.survey import survey
+from stepbot.engines.mujoco.simulation import MujocoSimulation
+from stepbot.engines.pybullet.simulation import PybulletSimulation
+from stepbot.engines.simulation import Setup, Simulation
+from stepbot.formats.rendering import render
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Pose
+from stepbot.report.document import report_bytes
+from stepbot.report.record import Report
+from stepbot.robot.model import (
+    Actuator,
+    ActuatorKind,
+    Box,
+    Collision,
+    Joint,
+    JointDynamics,
+    JointKind,
+    Limit,
+    Link,
+    Mimic,
+    Robot,
+)
+from stepbot.robot.pybullet_closures import loop_constraints
+
+ENGINES = ("mujoco", "pybullet")
+HORIZONTAL, VERTICAL = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def body(mass: float, com: tuple[float, float, float] = (0.0, 0.0, 0.0), inertia: float = 1e-3) -> MassProperties:
+    """Mass properties with equal moments of inertia."""
+    return MassProperties(mass, com, ((inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia)))
+
+
+def one_joint(axis: tuple[float, float, float], kp: float = 0.0, kv: float = 0.0, effort: float = 1e3) -> Robot:
+    """A body of 1 kg at 0.5 m from a joint, with 0.05 kg m^2 about its centre; its actuator if there are gains."""
+    arm = Link("arm", body(1.0, (0.5, 0.0, 0.0), 0.05))
+    joint = Joint(
+        "turn",
+        JointKind.REVOLUTE,
+        "base",
+        "arm",
+        axis=axis,
+        limit=Limit(-4.0, 4.0, velocity=50.0, effort=effort),
+        dynamics=JointDynamics(),
+    )
+    actuators = (Actuator("drive", "turn", ActuatorKind.POSITION, kp=kp, kv=kv),) if kp else ()
+    return Robot("one_joint", (Link("base", body(1.0)), arm), (joint,), actuators=actuators)
+
+
+def gripper(effort: float) -> Robot:
+    """Two flat fingers of 40 x 60 mm, 60 mm apart when open, closed by a motor of some force [N]."""
+    links = [Link("hand", body(0.5))]
+    for name in ("left", "right"):
+        face = Collision(f"{name}_face", Box((0.01, 0.04, 0.06)), Pose.of(position=(0.005, 0.0, 0.13)))
+        links.append(Link(name, body(0.05, (0.0, 0.0, 0.13), 1e-5), collisions=(face,)))
+    stroke = Limit(0.0, 0.03, velocity=0.5, effort=effort)
+    half_turn = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, 3.141592653589793))
+    damping = JointDynamics(damping=1.0)
+    along = (1.0, 0.0, 0.0)
+    joints = (
+        Joint("slide", JointKind.PRISMATIC, "hand", "left", axis=along, limit=stroke, dynamics=damping),
+        Joint(
+            "mirror",
+            JointKind.PRISMATIC,
+            "hand",
+            "right",
+            half_turn,
+            along,
+            limit=stroke,
+            dynamics=damping,
+            mimic=Mimic("slide"),
+        ),
+    )
+    motor = Actuator("motor", "slide", ActuatorKind.POSITION, kp=2000.0, kv=50.0)
+    return Robot("gripper", tuple(links), joints, actuators=(motor,))
+
+
+def files_of(robot: Robot, folder: Path) -> dict[str, Path]:
+    """The MJCF and the URDF of a robot, written."""
+    paths = {}
+    for name, engine in (("mjcf", "mujoco"), ("urdf", "pybullet")):
+        for path, content in render(robot, name, Diagnostics()).items():
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_bytes(content)
+            paths.setdefault(engine, folder / path)
+    return paths
+
+
+def written(robot: Robot, folder: Path) -> None:
+    """Write a robot as ``stepbot convert`` does: its MJCF, its URDF and the report."""
+    files_of(robot, folder)
+    (folder / "report.json").write_bytes(report_bytes(Report(robot=robot), ()))
+
+
+def stage_of(robot: Robot, engine: str, folder: Path) -> Stage:
+    """A robot in an engine, its poses surveyed."""
+    files = files_of(robot, folder)
+    constraints = tuple(_document(one) for one in map(asdict, loop_constraints(robot)))
+    mechanism = mechanism_of(robot, constraints)
+    kind: Callable[..., Simulation] = MujocoSimulation if engine == "mujoco" else PybulletSimulation
+
+    def opened(setup: Setup) -> Simulation:
+        return kind(str(files[engine]), mechanism, setup)
+
+    poses = survey(str(files["mujoco"]), mechanism, finger_candidates(mechanism), 0.2)
+    return Stage(opened, mechanism, poses, wheels_of(mechanism), limbs_of(mechanism))
+
+
+def _document(constraint: dict[str, object]) -> dict[str, object]:
+    """A constraint as ``report.json`` has it."""
+    frames = {}
+    for name in ("frame_a", "frame_b"):
+        position, turn = constraint[name]  # type: ignore[misc]
+        frames[name] = {"xyz": position, "quaternion": turn}
+    return {**constraint, **frames}
