@@ -3,7 +3,7 @@
 import json
 import sys
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,16 +16,18 @@ from stepbot.formats import FORMATS, default_formats, format_named
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
 from .diagnostic_text import printable
+from .drive_table import driven_json, driven_lines
 from .engines import require_option
 from .joint_table import show_joint_table
 from .junit import junit_option, write_junit
-from .progress import progress_bar
+from .progress import CONVERSION, progress_bar
 from .proof import show_proof
 from .reading import reading_options
 from .table import filled, show_table
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
+    from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
 
@@ -50,6 +52,9 @@ strict_option = click.option(
 html_option = click.option(
     "--html", is_flag=True, help="Also write report.html, one page with the robot and everything about it."
 )
+drive_option = click.option(
+    "--drive", is_flag=True, help="Drive the written files in MuJoCo and PyBullet, too; see `stepbot drive`."
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
@@ -71,6 +76,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
     help="Output folder.  [default: name of SIDECAR, in the current folder]",
 )
 @no_verify_option
+@drive_option
 @strict_option
 @require_option
 @ignore_option
@@ -86,6 +92,7 @@ def command(
     formats: tuple[str, ...],
     output: Path | None,
     no_verify: bool,
+    drive: bool,
     strict: bool,
     ignore: tuple[str, ...],
     require: tuple[str, ...],
@@ -112,27 +119,46 @@ def command(
         require=require,
         html=html,
     )
-    return run_conversion(sidecar, options, junit=junit, as_json=as_json, display=display)
+    return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
 
 
 def run_conversion(
-    sidecar: Path, options: "Options", *, as_json: bool, display: Display, junit: Path | None = None
+    sidecar: Path,
+    options: "Options",
+    *,
+    as_json: bool,
+    display: Display,
+    junit: Path | None = None,
+    drive: bool = False,
 ) -> int:
     """Convert a sidecar and print the result; returns the exit code."""
     from stepbot.jobs.incremental import convert
 
-    with progress_bar() as progress:
+    driven = None
+    with progress_bar((*CONVERSION, "drive") if drive else CONVERSION) as progress:
         conversion = convert(sidecar, options, progress)
+        if drive and not conversion.diagnostics.has_errors:
+            driven = _driven(conversion, options, progress)
     say_trouble(options.cache, conversion.diagnostics)
     if junit is not None:
         write_junit(junit, [_suite(sidecar, conversion)])
     if as_json:
-        write_json(_document(conversion, options.output))
+        document = _document(conversion, options.output)
+        write_json({**document, "drive": None if driven is None else driven_json(driven)} if drive else document)
     else:
         show_diagnostics(conversion.diagnostics, display)
         if not (display.quiet or display.concise):
             _show(conversion, options.output, display)
+            if driven is not None:
+                write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
     return conversion.diagnostics.exit_code
+
+
+def _driven(conversion: "Conversion", options: "Options", progress: Callable[[str], None]) -> "Driven | None":
+    """The drive tests of the written files; None if they could not be driven."""
+    from stepbot.pipeline.driving import DriveOptions, drive
+
+    return drive(options.output, options, DriveOptions(), conversion.diagnostics, progress)
 
 
 def _show(conversion: "Conversion", output: Path, display: Display) -> None:

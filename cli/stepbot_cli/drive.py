@@ -10,22 +10,19 @@ from stepbot.diagnostics import Diagnostics, did_you_mean
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option, names_option
-from .diagnostic_text import printable
+from .drive_table import driven_json, driven_lines
 from .picture_file import require_plots
 from .progress import progress_bar
 from .reading import reading_options
-from .table import filled, status_lines
-from .terminal import Display, screen_width, show_diagnostics, wants_color, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
-    from stepbot.driving.judgement import Verdict
-    from stepbot.driving.results import Measure
     from stepbot.pipeline.conversion import Options
 
 _TESTS = ("hold", "step", "sweep", "torque", "drop", "grip", "roll", "stand")
 _ENGINES = ("mujoco", "pybullet")
-_HEADINGS = ("test", "engine", "result", "worst", "steps/s")
+_NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}}
 
 
 def _known(given: tuple[str, ...], known: tuple[str, ...], noun: str) -> tuple[str, ...]:
@@ -85,7 +82,14 @@ def command(
     say_trouble(options.cache, found)
     drawn = _draw(driven, plots) if driven is not None and plots is not None else []
     if as_json:
-        write_json({**_document(driven), "plots": drawn, "diagnostics": found, "exit_code": found.exit_code})
+        write_json(
+            {
+                **(driven_json(driven) if driven is not None else _NOTHING),
+                "plots": drawn,
+                "diagnostics": found,
+                "exit_code": found.exit_code,
+            }
+        )
         return found.exit_code
     show_diagnostics(found, display)
     if driven is not None and not (display.quiet or display.concise):
@@ -97,43 +101,3 @@ def _draw(driven: "Driven", folder: Path) -> list[str]:
     from stepbot.driving.plots import draw
 
     return [path.as_posix() for path in draw(driven, folder)]
-
-
-def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) -> list[str]:
-    """The verdicts as a table, then the tests that do not apply, then the counts."""
-    texts = [_HEADINGS, *(_cells(verdict) for verdict in driven.verdicts)]
-    lines = status_lines(texts, [v.status.value for v in driven.verdicts], width, wants_color(sys.stdout))
-    if verbose:
-        for verdict in driven.verdicts:
-            lines += filled(f"{verdict.test} in {verdict.engine}: {', '.join(_numbers(verdict))}", width)
-    for test, reason in driven.inapplicable.items():
-        lines += filled(f"{test} does not apply: {printable(reason)}", width)
-    statuses = [verdict.status.value for verdict in driven.verdicts]
-    return [*lines, f"{len(statuses)} tests: {statuses.count('passed')} passed, {statuses.count('failed')} failed"]
-
-
-def _cells(verdict: "Verdict") -> tuple[str, ...]:
-    speed = f"{verdict.result.steps_per_second:,.0f}" if verdict.result else "-"
-    worst = verdict.worst
-    if worst is None or verdict.bounds is None:
-        text = verdict.why or "-"
-    else:
-        text = f"{_number(worst)}, limit {verdict.bounds[worst.quantity]:g}"
-    return verdict.test, verdict.engine, verdict.status.value, text, speed
-
-
-def _number(measure: "Measure") -> str:
-    from stepbot.driving.limits import UNITS
-
-    place = f" of {printable(measure.where)}" if measure.where else ""
-    return f"{measure.quantity}{place} {measure.value:.3g} {UNITS[measure.quantity]}"
-
-
-def _numbers(verdict: "Verdict") -> list[str]:
-    return [_number(measure) for measure in verdict.result.measures] if verdict.result else [verdict.why]
-
-
-def _document(driven: "Driven | None") -> dict[str, Any]:
-    from stepbot.driving.document import driven_document
-
-    return {"robot": None, "tests": [], "inapplicable": {}} if driven is None else driven_document(driven, timed=True)

@@ -66,23 +66,6 @@ def drive(
         return _drive_written(target, engines, demanded, chosen.tests, options, found)
 
 
-def drive_converted(
-    files: Mapping[str, bytes], demanded: Demands, options: Options, found: Diagnostics
-) -> Driven | None:
-    """Drive the files of a conversion before they are saved.
-
-    Args:
-        files: Content by path, the report among them.
-        demanded: The limits.
-        options: Options of the conversion.
-        found: Receives the diagnostics.
-    """
-    engines = missing_engines(ENGINES, found)
-    with TemporaryDirectory(dir=run_folder()) as folder:
-        write_atomically(files, Path(folder))
-        return _drive_written(Path(folder), engines, demanded, (), options, found)
-
-
 def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
     """The limits in a file's object ``drive``, and the default ones; None after SB834."""
     if path is None:
