@@ -1,7 +1,9 @@
 """A ray tracer for triangles: soft shadows, light from the whole sky, a floor that fades into the background.
 
-It needs no window and no graphics card: Embree intersects rays with triangles, shading is done here. The noise of soft
-light has fixed seeds: the same processor, numpy and Embree render the same picture each time; on others it may differ.
+It needs no window and no graphics card: Embree intersects rays with triangles, shading is done here. Soft light has no
+noise: the pixels of a tile share one low-discrepancy sequence of light rays, and visibility is averaged over the same
+tile, on the same surface only (interleaved sampling, Keller and Heidrich 2001). Nothing is random: the same processor,
+numpy and Embree render the same picture each time; on others it may differ in last bits.
 """
 
 from collections.abc import Iterator
@@ -30,6 +32,11 @@ _NEAR = 2e-4
 """Distance of the start of a ray from its surface, relative to the size of the scene."""
 _ROWS = 24
 """Rows of the picture that are rendered at once."""
+_TILE = 5
+"""Pixels along the edge of the tile that shares its light rays."""
+_SAME_DIRECTION, _SAME_PLANE = 0.9, 1e-3
+"""Cosine between normals, and distance from the tangent plane relative to the size of the scene, up to which two pixels
+show one surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +102,15 @@ class _Caster:
 
     def rows(self, first: int, last: int, samples: int) -> Array:
         """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
-        width = self._camera.width
-        total = np.zeros((last - first, width, 3))
-        # Each pixel shifts the same low-discrepancy points by its own offset (Cranley, Patterson 1976).
-        shifts = np.random.default_rng(first).random(((last - first) * width, 4))
+        width, margin = self._camera.width, _TILE // 2
+        start, stop = max(first - margin, 0), min(last + margin, self._camera.height)
+        tile = _TILE * (np.arange(start, stop) % _TILE)[:, None] + np.arange(width) % _TILE
+        total = np.zeros((stop - start, width, 3))
         for number in range(samples**2):
-            directions = self._camera.directions(first, last, _spread(number, 2))
-            total += self._shade(directions, (shifts + _spread(number, 4)) % 1.0).reshape(total.shape)
-        return total / samples**2
+            directions = self._camera.directions(start, stop, _spread(number, 2))
+            quadruples = _spread(tile.reshape(-1, 1) + _TILE**2 * number, 4)
+            total += self._shade(directions, quadruples).reshape(total.shape)
+        return total[first - start : last - start] / samples**2
 
     def visible(self, first: int, last: int) -> NDArray[np.int32]:
         """The triangle in the middle of each pixel of the rows, shape (last - first, width)."""
@@ -127,71 +135,88 @@ class _Caster:
         eyes: Array = np.broadcast_to(self._camera.position, directions.shape)
         return eyes
 
-    def _shade(self, directions: Array, random: Array) -> Array:
-        """Linear colours seen by rays from the camera, shape (n, 3); ``random`` has four numbers for each ray."""
+    def _shade(self, directions: Array, quadruples: Array) -> Array:
+        """Linear colours seen by rays from the camera, shape (n, 3), of whole rows; four numbers for each ray."""
         colors = np.broadcast_to(PAPER, directions.shape).copy()
         met = self._cast(self._eyes(directions), directions)
+        points, flat, normals = (np.zeros(directions.shape) for _ in range(3))
         hit = np.flatnonzero(met >= 0)
         if hit.size:
-            colors[hit] = self._surface(met[hit], directions[hit], random[hit])
-        down = np.flatnonzero((met < 0) & (directions[:, 2] < -1e-6) & np.isfinite(self._scene.floor))
-        if down.size:
-            colors[down] = self._floor(directions[down], random[down])
+            points[hit], flat[hit], normals[hit] = self._surface(met[hit], directions[hit])
+        down = self._floor(directions, met, points)
+        flat[down] = normals[down] = (0.0, 0.0, 1.0)
+        shown = np.concatenate((hit, down))
+        if not shown.size:
+            return colors
+        light = np.zeros((len(directions), 2))
+        starts = points[shown] + _NEAR * self._size * flat[shown]
+        light[shown] = self._light(starts, normals[shown], quadruples[shown])
+        lit, sky = _averaged(light, points / self._size, normals, self._camera.width).T
+        colors[hit] = self._surface_colors(met[hit], directions[hit], normals[hit], lit[hit], sky[hit])
+        colors[down] = self._floor_colors(points[down], lit[down], sky[down])
         return colors
 
-    def _surface(self, triangles: NDArray[np.int32], directions: Array, random: Array) -> Array:
+    def _surface(self, triangles: NDArray[np.int32], directions: Array) -> tuple[Array, Array, Array]:
+        """Points on triangles, their flat normals towards the camera, and their smooth ones."""
         points, weights = self._where(triangles, directions)
         flat = _unit(np.cross(self._edges[0][triangles], self._edges[1][triangles]))
         flat *= -np.sign(np.einsum("ij,ij->i", flat, directions))[:, None]
         normals = _unit(np.einsum("ic,icj->ij", weights, self._normals[triangles]))
         normals = np.where(np.einsum("ij,ij->i", normals, flat)[:, None] > 0.0, normals, flat)
-        starts = points + _NEAR * self._size * flat
-        toward, sky = self._light(starts, normals, random)
-        half = _unit(toward - directions)
-        facing = np.clip(np.einsum("ij,ij->i", normals, toward), 0.0, 1.0)
-        lit = self._free(starts, toward, facing > 0.0)
+        return points, flat, normals
+
+    def _surface_colors(
+        self, triangles: NDArray[np.int32], directions: Array, normals: Array, lit: Array, sky: Array
+    ) -> Array:
+        half = _unit(self._sun - directions)
+        facing = np.clip(normals @ self._sun, 0.0, 1.0)
         shine = np.clip(np.einsum("ij,ij->i", normals, half), 0.0, 1.0) ** _GLOSS_POWER * _GLOSS * (facing > 0.0)
         colors = self._scene.colors[triangles]
         rim = 0.10 * (1.0 + np.einsum("ij,ij->i", normals, directions)).clip(0.0, 1.0) ** 4
         shaded: Array = colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None]
         return shaded
 
-    def _floor(self, directions: Array, random: Array) -> Array:
-        """Linear colours of the floor: the background's, darker in shadows."""
+    def _floor(self, directions: Array, met: NDArray[np.int32], points: Array) -> NDArray[np.intp]:
+        """Rays that meet the floor near the robot; their ``points`` are set."""
+        down = np.flatnonzero((met < 0) & (directions[:, 2] < -1e-6) & np.isfinite(self._scene.floor))
+        if not down.size:
+            return down
         eye = self._camera.position
-        points = eye + directions * ((self._scene.floor - eye[2]) / directions[:, 2])[:, None]
-        colors = np.broadcast_to(PAPER, directions.shape).copy()
-        centre = self._camera.target
-        near = np.flatnonzero(np.linalg.norm(points[:, :2] - centre[:2], axis=1) < 1.3 * self._size)
-        if near.size:
-            up = np.broadcast_to((0.0, 0.0, 1.0), (near.size, 3))
-            starts = points[near] + _NEAR * self._size * up
-            toward, sky = self._light(starts, up, random[near])
-            sun = self._free(starts, toward, np.ones(near.size, dtype=bool))
-            share = (0.42 * sun + 0.58 * sky / (_SKY_LIGHT)).clip(0.0, 1.0)
-            distance = np.linalg.norm(points[near][:, :2] - centre[:2], axis=1) / (1.3 * self._size)
-            fade = np.clip(2.5 * (1.0 - distance), 0.0, 1.0)
-            colors[near] = PAPER * (1.0 - fade * 0.62 * (1.0 - share))[:, None]
+        meets = eye + directions[down] * ((self._scene.floor - eye[2]) / directions[down, 2])[:, None]
+        near = self._distance(meets) < 1.0
+        points[down[near]] = meets[near]
+        return down[near]
+
+    def _floor_colors(self, points: Array, lit: Array, sky: Array) -> Array:
+        """Linear colours of the floor: the background's, darker in shadows."""
+        share = (0.42 * lit + 0.58 * sky / _SKY_LIGHT).clip(0.0, 1.0)
+        fade = np.clip(2.5 * (1.0 - self._distance(points)), 0.0, 1.0)
+        colors: Array = PAPER * (1.0 - fade * 0.62 * (1.0 - share))[:, None]
         return colors
 
-    def _light(self, points: Array, normals: Array, random: Array) -> tuple[Array, Array]:
-        """A direction towards the key light for each point, and the visible share of the sky."""
-        count = len(points)
-        angle, radius = 2 * np.pi * random[:, 0], np.sqrt(random[:, 1])
+    def _distance(self, points: Array) -> Array:
+        """Horizontal distance from the target of the camera, relative to that at which the floor ends."""
+        distance: Array = np.linalg.norm(points[:, :2] - self._camera.target[:2], axis=1) / (1.3 * self._size)
+        return distance
+
+    def _light(self, points: Array, normals: Array, quadruples: Array) -> Array:
+        """Whether one point of the key light is visible, and the light of one point of the sky: shape (n, 2)."""
+        angle, radius = 2 * np.pi * quadruples[:, 0], np.sqrt(quadruples[:, 1])
         a, b = _beside(self._sun[None, :])
         spread = _SUN_SPREAD * radius
         toward = _unit(self._sun + (spread * np.cos(angle))[:, None] * a + (spread * np.sin(angle))[:, None] * b)
+        lit = self._free(points, toward, np.einsum("ij,ij->i", normals, toward) > 0.0)
 
         # One direction of a cosine lobe; a hit occludes the sky.
-        angle, square = 2 * np.pi * random[:, 2], random[:, 3]
+        angle, square = 2 * np.pi * quadruples[:, 2], quadruples[:, 3]
         a, b = _beside(normals)
         radius = np.sqrt(square)
         lobe = (radius * np.cos(angle))[:, None] * a + (radius * np.sin(angle))[:, None] * b
         lobe += np.sqrt(1.0 - square)[:, None] * normals
-        free = self._free(points, lobe, np.ones(count, dtype=bool))
+        free = self._free(points, lobe, np.ones(len(points), dtype=bool))
         height = 0.5 + 0.5 * lobe[:, 2]
         sky = free * (_GROUND_LIGHT + (_SKY_LIGHT - _GROUND_LIGHT) * height) + (1.0 - free) * 0.10
-        return toward, np.where(normals[:, 2] > 0.999, free * _SKY_LIGHT, sky)
+        return np.stack((lit, np.where(normals[:, 2] > 0.999, free * _SKY_LIGHT, sky)), axis=1)
 
     def _free(self, points: Array, directions: Array, wanted: NDArray[np.bool_]) -> Array:
         """1 for rays without a hit, else 0; also 0 for points that are not ``wanted``."""
@@ -239,8 +264,34 @@ def corner_normals(scene: Scene, crease: float = 0.8) -> Array:
     return _unit(normals).reshape(count, 3, 3)
 
 
-def _spread(number: int, dimensions: int) -> Array:
-    """A point of the low-discrepancy sequence R_d in the unit cube (Roberts 2018)."""
+def _averaged(light: Array, points: Array, normals: Array, width: int) -> Array:
+    """Light (n, k) of pixels in rows, averaged over the tile around each, on the surface that the pixel shows.
+
+    Args:
+        light: Shape (n, k).
+        points: Shape (n, 3), relative to the size of the scene.
+        normals: Shape (n, 3); zero for a pixel without a surface.
+        width: Pixels of a row.
+    """
+    margin = _TILE // 2
+    around = ((margin, margin), (margin, margin), (0, 0))
+    grids = [np.asarray(values, np.float32).reshape(-1, width, values.shape[1]) for values in (light, points, normals)]
+    height = len(grids[0])
+    values, places, ups = (np.pad(grid, around) for grid in grids)
+    total, count = np.zeros_like(grids[0]), np.zeros((height, width, 1), np.float32)
+    offset = np.einsum("yxi,yxi->yx", grids[1], grids[2])
+    for dy, dx in np.ndindex(_TILE, _TILE):
+        window = np.s_[dy : dy + height, dx : dx + width]
+        same = np.einsum("yxi,yxi->yx", ups[window], grids[2]) > _SAME_DIRECTION
+        same &= np.abs(np.einsum("yxi,yxi->yx", places[window], grids[2]) - offset) < _SAME_PLANE
+        total += np.where(same[..., None], values[window], 0.0)
+        count += same[..., None]
+    averaged: Array = (total / np.maximum(count, 1.0)).reshape(light.shape).astype(np.float64)
+    return averaged
+
+
+def _spread(number: int | NDArray[np.int64], dimensions: int) -> Array:
+    """Points of the low-discrepancy sequence R_d in the unit cube (Roberts 2018), of shape (..., dimensions)."""
     phi = 2.0
     for _ in range(40):
         phi = (1.0 + phi) ** (1.0 / (dimensions + 1))

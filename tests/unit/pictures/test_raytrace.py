@@ -69,18 +69,35 @@ def test_the_nearer_of_two_shapes_is_visible() -> None:
 
 
 def test_the_background_is_plain_and_shadows_are_dark() -> None:
-    """Above the horizon every pixel is paper; on the floor, below a box, it is darker."""
+    """Above the horizon every pixel is paper; in the shadow of a box on the floor it is darker."""
     found = owned_scene(shape(trimesh.creation.box(extents=(0.2, 0.2, 0.2))), view=View(0.0, 20.0))
     camera = camera_of(found.scene.vertices, View(0.0, 20.0), WIDTH, HEIGHT)
     picture = Renderer(found.scene, camera).picture(2)
     paper = picture[0, 0]
     assert (picture[0] == paper).all()
-    (foot,) = np.rint(camera.project((0.102, 0.0, -0.1))).astype(int)
-    assert picture[foot[1], foot[0]].max() < paper.min() - 20
+    (beside,) = np.rint(camera.project((0.0, 0.12, -0.1))).astype(int)  # the key light comes from the left
+    assert picture[beside[1], beside[0]].max() < paper.min() - 40
+
+
+def test_soft_light_has_no_noise() -> None:
+    """On a ball and in the penumbra of its shadow, no pixel differs from the mean of its neighbours by 2 levels."""
+    view = VIEWS["corner"]
+    found = owned_scene(shape(trimesh.creation.icosphere(5, radius=0.3)), view=view)
+    camera = camera_of(found.scene.vertices, view, WIDTH, HEIGHT)
+    renderer = Renderer(found.scene, camera)
+    grey = renderer.picture(3).mean(axis=2)
+    around = np.stack([np.roll(grey, shift, axis) for axis in (0, 1) for shift in (-1, 1)])
+    seen = renderer.triangles() != BACKGROUND
+    near = np.stack([np.roll(seen, (y, x), (0, 1)) for y in range(-3, 4) for x in range(-3, 4)])
+    inside = near.all(axis=0) | ~near.any(axis=0)
+    inside[[0, -1]] = inside[:, [0, -1]] = False
+    assert np.ptp(grey[inside & ~seen]) > 20  # there is a shadow
+    assert np.ptp(grey[inside & seen]) > 60
+    assert np.abs(grey - around.mean(axis=0))[inside].max() < 2.0
 
 
 def test_a_scene_gives_the_same_pixels_again() -> None:
-    """The noise of soft light has fixed seeds."""
+    """Nothing in the light is random."""
     found = owned_scene(shape(trimesh.creation.icosphere(2, radius=0.3)), view=VIEWS["corner"])
     camera = camera_of(found.scene.vertices, VIEWS["corner"], 80, 60)
     first, second = (Renderer(found.scene, camera).picture(2) for _ in range(2))
