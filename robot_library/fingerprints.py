@@ -14,6 +14,8 @@ _OF_MACHINES = ("legs", "limb_parts", "machine", "machine_parts")
 """Modules that only some robots use."""
 _LOOK = "1"
 """How all robots are rendered: raised when a change of the renderer is to redraw every picture."""
+_DRIVES = "1"
+"""How all robots are driven: raised when a change of the tests or of the written files is to drive every robot."""
 _DIGITS = 16
 
 
@@ -28,6 +30,12 @@ def drawing(folder: Path) -> str:
 def robot(folder: Path) -> str:
     """Of the inputs of a robot's conversion: its STEP and its sidecar."""
     return _hash((*sorted(folder.glob("*.step")), *sorted(folder.glob("*.robot.yaml"))))
+
+
+def drives(folder: Path) -> str:
+    """Of the inputs of a robot's drive tests: its conversion and its limits."""
+    robot = (*sorted(folder.glob("*.step")), *sorted(folder.glob("*.robot.yaml")))
+    return _hash((*robot, folder / "expected.json"), _DRIVES)
 
 
 def picture(folder: Path) -> str:

@@ -1,7 +1,8 @@
 """Update the library, ``python -m robot_library``, or list outdated parts with ``--check``.
 
-For every robot, several in parallel: draw its STEP, convert and verify it into ``build/library/<folder>``, render its
-picture if outdated, write the tables of its README; then the gallery of all. ``--check`` compares only hashes: it needs
+For every robot, several in parallel: draw its STEP, convert and verify it into ``build/library/<folder>``, drive it
+there, render its picture if outdated, write the tables of its README; then the gallery of all. Failed drive tests are
+in the tables, too, and are reported at the end. ``--check`` compares only hashes: it needs
 neither build123d nor Embree, and takes no time.
 """
 
@@ -14,7 +15,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import fingerprints, pages
+from . import drives, fingerprints, pages
 
 if TYPE_CHECKING:
     from stepbot.pipeline.stages import Conversion
@@ -47,6 +48,8 @@ def stale(folder: Path) -> list[str]:
         found.append("the tables of README.md")
     if picture_is_stale(folder):
         found.append("preview.png")
+    if drives.stale(folder):
+        found.append(drives.PICTURE)
     return found
 
 
@@ -66,10 +69,19 @@ def make(folder: Path, force: bool = False) -> str:
     if conversion.diagnostics.has_errors:
         return f"{folder.name}: conversion failed\n" + "\n".join(map(str, conversion.diagnostics))
     page = folder / _PAGE
-    part = pages.robot_part(folder, conversion, _own_mass(folder))
+    found, driven = drives.driven(folder, OUTPUT / folder.name)
+    part = pages.robot_part(folder, conversion, _own_mass(folder), drives.section(driven) if driven else [])
     page.write_text(pages.with_part(page.read_text(encoding="utf-8"), part), encoding="utf-8", newline="\n")
+    if driven is not None:
+        try:
+            drives.draw(driven, folder)
+        except ModuleNotFoundError as error:
+            return f"{folder.name}: no plots: {error}; pip install -e '.[draw]'"
     run = _python("-m", "robot_library.preview", str(folder), *(["--force"] if force else []))
-    return f"{folder.name}: rendering failed\n{run.stderr}" if run.returncode else ""
+    if run.returncode:
+        return f"{folder.name}: rendering failed\n{run.stderr}"
+    failed = [str(one) for one in found if one.severity == "error"]
+    return f"{folder.name}: made, but drive tests failed\n" + "\n".join(failed) if failed else ""
 
 
 def _python(*arguments: str) -> subprocess.CompletedProcess[str]:

@@ -24,13 +24,16 @@ _WHOLE = "robot"
 _LOWERED = re.compile(r"SB7\d\d")
 
 
-def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassProperties"]) -> str:
+def robot_part(
+    folder: Path, conversion: "Conversion", own: Mapping[str, "MassProperties"], drive: Sequence[str]
+) -> str:
     """The generated part of a robot's README.
 
     Args:
         folder: The robot's folder.
         conversion: The verified conversion.
         own: Mass properties of links from their shapes only, for those whose maker publishes others.
+        drive: Lines of the section on drive tests.
     """
     robot, report = conversion.robot, conversion.report
     assert robot is not None
@@ -39,7 +42,8 @@ def robot_part(folder: Path, conversion: "Conversion", own: Mapping[str, "MassPr
     lines += ["", facts_of(conversion), ""]
     lines += ["## Joints", "", *_joints(robot), ""]
     lines += ["## Links", "", *_links(robot, own), ""]
-    lines += ["## Verification", "", *_verification(report, conversion.diagnostics), "", END]
+    lines += ["## Verification", "", *_verification(report, conversion.diagnostics), ""]
+    lines += [*drive, END]
     return "\n".join(lines) + "\n"
 
 
@@ -68,11 +72,12 @@ def gallery(robots: Sequence["LibraryRobot"]) -> str:
     results = {robot.name: _results(robot) for robot in robots}
     ran = [pair for found in results.values() for pair, result in found.items() if not result.startswith("not run")]
     pairs = list(dict.fromkeys(ran))
-    lines += ["</table>", "", "| robot | | " + " | ".join(pairs) + " |"]
-    lines.append("| --- | --- | " + " | ".join("---" for _ in pairs) + " |")
+    lines += ["</table>", "", "| robot | | driven | " + " | ".join(pairs) + " |"]
+    lines.append("| --- | --- | --- | " + " | ".join("---" for _ in pairs) + " |")
     for robot in robots:
         cells = [results[robot.name].get(pair, "") for pair in pairs]
-        lines.append(f"| [{robot.name}]({robot.name}) | {robot.facts()} | " + " | ".join(cells) + " |")
+        facts = f"[{robot.name}]({robot.name}) | {robot.facts()} | {_drives(robot)}"
+        lines.append(f"| {facts} | " + " | ".join(cells) + " |")
     lines += [
         "",
         "Reasons for what is lowered or not run, and engines that were not installed, are in the README of each",
@@ -85,6 +90,13 @@ def _results(robot: "LibraryRobot") -> dict[str, str]:
     """For each format and engine the verification result on the robot's page."""
     rows = robot.table("Verification")[1:]
     return {f"{format_} in {engine}": result for format_, engine, result, *_ in rows if format_ != _WHOLE}
+
+
+def _drives(robot: "LibraryRobot") -> str:
+    """The number of drive tests on the robot's page that passed and failed."""
+    results = [result for _, _, result, *_ in robot.table("Drive tests")[1:]]
+    words = [f"{results.count(word)} {word}" for word in ("passed", "failed") if word in results]
+    return ", ".join(words)
 
 
 def facts_of(conversion: "Conversion") -> str:

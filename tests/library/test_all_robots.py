@@ -32,7 +32,7 @@ PULLS = {"robotiq_2f85": (-3.0, -4.0, 8.0)}
 """Other gravities [m/s^2] for robots that standard gravity pulls against their stops."""
 BALANCED = "stepbot_diff_drive"
 """A robot whose joints are wheels and a ball, which gravity does not move."""
-ALLOWED = re.compile(r"README\.md|expected\.json|preview\.png|[a-z0-9_]+\.(?:py|step|robot\.yaml)")
+ALLOWED = re.compile(r"README\.md|expected\.json|preview\.png|drive\.svg|[a-z0-9_]+\.(?:py|step|robot\.yaml)")
 
 
 def test_the_library_is_not_empty() -> None:

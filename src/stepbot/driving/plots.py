@@ -12,7 +12,7 @@ PACKAGE = "matplotlib"
 _COLORS = ("#1f6feb", "#d1672b", "#2c8c4b", "#8a4fbf", "#b0323d", "#66788a", "#b48a00", "#1b8a99")
 _SIZE = (7.2, 2.6)
 _MOST_NAMED = 8
-"""Curves up to which each has its name beside the axes."""
+"""Curves up to which each has its name in the axes."""
 _STYLE = {
     "svg.hashsalt": "stepbot",
     "svg.fonttype": "none",
@@ -31,38 +31,51 @@ def draw(driven: Driven, folder: Path) -> list[Path]:
     Raises:
         OSError: A file cannot be written.
     """
-    by_test: dict[str, list[Verdict]] = {}
-    for verdict in driven.verdicts:
-        if verdict.result is not None:
-            by_test.setdefault(verdict.test, []).append(verdict)
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for test, verdicts in by_test.items():
+    for test, verdicts in _by_test(driven).items():
         path = folder / f"{test}.svg"
-        path.write_bytes(svg(verdicts))
+        path.write_bytes(_svg([verdicts]))
         paths.append(path)
     return paths
 
 
-def svg(verdicts: list[Verdict]) -> bytes:
-    """The curves of one test in each engine."""
+def sheet(driven: Driven) -> bytes:
+    """All tests in one picture: a row per test, a column per engine."""
+    return _svg(list(_by_test(driven).values()))
+
+
+def _by_test(driven: Driven) -> dict[str, list[Verdict]]:
+    found: dict[str, list[Verdict]] = {}
+    for verdict in driven.verdicts:
+        if verdict.result is not None:
+            found.setdefault(verdict.test, []).append(verdict)
+    return found
+
+
+def _svg(rows: list[list[Verdict]]) -> bytes:
+    """The curves of tests, each in a row."""
     from io import BytesIO
 
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
+    columns = max(map(len, rows), default=1)
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=_SIZE, layout="constrained")
+        figure = Figure(figsize=(_SIZE[0], _SIZE[1] * max(1, len(rows))), layout="constrained")
         FigureCanvasSVG(figure)
-        all_axes = figure.subplots(1, len(verdicts), sharey=True, squeeze=False)[0]
-        for axes, verdict in zip(all_axes, verdicts, strict=True):
-            assert verdict.result is not None
-            _panel(axes, verdict.result.plot, f"{verdict.test}, {verdict.engine}: {verdict.status.value}")
-        all_axes[0].set_ylabel(verdicts[0].result.plot.y if verdicts[0].result else "")
-        handles, labels = all_axes[0].get_legend_handles_labels()
-        if 1 < len(handles) <= _MOST_NAMED:
-            figure.legend(handles, labels, loc="outside right center", frameon=False)
+        for number, verdicts in enumerate(rows):
+            first = None
+            for column, verdict in enumerate(verdicts):
+                axes = figure.add_subplot(len(rows), columns, number * columns + column + 1, sharey=first)
+                assert verdict.result is not None
+                _panel(axes, verdict.result.plot, f"{verdict.test}, {verdict.engine}: {verdict.status.value}")
+                if first is None:
+                    first = axes
+                    axes.set_ylabel(verdict.result.plot.y)
+                    if 1 < len(verdict.result.plot.curves) <= _MOST_NAMED:
+                        axes.legend(fontsize=6, frameon=False)
         stream = BytesIO()
         figure.savefig(stream, format="svg", metadata=_NO_METADATA)
     return stream.getvalue()

@@ -44,7 +44,7 @@ class Result:
         return self.steps / self.seconds if self.seconds > 0.0 else 0.0
 
 
-def thinned(times: Sequence[float], values: Sequence[float], count: int = 160) -> Series:
+def thinned(times: Sequence[float], values: Sequence[float], count: int = 80) -> Series:
     """About ``count`` points of a curve, evenly spaced, the last one included."""
     stride = max(1, len(times) // count)
     chosen = [*range(0, len(times), stride)]
