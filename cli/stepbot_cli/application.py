@@ -23,6 +23,7 @@ COMMANDS = (
     "view",
     "watch",
     "render",
+    "collisions",
     "check",
     "lock",
     "uptodate",

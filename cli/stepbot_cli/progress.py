@@ -16,6 +16,7 @@ BAR_WIDTH = 20
 STAGES = {
     "read": "reading the STEP file",
     "build": "building the robot",
+    "self-collision": "searching self-collisions",
     "write": "writing the formats",
     "verify": "verifying in the engines",
     "save": "saving the files",

@@ -10,4 +10,4 @@ def started_engine_server() -> ForkServer | None:
     if not can_serve():
         return None
     shared = [engine.shared_import for engine in engines() if not engine.optional]
-    return ForkServer(("lxml.etree", "stepbot.verification.self_collision", *shared))
+    return ForkServer(("lxml.etree", "stepbot.verification.self_collision.drawn_pose", *shared))

@@ -7,7 +7,7 @@ from stepbot.geometry.spatial import Pose, join_bounds
 from stepbot.robot.actuators import control_range, force_range
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import equations_of_motion
-from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, neighbours
+from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, without_contacts
 from stepbot.robot.model import (
     Actuator,
     ActuatorKind,
@@ -96,7 +96,7 @@ def _link(robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
 
 def _excluded_pairs(robot: Robot) -> tuple[tuple[str, str], ...]:
     touching = {link.name for link in robot.links if link.collisions}
-    return tuple(sorted((min(pair), max(pair)) for pair in neighbours(robot) if pair <= touching))
+    return tuple(sorted((min(pair), max(pair)) for pair in without_contacts(robot) if pair <= touching))
 
 
 def _bounds(robot: Robot, shapes: Iterable[Visual | Collision]) -> Bounds | None:

@@ -12,7 +12,7 @@ class Companion:
     path: str
     """Relative to the output folder."""
     format: str
-    """The name of its format, for the engines that read it."""
+    """The name of its format, for the engines that read it; empty if none does."""
     robot: Robot
     """Its content."""
     content: bytes

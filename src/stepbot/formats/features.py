@@ -17,6 +17,7 @@ class Feature(StrEnum):
     CONCAVE_COLLISION = "non-convex collision mesh"
     COLOR = "colour and opacity"
     NEIGHBOURS = "no contact between adjacent links"
+    EXCLUDED_CONTACT = "no contact between links that always overlap, or never"
     FIXED = "fixed joint"
     REVOLUTE = "revolute joint"
     CONTINUOUS = "continuous joint"

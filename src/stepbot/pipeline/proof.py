@@ -56,7 +56,7 @@ class Proof:
             written = {name: Written(place / main_file(one, format_named(name)), one) for name, one in lowered.items()}
             contents = {name: content_digest(of_format) for name, of_format in files.items()}
             for name, one in lowered.items():
-                for beside in format_named(name).writer.companions(one):
+                for beside in (one for one in format_named(name).writer.companions(one) if one.format):
                     written[beside.format] = Written(place / beside.path, beside.robot)
                     contents[beside.format] = contents[name]
             observations = ObservationCache(options.cache, contents)

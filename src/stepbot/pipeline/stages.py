@@ -32,6 +32,7 @@ from stepbot.step.assembly import Assembly
 from .building import build
 from .conversion import REPORT, REPORT_PAGE, Checked, Conversion, Options, write
 from .loading import Loading
+from .self_collisions import with_self_collision
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 
 if TYPE_CHECKING:
@@ -110,6 +111,9 @@ def _produce(
         found.raise_if_errors()
         assert built is not None  # a missing robot always has an error
         robot, inputs = built.robot, loading.inputs()
+        if sidecar.document.self_collision is not None:
+            progress("self-collision")
+            robot = with_self_collision(robot, sidecar.document.self_collision, options, found)
 
         progress("write")
         lowered = {written.name: lower(robot, written, found) for written in formats}

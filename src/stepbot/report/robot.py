@@ -12,6 +12,7 @@ from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
 
 from .record import Report
+from .self_collision import self_collision_document
 
 Json = dict[str, Any]
 
@@ -44,6 +45,7 @@ def robot_document(report: Report, robot: Robot) -> Json:
         "actuators": [_actuator(actuator) for actuator in robot.actuators],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
         "simulation": _simulation(robot),
+        "self_collision": None if robot.self_collision is None else self_collision_document(robot.self_collision),
         "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
     }
 

@@ -11,8 +11,9 @@ from dataclasses import replace
 from math import atan2
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stepbot.geometry.spatial import Array, Pose, cross_matrix, perpendicular_frame
+from stepbot.geometry.spatial import Array, Pose, cross, perpendicular_frame
 
 from .kinematics import TURNING, Configuration, Tree, initial_configuration, leader_range, within_limits
 from .model import JointKind, LoopClosure, Robot
@@ -35,6 +36,10 @@ WORST_CONDITION = 1e-3
 """Ratio of singular values below which the loops count as singular: the range ends before it."""
 
 
+STEPS_AT_ONCE = 6
+"""Steps of Newton's method for many configurations at once: next to a closed one, four are sufficient."""
+CONVERGED = 1e-6
+"""Length of a step of Newton's method for many configurations after which a configuration is final."""
 RANDOM_WAYS = 6
 """Number of paths towards random targets for mechanisms with several degrees of freedom."""
 
@@ -68,35 +73,45 @@ def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, fl
 
 
 def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -> tuple[Array, Array]:
-    """Residual (m,) of a closure and its Jacobian (m, n) over all moving joints.
+    """Residual (..., m) of a closure and its Jacobian (..., m, n) over all moving joints.
 
     Rows are the positions [m], then the orientations [rad], of G, the frame on link B, relative to F, the frame on link
     A, as far as the closure's kind constrains them.
 
     Args:
         closure: The closure.
-        X_FG: Homogeneous pose of G in F, shape (4, 4).
-        J_F: Jacobian of F, shape (6, n), along the axes of F.
-        J_G: Jacobian of G, shape (6, n), along the axes of F.
+        X_FG: Homogeneous pose of G in F, shape (..., 4, 4).
+        J_F: Jacobian of F, shape (..., 6, n), along the axes of F.
+        J_G: Jacobian of G, shape (..., 6, n), along the axes of F.
 
     Raises:
         ValueError: There is no closure of this kind.
     """
-    R, p = X_FG[:3, :3], X_FG[:3, 3]
-    w_FG = J_G[:3] - J_F[:3]
-    v_FG = J_G[3:] - J_F[3:] + cross_matrix(p) @ J_F[:3]  # the frame F rotates under the lever arm from F to G
+    R, p = X_FG[..., :3, :3], X_FG[..., :3, 3]
+    w_F, w_FG = J_F[..., :3, :], J_G[..., :3, :] - J_F[..., :3, :]
+    # the frame F rotates under the lever arm from F to G
+    v_FG = J_G[..., 3:, :] - J_F[..., 3:, :] + _crossed(p, w_F)
     across = perpendicular_frame(closure.axis)[:, :2].T
-    twist = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    twist = 0.5 * (R.swapaxes(-1, -2) - R)[..., [1, 2, 0], [2, 0, 1]]
     if closure.kind is JointKind.BALL:
         return p, v_FG
     if closure.kind in TURNING:
         turned = R @ np.array(closure.axis)
-        return np.concatenate([p, across @ turned]), np.vstack([v_FG, -across @ cross_matrix(turned) @ w_FG])
+        return _stacked(p, turned @ across.T), _stacked(v_FG, -across @ _crossed(turned, w_FG), axis=-2)
     if closure.kind is JointKind.PRISMATIC:
-        return np.concatenate([across @ p, twist]), np.vstack([across @ v_FG, w_FG])
+        return _stacked(p @ across.T, twist), _stacked(across @ v_FG, w_FG, axis=-2)
     if closure.kind is JointKind.FIXED:
-        return np.concatenate([p, twist]), np.vstack([v_FG, w_FG])
+        return _stacked(p, twist), _stacked(v_FG, w_FG, axis=-2)
     raise ValueError(f"closure '{closure.name}': no kinematics for {closure.kind} closures")
+
+
+def _crossed(v: Array, J: Array) -> Array:
+    """Cross products of vectors (..., 3) with the columns of J (..., 3, n)."""
+    return cross(v[..., None, :], J.swapaxes(-1, -2)).swapaxes(-1, -2)
+
+
+def _stacked(a: Array, b: Array, axis: int = -1) -> Array:
+    return np.concatenate([a, b], axis=axis)
 
 
 class Loops:
@@ -116,26 +131,31 @@ class Loops:
         reach = max((float(np.linalg.norm(X.p)) for c in robot.closures for X in (c.X_AF, c.X_BF)), default=0.0)
         self._per_length = 1.0 / (reach or 1.0)
         self.closed_distance = max(CLOSED_DISTANCE, 2.0 * RANK_TOLERANCE * reach)
+        self.closed_share = self.closed_distance * self._per_length
+        """Norm of the residual of closed loops, in its unit."""
 
     def constraints(self, u: Array) -> tuple[Array, Array]:
-        """Residual (m,) of all closures and its Jacobian (m, k) over the independent joints u (k,), mimics resolved.
+        """Residual (..., m) of all closures and its Jacobian (..., m, k) over the independent joints u (..., k).
 
-        Lengths are in units of the mechanism's own reach, to weigh them equally with angles.
+        Mimics are resolved. Lengths are in units of the mechanism's own reach, to weigh them equally with angles.
         """
         X = self.tree.frames(self.tree.follow(u))
-        residuals, jacobians = [np.zeros(0)], [np.zeros((0, len(self.tree.joints)))]
+        many = u.shape[:-1]
+        residuals, jacobians = [np.zeros((*many, 0))], [np.zeros((*many, 0, len(self.tree.joints)))]
         for closure, (a, X_AF, b, X_BG) in zip(self.robot.closures, self._ends, strict=True):
-            X_WF, X_WG = X[a] @ X_AF, X[b] @ X_BG
-            R_FW = X_WF[:3, :3].T
-            X_FG = np.eye(4)
-            X_FG[:3, :3], X_FG[:3, 3] = R_FW @ X_WG[:3, :3], R_FW @ (X_WG[:3, 3] - X_WF[:3, 3]) * self._per_length
-            turn = np.kron(np.diag([1.0, self._per_length]), R_FW)
-            J_F = turn @ self.tree.jacobian(X, a, X_WF[:3, 3])
-            J_G = turn @ self.tree.jacobian(X, b, X_WG[:3, 3])
+            X_WF, X_WG = X[..., a, :, :] @ X_AF, X[..., b, :, :] @ X_BG
+            R_FW = X_WF[..., :3, :3].swapaxes(-1, -2)
+            X_FG = np.zeros((*many, 4, 4))
+            X_FG[..., :3, :3] = R_FW @ X_WG[..., :3, :3]
+            X_FG[..., :3, 3:] = R_FW @ (X_WG - X_WF)[..., :3, 3:] * self._per_length
+            turn = np.zeros((*many, 6, 6))
+            turn[..., :3, :3], turn[..., 3:, 3:] = R_FW, R_FW * self._per_length
+            J_F = turn @ self.tree.jacobian(X, a, X_WF[..., :3, 3])
+            J_G = turn @ self.tree.jacobian(X, b, X_WG[..., :3, 3])
             residual, J = constraint_rows(closure, X_FG, J_F, J_G)
             residuals.append(residual)
             jacobians.append(J)
-        return np.concatenate(residuals), np.vstack(jacobians) @ self.tree.B
+        return np.concatenate(residuals, axis=-1), np.concatenate(jacobians, axis=-2) @ self.tree.B
 
     def gaps(self, u: Array) -> dict[str, tuple[float, float]]:
         """:func:`closure_gap` of every closure."""
@@ -166,6 +186,35 @@ class Loops:
             if not (distance <= self.closed_distance and angle <= CLOSED_ANGLE):
                 raise DoesNotClose(name, distance, angle)
         return u
+
+    def closed_many(self, guess: Array, free: Sequence[int]) -> tuple[Array, Array, Array]:
+        """Newton's method for many guesses (n, k) at once; joints with indices in ``free`` move.
+
+        Returns:
+            The last step (n, k), whether or not it is closed, and :meth:`constraints` there.
+        """
+        u = guess.copy()
+        residual, J = self.constraints(u)
+        moving, following = np.arange(len(u) if free else 0), np.array(free, dtype=np.int64)
+        for _ in range(STEPS_AT_ONCE):
+            inverse = np.linalg.pinv(J[moving][..., following], rcond=RANK_TOLERANCE)
+            step = -(inverse @ residual[moving, :, None])[..., 0]
+            length = np.abs(step).max(axis=-1, initial=0.0)
+            u[np.ix_(moving, following)] += step * (0.5 / np.maximum(length, 0.5))[:, None]
+            residual[moving], J[moving] = self.constraints(u[moving])
+            moving = moving[length > CONVERGED]  # the error after a step is about the square of its length
+            if not len(moving):
+                break
+        return u, residual, J
+
+    def singular_many(self, J: Array, free: Sequence[int]) -> NDArray[np.bool_]:
+        """:meth:`singular` for Jacobians (n, m, k)."""
+        if not free:
+            return np.zeros(len(J), dtype=bool)
+        sizes = np.linalg.svd(J[..., free], compute_uv=False)
+        if sizes.shape[-1] < len(free):
+            return np.ones(len(J), dtype=bool)
+        return np.asarray(sizes[:, -1] < WORST_CONDITION * sizes[:, 0])
 
     def _stepped(
         self, u: Array, free: Sequence[int], step: Array, residual: Array

@@ -86,8 +86,9 @@ def initial_configuration(robot: Robot) -> dict[str, float]:
 class Tree:
     """A robot's tree as arrays: built once, evaluated at many configurations.
 
-    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. The chains of
-    multi-dof joints have links of their own in :attr:`links`.
+    Configurations are vectors here: ``q`` (n,) over :attr:`joints`, ``u`` (k,) over :attr:`independent`. Those of
+    many configurations at once have further dimensions in front, and so have the results. The chains of multi-dof
+    joints have links of their own in :attr:`links`.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -128,8 +129,8 @@ class Tree:
             self.B[row, column[leader]], self.c[row] = multiplier, offset
 
     def follow(self, u: Array) -> Array:
-        """Vector q (n,) [rad] or [m] of all moving joints from u (k,) of the independent ones."""
-        return self.B @ u + self.c
+        """Vector q (..., n) [rad] or [m] of all moving joints from u (..., k) of the independent ones."""
+        return np.asarray(u @ self.B.T + self.c)
 
     def vector(self, q: Configuration) -> Array:
         """Vector u (k,) [rad] or [m] of a configuration by name; missing coordinates are 0."""
@@ -140,18 +141,18 @@ class Tree:
         return dict(zip(self.joints, self.follow(u).tolist(), strict=True))
 
     def frames(self, q: Array) -> Array:
-        """Homogeneous X_WL [m] of all links, shape (links, 4, 4), at q (n,)."""
-        motion = np.tile(np.eye(4), (len(self.joints), 1, 1))
-        angle = (self._turn * q)[:, None, None]
+        """Homogeneous X_WL [m] of all links, shape (..., links, 4, 4), at q (..., n)."""
+        motion = np.tile(np.eye(4), (*q.shape, 1, 1))
+        angle = (self._turn * q)[..., None, None]
         # Rodrigues; 1 - cos as 2 sin^2 of half the angle keeps its digits at small angles.
-        motion[:, :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * (self._K @ self._K)
-        motion[:, :3, 3] = self._axis * (self._advance * q)[:, None]
-        X = np.empty((len(self.links), 4, 4))
-        X[0] = np.eye(4)
+        motion[..., :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * (self._K @ self._K)
+        motion[..., :3, 3] = self._axis * (self._advance * q)[..., None]
+        X = np.empty((*q.shape[:-1], len(self.links), 4, 4))
+        X[..., 0, :, :] = np.eye(4)
         for i in range(1, len(self.links)):
-            X[i] = X[self._parent[i]] @ self._X_PC[i]
-            if self._column[i] >= 0:
-                X[i] = X[i] @ motion[self._column[i]]
+            X_WC = X[..., self._parent[i], :, :] @ self._X_PC[i]
+            column = self._column[i]
+            X[..., i, :, :] = X_WC @ motion[..., column, :, :] if column >= 0 else X_WC
         return X
 
     def jacobian(self, X: Array, link: int, p_WQ: Array) -> Array:
@@ -160,18 +161,19 @@ class Tree:
         Args:
             X: The result of :meth:`frames`.
             link: Index of the link.
-            p_WQ: The point [m] in the world.
+            p_WQ: The point [m] in the world, of each configuration of ``X``.
 
         Returns:
-            Shape (6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per unit speed of a joint.
+            Shape (..., 6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per unit speed of a
+                joint.
         """
-        frames = X[self._child]
-        a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
-        arm = p_WQ - frames[:, :3, 3]
+        frames = X[..., self._child, :, :]
+        a_W = np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis)
+        arm = p_WQ[..., None, :] - frames[..., :3, 3]
         swept = cross(a_W, arm)
         turn, slide = self._turn[:, None], self._advance[:, None]
-        rows = np.hstack([turn * a_W, turn * swept + slide * a_W])
-        return np.asarray(np.where(self._above[link][:, None], rows, 0.0).T)
+        rows = np.concatenate([turn * a_W, turn * swept + slide * a_W], axis=-1)
+        return np.asarray(np.where(self._above[link][:, None], rows, 0.0).swapaxes(-1, -2))
 
     def bias(self, X: Array, v: Array) -> Callable[[int, Array], tuple[Array, Array]]:
         """Accelerations of links at constant joint speeds: the time derivative of J, times v.
@@ -308,6 +310,12 @@ def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
     return frozenset(
         frozenset((a, b)) for a, b in _pairs(rigid) if frozenset((rigid[a], rigid[b])) in bodies or rigid[a] == rigid[b]
     )
+
+
+def without_contacts(robot: Robot) -> frozenset[frozenset[str]]:
+    """Pairs of links whose contacts the written files exclude: adjacent ones, and what :attr:`self_collision` says."""
+    found = robot.self_collision
+    return neighbours(robot) | (found.excluded if found is not None else frozenset())
 
 
 def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:

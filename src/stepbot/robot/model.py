@@ -22,6 +22,7 @@ from stepbot.geometry.spatial import (
     Vector3,
 )
 
+from .self_collision import SelfCollision
 from .sensors import Sensor
 from .simulation import DEFAULTS, Simulation
 
@@ -273,6 +274,8 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     simulation: Simulation = DEFAULTS
     """Settings that the sidecar gives for simulations; :func:`.simulation_settings.settings_of` has the defaults."""
+    self_collision: SelfCollision | None = None
+    """Which links can overlap, if that was searched."""
 
     @property
     def root(self) -> Link:

@@ -12,6 +12,7 @@ from pydantic import Field, StrictBool
 
 from stepbot.geometry.directions import Direction
 from stepbot.robot.model import Base, JointKind
+from stepbot.robot.self_collision import DEFAULT_SAMPLES
 
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
@@ -31,6 +32,7 @@ from .quantities import (
     Number,
     Pitch,
     RelativeOrLength,
+    SampleCount,
 )
 from .section import ComponentPath, MaterialName, Name, RobotName, Section
 from .shapes import (
@@ -243,6 +245,22 @@ class ClosureSection(Section):
     """Axis in the closure's frame, `z` by default."""
 
 
+class ExcludedPairs(StrEnum):
+    """Pairs of links by how often they overlap in sampled poses."""
+
+    ALWAYS = "always"
+    NEVER = "never"
+
+
+class SelfCollisionSection(Section):
+    """A search for the links that can overlap, in random poses within the limits."""
+
+    samples: SampleCount = DEFAULT_SAMPLES
+    """Number of poses, the drawn one included."""
+    exclude: tuple[ExcludedPairs, ...] = (ExcludedPairs.ALWAYS,)
+    """Pairs whose contacts MJCF excludes, in addition to adjacent links."""
+
+
 class Document(Section):
     """A stepbot sidecar: the robot data that a STEP file lacks."""
 
@@ -287,6 +305,8 @@ class Document(Section):
     """Sensors by name."""
     simulation: SimulationSection = SimulationSection()
     """Time step, integrator and stiffness of closures, for formats and engines that have them."""
+    self_collision: SelfCollisionSection | None = None
+    """Search for the links that can overlap: MJCF excludes pairs that always do, and an SRDF lists all pairs."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes to suppress everywhere."""
 
@@ -306,6 +326,7 @@ __all__ = [
     "Defaults",
     "Document",
     "DynamicsSection",
+    "ExcludedPairs",
     "ExplicitOrigin",
     "IgnoredFinding",
     "InertiaSection",
@@ -327,6 +348,7 @@ __all__ = [
     "RobotName",
     "RootSection",
     "Section",
+    "SelfCollisionSection",
     "Shape",
     "SimulationSection",
     "SphereShape",

@@ -19,8 +19,9 @@ from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, WorkerDied
 from .checks import Subject, check_of, checks_without_observation, report_failure
 from .compare import compare
 from .expectation import mechanism, requests
-from .overlap_worker import Collider
-from .self_collision import Overlap, available
+from .self_collision.drawn_pose import Overlap
+from .self_collision.shapes import available
+from .self_collision.worker import Collider
 
 ENGINE_WARNING = "SB812"
 WIDE_OPEN = 1e-6
@@ -175,7 +176,8 @@ def _self_collision(
         lines = getattr(error, "last_lines", ())
         found.add("SB817", f"self-collision: {str(error).splitlines()[0]}", span, notes=lines)
         return (), Check("", "", engine, quantity, Status.NOT_RUN, why=str(error).splitlines()[0])
-    for a, b, depth in overlaps:
+    reported = robot.self_collision.excluded if robot.self_collision is not None else frozenset()  # with SB620
+    for a, b, depth in (one for one in overlaps if frozenset(one[:2]) not in reported):
         deep = "" if depth is None else f" by {depth * 1e3:.3g} mm"
         found.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
     pairs = "; ".join(f"'{a}' and '{b}' overlap" for a, b, _ in overlaps)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.runtime.worker import WorkerDied
-from stepbot.verification.overlap_worker import Collider
+from stepbot.verification.self_collision.worker import Collider
 from tests import parts
 
 STEP = Path("robot.step")

@@ -22,7 +22,8 @@ from stepbot.robot.model import (
     Robot,
     Sphere,
 )
-from stepbot.verification.self_collision import TOUCHING, overlaps, without_visuals
+from stepbot.verification.self_collision.drawn_pose import overlaps
+from stepbot.verification.self_collision.shapes import TOUCHING, only_collisions
 from tests.robots import ROBOTS, primitives
 
 
@@ -135,8 +136,11 @@ def test_the_named_robots_do_not_collide(name: str) -> None:
     assert overlaps(ROBOTS[name]()) == ()
 
 
-def test_visuals_are_not_sent_along() -> None:
-    """Only collision geometry is sent to the worker."""
-    slim = without_visuals(primitives())
-    assert all(not link.visuals for link in slim.links)
+def test_only_what_overlaps_depend_on_is_sent_along() -> None:
+    """Collision geometry and the motion of joints are sent to the worker: masses and visuals do not change the key."""
+    robot = primitives()
+    slim = only_collisions(robot)
+    assert [link.collisions for link in slim.links] == [link.collisions for link in robot.links]
+    assert all(not link.visuals and link.mass_properties.mass == 0.0 for link in slim.links)
     assert [mesh.name for mesh in slim.meshes] == ["base_1"]
+    assert [(joint.name, joint.limit) for joint in slim.joints] == [(joint.name, joint.limit) for joint in robot.joints]

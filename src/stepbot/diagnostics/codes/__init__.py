@@ -16,6 +16,7 @@ from . import (
     mechanism,
     meshes,
     revisions,
+    self_collision,
     sidecar,
     simulators,
 )
@@ -33,6 +34,7 @@ CODES: dict[str, Code] = {
         mechanism,
         mass,
         meshes,
+        self_collision,
         formats,
         simulators,
         internal,

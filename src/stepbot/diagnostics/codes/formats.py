@@ -226,4 +226,13 @@ CODES: tuple[Code, ...] = (
         "sidecar.",
         "Set them after loading the file, such as `pybullet.setTimeStep`, or use MJCF.",
     ),
+    Code(
+        "SB740",
+        "note",
+        "excluded contacts in a separate file",
+        "URDF has no element for pairs of links whose contacts are excluded. They are in an SRDF beside it, which MoveIt "
+        "reads.",
+        "A reader of the URDF alone checks these pairs, and reports contacts between links that always overlap.",
+        "Load the SRDF with the URDF, or exclude these pairs in the program that loads the URDF.",
+    ),
 )

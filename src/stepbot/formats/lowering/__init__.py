@@ -76,6 +76,7 @@ from .rerooted_loops import reroot_loops, sliding_closures
 from .shapes import (
     concave_collisions,
     drop_flat_collisions,
+    excluded_pairs,
     flat_collisions,
     geometries,
     links_with_capsules,
@@ -196,6 +197,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.TIMESTEP: _Handling(_given("timestep")),
     Feature.SOLVER: _Handling(_given("integrator", "closure_stiffness")),
     Feature.CAPSULE: _Handling(links_with_capsules, split_capsules),
+    Feature.EXCLUDED_CONTACT: _Handling(excluded_pairs),
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(concave_collisions),
     Feature.FIXED_BASE: _Handling(_root_if(Base.FIXED)),

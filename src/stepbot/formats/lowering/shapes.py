@@ -91,3 +91,10 @@ def _touched(robot: Robot) -> set[str]:
 
 def _is_convex(mesh: TriMesh) -> bool:
     return is_convex(mesh, DENT * float(np.linalg.norm(np.subtract(*mesh.bounds))))
+
+
+def excluded_pairs(robot: Robot) -> list[str]:
+    """Pairs of links that are not adjacent whose contacts are excluded."""
+    found = robot.self_collision
+    pairs = found.pairs if found is not None else ()
+    return [f"'{pair.link_a}' and '{pair.link_b}'" for pair in pairs if found and pair.kind in found.exclude]

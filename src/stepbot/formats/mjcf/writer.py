@@ -17,7 +17,7 @@ import numpy as np
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.kinematics import initial_configuration, neighbours
+from stepbot.robot.kinematics import initial_configuration, without_contacts
 from stepbot.robot.model import (
     ActuatorKind,
     Base,
@@ -58,6 +58,7 @@ EXPRESSES = {
     Feature.CONCAVE_COLLISION: reported("SB717", "MuJoCo collides with the convex hull of these meshes"),
     Feature.COLOR: exact("`rgba`"),
     Feature.NEIGHBOURS: exact("`<exclude>` for links connected by a joint or closure"),
+    Feature.EXCLUDED_CONTACT: exact("`<exclude>`"),
     Feature.FIXED: exact("body without a joint"),
     Feature.REVOLUTE: exact("`hinge` with `range`"),
     Feature.CONTINUOUS: exact("`hinge`"),
@@ -331,8 +332,11 @@ def _second_point(closure: LoopClosure) -> list[float]:
 
 
 def _contact(top: Element, robot: Robot) -> None:
-    """Excludes for adjacent links: MuJoCo's own filter does not cover bodies fixed to the world, nor closures."""
-    close, weld = neighbours(robot), _welds(robot)
+    """Excludes for adjacent links, as MuJoCo's own filter covers neither bodies fixed to the world nor closures.
+
+    And for the links whose contacts are excluded because of how often they overlap.
+    """
+    close, weld = without_contacts(robot), _welds(robot)
     left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in robot.joints}
     touching = [link.name for link in robot.links if link.collisions]
     pairs = [

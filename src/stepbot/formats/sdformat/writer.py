@@ -54,6 +54,7 @@ EXPRESSES = {
     Feature.CONCAVE_COLLISION: exact("as any mesh"),
     Feature.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
     Feature.NEIGHBOURS: exact("links of a model do not collide unless `<self_collide>` is set"),
+    Feature.EXCLUDED_CONTACT: exact("links of a model do not collide unless `<self_collide>` is set"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
     Feature.CONTINUOUS: exact("`continuous`"),

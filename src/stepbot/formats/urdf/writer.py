@@ -28,6 +28,7 @@ from ..lowering import Feature, exact, lowered, refused, reported
 from ..lowering.shapes import upright
 from ..xml import Element, document, element, root
 from .extensions import extensions
+from .srdf import srdf
 
 _SIMULATOR = "settings of the loading program"
 
@@ -42,6 +43,7 @@ EXPRESSES = {
     Feature.CONCAVE_COLLISION: exact("as any mesh"),
     Feature.COLOR: exact("a `<material>` in each visual"),
     Feature.NEIGHBOURS: exact("readers disable it between parent and child"),
+    Feature.EXCLUDED_CONTACT: lowered("SB740", "excluded pairs of links are in `<robot>.srdf`"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
     Feature.CONTINUOUS: exact("`continuous`"),
@@ -114,9 +116,11 @@ def render(robot: Robot) -> bytes:
     return document(top)
 
 
-def companions(_robot: Robot) -> tuple[Companion, ...]:
-    """No files beside the main one and its meshes."""
-    return ()
+def companions(robot: Robot) -> tuple[Companion, ...]:
+    """An SRDF, if it is known which links can overlap."""
+    if robot.self_collision is None:
+        return ()
+    return (Companion(f"{robot.name}.srdf", "", robot, srdf(robot.name, robot.self_collision, robot.source)),)
 
 
 def _link(top: Element, link: Link, robot: Robot) -> None:

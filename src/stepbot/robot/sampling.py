@@ -1,0 +1,118 @@
+"""Configurations over the whole range of a robot, with closed loops: where self-collisions are searched.
+
+Without loops, the independent joints are independent and uniform between their limits, so that a share of the samples
+estimates a share of the range. Loops are closed by Newton's method on many random walks at once; these samples follow
+one another on the walks, and cover the range without being independent.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+
+from .closures import LARGEST_JUMP, LARGEST_STEP, Loops, driven_joints
+from .kinematics import MOVING, Tree, initial_configuration, leader_range
+from .model import JointKind, Robot
+from .multi_dof import unfolded
+
+MOST_WALKS = 250
+"""Largest number of random walks through the configurations of closed loops."""
+CROSSINGS = 2
+"""Length of a walk: as many steps as take a driven joint this many times through its range."""
+_PATIENCE = 20
+"""Times as many steps as would be sufficient, if all succeeded, after which walks that are stuck are given up."""
+_SLACK = 1e-9
+
+
+def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
+    """At most ``n`` configurations q (m, joints) [rad] or [m] over :attr:`Tree.joints`; the drawn pose is the first.
+
+    Random numbers are from numpy's PCG64, the same on every machine. Fewer than ``n``: the drawn pose alone of a robot
+    that cannot move, or loops that jam.
+
+    Raises:
+        DoesNotClose: The drawn pose is not closed.
+    """
+    robot = unfolded(robot)
+    tree = Tree(robot)
+    random = np.random.Generator(np.random.PCG64(seed))
+    drawn = tree.vector(initial_configuration(robot))
+    if not len(drawn):
+        return tree.follow(drawn[None])
+    ranges = np.array([leader_range(robot, name) for name in tree.independent])
+    anywhere = ranges[:, 0] + random.random((n, len(drawn))) * (ranges[:, 1] - ranges[:, 0])
+    if not robot.closures:
+        anywhere[0] = drawn
+        return tree.follow(anywhere)
+    return tree.follow(_Walks(robot, drawn, ranges, random).configurations(n, anywhere))
+
+
+class _Walks:
+    """Random walks of the driven joints of loops, from the drawn pose to one random target after the other."""
+
+    def __init__(self, robot: Robot, drawn: Array, ranges: Array, random: np.random.Generator) -> None:
+        self._loops, self._random, self._ranges = Loops(robot), random, ranges
+        tree = self._loops.tree
+        names, driven = tree.independent, driven_joints(robot)
+        self._free = [i for i, name in enumerate(names) if name not in driven]
+        self._start = self._loops.closed(drawn, self._free)
+        residual, J = self._loops.constraints(self._start)
+        self._driven = [i for i, name in enumerate(names) if name in driven and J[:, i].any()]
+        self._outside = [i for i, name in enumerate(names) if name in driven and not J[:, i].any()]
+        self._open = 2.0 * float(np.linalg.norm(residual))
+        joints = [robot.joint_by_name[name] for name in tree.joints]
+        at_start = tree.follow(self._start)
+        assert all(joint.kind in MOVING for joint in joints)
+        self._low = np.minimum([joint.limit.lower for joint in joints], at_start) - _SLACK
+        self._high = np.maximum([joint.limit.upper for joint in joints], at_start) + _SLACK
+        sliding = [robot.joint_by_name[names[i]].kind is JointKind.PRISMATIC for i in self._driven]
+        widths = np.ptp(ranges[self._driven], axis=1)
+        self._stride = LARGEST_STEP * np.where(sliding, np.maximum(widths, _SLACK), 1.0)
+
+    def configurations(self, n: int, anywhere: Array) -> Array:
+        """At most ``n`` closed configurations (m, k), the drawn one first.
+
+        Args:
+            n: Number of configurations.
+            anywhere: Random configurations (n, k) with open loops, for the joints outside the loops.
+        """
+        widths = np.ptp(self._ranges[self._driven], axis=1) / self._stride
+        walks = int(np.clip(n / (CROSSINGS * widths.max(initial=1.0)), 1, MOST_WALKS))
+        u = np.tile(self._start, (walks, 1))
+        velocity = np.zeros_like(u)
+        targets = self._targets(walks)
+        found, count = [self._start[None]], 1
+        for _ in range(_PATIENCE * (n // walks + 1) if self._driven else 0):
+            if count >= n:
+                break
+            way = targets - u[:, self._driven]
+            strides = (np.abs(way) / self._stride).max(axis=1)
+            guess = u + velocity  # continue as before
+            guess[:, self._driven] = u[:, self._driven] + way / np.maximum(strides, 1.0)[:, None]
+            closed, passed = self._closed(guess, u)
+            velocity = np.where(passed[:, None], closed - u, 0.0)
+            u = np.where(passed[:, None], closed, u)
+            found.append(u[passed])
+            count += int(passed.sum())
+            new = ~passed | (strides <= 1.0)
+            targets[new] = self._targets(int(new.sum()))
+            velocity[new] = 0.0
+        closed = np.concatenate(found)[:n]
+        closed[1:, self._outside] = anywhere[1 : len(closed), self._outside]
+        return closed
+
+    def _targets(self, n: int) -> Array:
+        """Random targets (n, driven joints); one in six positions is an end of the range."""
+        low, high = self._ranges[self._driven].T
+        shares = np.clip(1.2 * self._random.random((n, len(low))) - 0.1, 0.0, 1.0)
+        return np.asarray(low + shares * (high - low))
+
+    def _closed(self, guess: Array, former: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Configurations (walks, k) near a guess, and which of them are closed, within limits and on their branch."""
+        loops, free = self._loops, self._free
+        u, residual, J = loops.closed_many(guess, free)
+        q = loops.tree.follow(u)
+        passed = np.linalg.norm(residual, axis=-1) <= max(loops.closed_share, self._open)
+        passed &= ((self._low <= q) & (q <= self._high)).all(axis=1)
+        passed &= (np.abs(u - former)[:, free] <= LARGEST_JUMP).all(axis=1)
+        return u, passed & ~loops.singular_many(J, free)

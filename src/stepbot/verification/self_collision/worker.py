@@ -1,0 +1,83 @@
+"""The processes that search for overlapping links; results for a known robot come from the cache."""
+
+from stepbot.robot.model import Robot
+from stepbot.robot.self_collision import SelfCollision
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
+from stepbot.runtime.worker import Start, Worker
+
+from .drawn_pose import Overlap
+from .shapes import only_collisions
+
+_Overlaps = tuple[Overlap, ...]
+_ROOM = "stepbot.verification.self_collision"
+
+
+class Collider:
+    """A started worker that searches the drawn pose, waiting for its robot."""
+
+    def __init__(self, memory_limit: int | None = None, start: Start | None = None) -> None:
+        self._worker = Worker(f"{_ROOM}.drawn_pose:overlaps", memory_limit=memory_limit, start=start)
+        self._results: TypedCache[_Overlaps] = TypedCache(None, _Overlaps)
+        self._key = ""
+        self._known: _Overlaps | None = None
+
+    def submit(self, robot: Robot, cache: Cache | None) -> None:
+        """Send the robot, unless the cache has its result; returns at once."""
+        subject = only_collisions(robot)
+        if cache is not None:
+            self._results = TypedCache(cache, _Overlaps)
+            self._key = _key("overlaps", subject)
+            self._known = self._results.get(self._key)
+        if self._known is None:
+            self._worker.submit(subject)
+        else:
+            self._worker.close()
+
+    def result(self, timeout: float) -> _Overlaps:
+        """The pairs of links that overlap.
+
+        Raises:
+            WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
+            RemoteError: The function raised.
+        """
+        if self._known is None:
+            self._known = self._worker.result(timeout)
+            if self._key:
+                self._results.put(self._key, self._known)
+        return self._known
+
+    def close(self) -> None:
+        """End the process if it still runs."""
+        self._worker.close()
+
+
+def find_self_collision(
+    robot: Robot, samples: int, cache: Cache | None, *, timeout: float, memory_limit: int | None
+) -> SelfCollision:
+    """The classes of all pairs of links, from the cache or from a process of its own.
+
+    Args:
+        robot: The robot.
+        samples: Number of poses.
+        cache: Where results are kept; None for nowhere.
+        timeout: Time limit [s].
+        memory_limit: Address space [bytes] of the process; None for no limit.
+
+    Raises:
+        WorkerDied: The process ended without a result, or took longer than ``timeout``.
+        RemoteError: The function raised; of kind ``DoesNotClose`` if the drawn pose is not closed.
+    """
+    subject = only_collisions(robot)
+    results: TypedCache[SelfCollision] = TypedCache(cache, SelfCollision)
+    key = _key("self-collision", subject, str(samples)) if cache is not None else ""
+    known = results.get(key) if key else None
+    if known is None:
+        with Worker(f"{_ROOM}.matrix:matrix", memory_limit=memory_limit) as worker:
+            known = worker.submit(subject, samples).result(timeout)
+        if key:
+            results.put(key, known)
+    return known
+
+
+def _key(what: str, subject: Robot, *more: str) -> str:
+    return Digest(what).add(environment(), codec_of(Robot).encode(subject), *more).key

@@ -1,0 +1,60 @@
+"""Overlaps of robots of the library in sampled poses, against the contacts that MuJoCo finds in the same poses."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import Array
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.describing import described_robot
+from stepbot.robot.kinematics import Tree
+from stepbot.robot.sampling import sampled
+from stepbot.verification.self_collision.search import placed, separate_links
+from tests.library.conftest import SHORT, Converted, name_of
+
+LONG = ("rethink_sawyer", "stepbot_hexapod")
+"""Further robots whose coordinates are those of MuJoCo: without ball joints."""
+POSES = 200
+CLEAR = 1e-4
+"""Penetration [m] beyond which both must agree; MuJoCo's depth of convex meshes is accurate to about 1e-5 m."""
+
+
+def penetrations(file: Path, joints: tuple[str, ...], q: Array) -> list[dict[frozenset[str], float]]:
+    """For each configuration, the deepest penetration [m] of each pair of links in MuJoCo, negative for a distance."""
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.geom_margin[:] = CLEAR
+    data = mujoco.MjData(model)
+    columns = [model.joint(name).qposadr[0] for name in joints]
+    found = []
+    for configuration in q:
+        data.qpos[columns] = configuration
+        mujoco.mj_fwdPosition(model, data)
+        pairs: dict[frozenset[str], float] = {}
+        for contact in data.contact:
+            links = frozenset(model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+            pairs[links] = max(pairs.get(links, -np.inf), -float(contact.dist))
+        found.append(pairs)
+    return found
+
+
+@pytest.mark.parametrize("robot", [*SHORT, *(pytest.param(robot, marks=pytest.mark.long) for robot in LONG)])
+def test_overlaps_are_the_contacts_of_mujoco(robot: str, converted: Converted) -> None:
+    """In each pose, the pairs that overlap are those that penetrate in MuJoCo; pairs within 0.1 mm of contact aside."""
+    file = converted(robot).file(".xml")
+    described = described_robot(file, Options(Path()), Diagnostics())
+    assert described is not None
+    layout, q = Tree(described), sampled(described, POSES)
+    X = layout.frames(q)
+    contacts = penetrations(file, layout.joints, q)
+    pairs = list(separate_links(described))
+    for pair in pairs:
+        overlap = pair.overlapping(placed(layout, X, pair))
+        for pose, (found, ours) in enumerate(zip(contacts, overlap, strict=True)):
+            depth = found.get(frozenset((pair.a, pair.b)), -np.inf)
+            if abs(depth) > CLEAR:
+                assert bool(ours) == (depth > 0.0), (pair.a, pair.b, pose, depth)
+    assert pairs
+    assert name_of(robot) == described.name
