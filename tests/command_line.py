@@ -15,6 +15,8 @@ import pytest
 
 LONGEST = 300.0
 """Time limit [s] of a command in a test."""
+BESIDE = (".drake.sdf", ".world.sdf", ".scene.xml")
+"""Ends of the names of files beside the main one of a format."""
 COMMAND = (sys.executable, "-m", "stepbot_cli")
 
 
@@ -55,7 +57,7 @@ class Conversion:
 
     def file(self, suffix: str) -> Path:
         """The file with a suffix: ``.urdf``, ``.sdf`` or ``.xml``."""
-        (path,) = (path for path in self.folder.glob(f"*{suffix}") if not path.name.endswith(".drake.sdf"))
+        (path,) = (path for path in self.folder.glob(f"*{suffix}") if not path.name.endswith(BESIDE))
         return path
 
 

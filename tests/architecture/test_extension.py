@@ -40,6 +40,10 @@ def companions(robot):
     return ()
 
 
+def scenes(robot):
+    return {}
+
+
 def render(robot):
     links = "".join(f'<link name="{link.name}" mass="{link.mass_properties.mass!r}"/>' for link in robot.links)
     return f'<dummy name="{robot.name}">{links}</dummy>'.encode()

@@ -16,6 +16,7 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose, rotation_from_rpy
 from stepbot.robot.kinematics import configurations, initial_configuration, link_poses
 from stepbot.robot.model import Base, Collision, JointKind, Link, LoopClosure, MeshAsset, MeshRef, Robot, Sphere, Visual
+from stepbot.robot.standing import standing_height
 from tests.conformance.conftest import Write
 from tests.robots import SINGLE_FREEDOMS, four_bar, one_link, pendulum
 
@@ -74,14 +75,15 @@ def test_bodies_have_the_links_mass_com_and_inertia(name: str, write: Write) -> 
 
 @every_robot
 def test_links_are_where_the_robot_has_them(name: str, write: Write) -> None:
-    """Poses of all links agree at random configurations and at q = 0."""
+    """Poses of all links agree at random configurations and at q = 0; a floating base is where it stands."""
     robot, file = write(name, "mjcf")
     model = compiled(file)
+    standing = np.array([0.0, 0.0, standing_height(robot, {})])
     zero = dict.fromkeys(initial_configuration(robot), 0.0)
     for q in configurations(robot, 8):
         data = data_at(model, {**zero, **q})
         for link, X_WL in link_poses(robot, q).items():
-            np.testing.assert_allclose(data.body(link).xpos, X_WL.p, atol=1e-9)
+            np.testing.assert_allclose(data.body(link).xpos, X_WL.p + standing, atol=1e-9)
             np.testing.assert_allclose(data.body(link).xmat.reshape(3, 3), X_WL.R, atol=1e-9)
 
 

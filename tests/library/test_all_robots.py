@@ -99,7 +99,10 @@ def test_converts_and_every_check_passes(robot: str, converted: Converted) -> No
     tops = {path.name for path in conversion.folder.iterdir() if path.is_file() and not path.name.startswith(".")}
     report = conversion.report
     for_drake = {f"{name}.drake.sdf"} if report["robot"]["closures"] else set()
-    assert tops == {f"{name}.urdf", f"{name}.sdf", f"{name}.xml", "report.json"} | for_drake
+    scenes = {f"{name}.scene.xml", f"{name}.world.sdf"}
+    assert tops == {f"{name}.urdf", f"{name}.sdf", f"{name}.xml", "report.json"} | for_drake | scenes
+    assert {file["path"] for file in report["files"]} == tops - {"report.json"}
+    assert {file["path"] for file in report["files"] if file["content"] == "scene"} == scenes
     assert report["summary"]["failed"] == 0
     assert [check for check in report["checks"] if check["status"] == "failed"] == []
     assert {entry["severity"] for entry in report["diagnostics"]} <= {"warning", "note"}

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from stepbot.geometry.spatial import Pose, join_bounds
 from stepbot.robot.actuators import control_range, force_range
+from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, without_contacts
@@ -23,7 +24,6 @@ from stepbot.robot.model import (
 from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind
 from stepbot.version import __version__
 
-from .bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from .observation import (
     Dynamics,
     Observation,

@@ -27,6 +27,9 @@ class Writer(Protocol):
     def companions(self, robot: "Robot") -> "tuple[Companion, ...]":
         """Additional files of a lowered robot, for readers that cannot use the main file alone."""
 
+    def scenes(self, robot: "Robot") -> "Mapping[str, bytes]":
+        """Files to open in a simulator, by name: a lowered robot with floor, light and camera."""
+
 
 @dataclass(frozen=True, eq=False)
 class Format:

@@ -21,6 +21,8 @@ from .sidecars import load, named_step, what_to_read
 
 _MODEL = "urdf"
 """The format whose conventions both models are described by."""
+_BESIDE = (".drake.sdf", ".world.sdf", ".scene.xml")
+"""Ends of the names of files that contain the robot of a main file once more."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ def _by_suffix(path: Path) -> dict[str, Path]:
     """Robot files by suffix, in the order of preference."""
     if not path.is_dir():
         return {path.suffix: path}
-    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.endswith(".drake.sdf"))
+    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.endswith(_BESIDE))
     return {suffix: file for suffix in (".urdf", ".sdf", ".xml") for file in reversed(files) if file.suffix == suffix}
 
 

@@ -7,7 +7,7 @@ r"""The conversion pipeline: sidecar and STEP file to verified robot files.
 This module prints nothing. The result contains the diagnostics, which the command line shows.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,12 +17,12 @@ from stepbot.assemble import link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.diagnostics.source_lines import source_lines
 from stepbot.engines.workers import check_required
-from stepbot.formats import default_formats, format_named
+from stepbot.formats import Format, default_formats, format_named
 from stepbot.formats.lowering import lower
-from stepbot.formats.rendering import files_of, joined
+from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.report.document import report_bytes
-from stepbot.report.record import Report
+from stepbot.report.record import Content, Report, WrittenFile
 from stepbot.robot.closures import degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
@@ -128,6 +128,7 @@ def _produce(
         report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
     _report_unused(found, _JUDGED_BY_BUILD + _judged_by_files(options))
     names = {asset.path: asset.source for asset in robot.meshes}
+    report = replace(report, files=_listed(lowered, formats))
     report = replace(report, inputs=inputs, names=names, bodies=built.bodies, joint_table=built.joint_table)
     if options.strict:
         found.make_strict()
@@ -137,6 +138,18 @@ def _produce(
 
         files[REPORT_PAGE] = report_page(robot, report, tuple(found), source_lines(found))
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
+
+
+def _listed(lowered: Mapping[str, Robot], formats: Sequence[Format]) -> tuple[WrittenFile, ...]:
+    """The written files, for the report."""
+    listed = []
+    for written in formats:
+        robot = lowered[written.name]
+        listed.append(WrittenFile(main_file(robot, written), written.name, Content.ROBOT))
+        variants = (beside.path for beside in written.writer.companions(robot))
+        listed += [WrittenFile(path, written.name, Content.VARIANT) for path in variants]
+        listed += [WrittenFile(path, written.name, Content.SCENE) for path in written.writer.scenes(robot)]
+    return tuple(listed)
 
 
 def _started_proof(formats: list[str], options: Options, server: ForkServer | None) -> "Proof | None":

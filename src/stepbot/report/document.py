@@ -45,6 +45,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "engines": dict(report.versions),
         "checks": [_check(check) for check in report.checks],
         "notes": {key: list(notes) for key, notes in report.notes.items()},
+        "files": [{"path": file.path, "format": file.format, "content": file.content.value} for file in report.files],
         "inputs": dict(report.inputs),
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],

@@ -85,6 +85,27 @@ class MeasuredBody:
     """Which of the two is used in the files, and why; why the body has no mass if neither is."""
 
 
+class Content(StrEnum):
+    """What a written file is for."""
+
+    ROBOT = "robot"
+    """The robot in its format."""
+    VARIANT = "variant"
+    """The robot for a reader that cannot use the format's main file."""
+    SCENE = "scene"
+    """The robot with floor and light, to be opened in a simulator."""
+
+
+@dataclass(frozen=True)
+class WrittenFile:
+    """A file of a robot, meshes and reports aside."""
+
+    path: str
+    """Relative to the output folder."""
+    format: str
+    content: Content
+
+
 @dataclass(frozen=True)
 class Report:
     """The verification results."""
@@ -101,6 +122,8 @@ class Report:
     """Pairs of links that overlap in the drawn pose, and the penetration depth [m]; None between two surfaces."""
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Changes and additions that an engine needed to check a file, by file and engine."""
+    files: tuple[WrittenFile, ...] = ()
+    """The files that were written, in the order of their formats."""
     inputs: Mapping[str, str] = field(default_factory=dict)
     """SHA-256 of each STEP file that was read, by its path relative to the folder of the first one."""
     names: Mapping[str, str] = field(default_factory=dict)

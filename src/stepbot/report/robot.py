@@ -10,6 +10,7 @@ from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClo
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
+from stepbot.robot.standing import standing_height
 
 from .record import Report
 from .self_collision import self_collision_document
@@ -44,6 +45,7 @@ def robot_document(report: Report, robot: Robot) -> Json:
         ],
         "actuators": [_actuator(actuator) for actuator in robot.actuators],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
+        "standing_height": standing_height(robot, initial_configuration(robot)),
         "simulation": _simulation(robot),
         "self_collision": None if robot.self_collision is None else self_collision_document(robot.self_collision),
         "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],

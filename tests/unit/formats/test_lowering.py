@@ -78,7 +78,13 @@ def test_every_notion_is_declared(format_: str) -> None:
             assert CODES[support.code].severity in ("warning", "note")
 
 
-SAID_BY_WHO_LOADS = {Feature.FIXED_BASE, Feature.FLOATING_BASE, Feature.INITIAL_POSE}
+SAID_BY_WHO_LOADS = {
+    Feature.FIXED_BASE,
+    Feature.FLOATING_BASE,
+    Feature.INITIAL_POSE,
+    Feature.TIMESTEP,
+    Feature.SOLVER,
+}
 """Settings that a file may leave to its loader; no part of the robot is lost."""
 
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.spatial import Pose, vector3
+from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
-from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from ..observation import EngineCannotRead, ObservedShape
 from .plant import Built
 from .poses import pose

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_inertia, vector3
+from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 
-from ..bounding_boxes import Bounds
 from ..observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
 from ..resources import resolve
 from . import ENGINE

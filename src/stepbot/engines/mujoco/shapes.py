@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepbot.geometry.spatial import Pose, vector3
+from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
-from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from ..observation import ObservedShape
 
 if TYPE_CHECKING:

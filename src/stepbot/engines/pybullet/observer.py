@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, vector3
+from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
 
-from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from ..captured_output import printed
 from ..observation import (
     Dynamics,

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose, join_bounds
+from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
-from ..bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from ..observation import ObservedShape
 from ..resources import resolve
 from .frames import numbers, read_pose

@@ -21,7 +21,7 @@ else:
 
 
 def read_model(file: Path) -> Element:
-    """The only model of an SDFormat file.
+    """The only model of an SDFormat file, or of several the only one that is not static.
 
     Raises:
         EngineRefused: The file is not XML.
@@ -34,6 +34,8 @@ def read_model(file: Path) -> Element:
     except etree.XMLSyntaxError as error:
         raise EngineRefused(f"not XML: {error.msg}") from error
     models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
+    if len(models) > 1:  # a floor is no robot
+        models = [model for model in models if (model.findtext("static") or "").strip() not in ("true", "1")]
     if len(models) != 1:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")
     if models[0].find("model") is not None or models[0].find("include") is not None:

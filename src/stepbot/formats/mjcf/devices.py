@@ -16,6 +16,8 @@ from ..xml import Element, Value, element
 
 SITE = "site"
 """Last part of the name of a sensor's site."""
+MARK = "mark"
+"""Class of the sites that only mark the pose of a sensor or a closure."""
 RAY = "ray"
 """Last part of the names of a lidar's rays, before their numbers."""
 
@@ -29,6 +31,8 @@ _READINGS = {
     SensorKind.FORCE_TORQUE: {"force": "force", "torque": "torque"},
 }
 """For each kind of sensor at a site, the names of its readings, and their elements."""
+AT_SITES = frozenset({*_READINGS, SensorKind.LIDAR})
+"""Kinds of sensors that have sites."""
 
 
 def actuators(top: Element, robot: Robot) -> None:
@@ -60,7 +64,7 @@ def mounts(body: Element, link: Link, robot: Robot) -> None:
         if sensor.link != link.name:
             continue
         if sensor.kind in _READINGS:
-            element(body, "site", name=f"{sensor.name}/{SITE}", **mjcf_pose(sensor.X_LS))
+            element(body, "site", name=f"{sensor.name}/{SITE}", class_=MARK, **mjcf_pose(sensor.X_LS))
         elif sensor.kind is SensorKind.CAMERA:
             view = sensor.view
             fovy = degrees(2.0 * atan(tan(0.5 * view.fov) * view.rows / view.columns))
@@ -77,7 +81,7 @@ def _rays(body: Element, sensor: Sensor) -> None:
     holder = element(body, "frame", **mjcf_pose(sensor.X_LS @ first))
     step = view.fov / (view.columns - 1) if view.columns > 1 else 0.0
     rays = element(holder, "replicate", count=view.columns, euler=(0.0, 0.0, step), sep="/")
-    element(rays, "site", name=f"{sensor.name}/{RAY}", **mjcf_pose(_QUARTER_ABOUT_Y))
+    element(rays, "site", name=f"{sensor.name}/{RAY}", class_=MARK, **mjcf_pose(_QUARTER_ABOUT_Y))
 
 
 def sensors(top: Element, robot: Robot) -> None:

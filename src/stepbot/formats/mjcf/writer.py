@@ -2,14 +2,9 @@
 
 Joints are at the origin of their body, so a body's frame is its link's, and q = 0 is the pose that the file describes.
 A body may have several joints, which act one after the other: this is how multi-dof joints are written.
-
-Closures constrain sites: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
-``connect``, at F and at a second point of its axis: six rows, five of which are independent, two in a planar loop.
-Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
-close; the keyframe ``home`` is the drawn pose, where it does.
 """
 
-from math import isfinite, isinf, sqrt
+from math import isfinite, isinf
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -17,9 +12,8 @@ import numpy as np
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.kinematics import initial_configuration, without_contacts
+from stepbot.robot.kinematics import without_contacts
 from stepbot.robot.model import (
-    ActuatorKind,
     Base,
     Box,
     Capsule,
@@ -29,27 +23,28 @@ from stepbot.robot.model import (
     Joint,
     JointKind,
     Link,
-    LoopClosure,
     MeshRef,
-    Mimic,
     Robot,
     Sphere,
     Visual,
 )
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.simulation import Integrator
-from stepbot.robot.simulation_settings import Settings, settings_of
+from stepbot.robot.simulation_settings import settings_of
+from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, geometries, lowered, refused, reported
 from ..lowering.shapes import upright
 from ..xml import Element, Value, document, element, root
-from . import devices
-from .devices import mjcf_pose
+from . import FORMAT, constraints, devices
+from .devices import MARK, mjcf_pose
+from .keyframe import keyframe
+from .scene import SUFFIX, scene
 
 EXPRESSES = {
     Feature.FIXED_BASE: exact("child body of the world without a joint"),
-    Feature.FLOATING_BASE: exact("`<freejoint>`"),
+    Feature.FLOATING_BASE: exact("`<freejoint>`, standing on z = 0"),
     Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
@@ -124,20 +119,16 @@ _INTEGRATORS = {
     Integrator.EULER: "Euler",
     Integrator.RK4: "RK4",
 }
-_IMPEDANCE = (0.99, 0.999, 0.001)
-"""`solimp` of equality constraints: almost rigid at once, and more so beyond a gap of 1 mm or 1 mrad."""
 _FRICTION: dict[str, Value] = {"cone": "elliptic", "impratio": 10.0}
 """Friction ten times as stiff as the normal force: with MuJoCo's default of 1, a gripped cube slides out."""
 _CONTACT_TIME = 0.004
 """Time constant [s] of contacts, at least two steps: with the default of 20 ms, fingers sink into what they grip."""
 _CONTACT = (0.95, 0.99, 0.001)
 """`solimp` of contacts."""
-_CLOSURE = "closure"
-"""Class of equality constraints."""
 _WORLD = "world"
 _Z = (0.0, 0.0, 1.0)
-HOME = "home"
-"""Name of the keyframe with the drawn pose."""
+_HIDDEN = 4
+"""Group of sites that viewers do not draw by default: 3 to 5."""
 
 _ROUNDING = 1e-12
 """Relative tolerance for MuJoCo's rounding of A + B >= C of principal moments that satisfy it exactly."""
@@ -162,17 +153,22 @@ def render(robot: Robot) -> bytes:
     _assets(top, robot)
     _bodies(top, robot)
     _contact(top, robot)
-    _equality(top, robot)
+    constraints.equality(top, robot)
     devices.actuators(top, robot)
     devices.sensors(top, robot)
     _velocity_limits(top, robot)
-    _keyframe(top, robot)
+    keyframe(top, robot)
     return document(top)
 
 
 def companions(_robot: Robot) -> tuple[Companion, ...]:
     """No files beside the main one and its meshes."""
     return ()
+
+
+def scenes(robot: Robot) -> dict[str, bytes]:
+    """A scene with floor, light, sky and camera, which includes the robot."""
+    return {f"{robot.name}{SUFFIX}": scene(robot, f"{robot.name}{FORMAT.suffix}")}
 
 
 def _defaults(top: Element, robot: Robot) -> None:
@@ -186,28 +182,13 @@ def _defaults(top: Element, robot: Robot) -> None:
     if any(link.collisions for link in robot.links):
         stiff = {"solref": (max(_CONTACT_TIME, 2.0 * settings_of(robot).timestep), 1.0), "solimp": _CONTACT}
         classes["collision"] = {"group": 3, **stiff}
-    constrained = bool(robot.closures or _mimics(robot))
-    default = element(top, "default") if classes or constrained else top
+    marked = bool(robot.closures) or any(sensor.kind in devices.AT_SITES for sensor in robot.sensors)
+    default = element(top, "default") if classes or marked or constraints.is_constrained(robot) else top
     for name, settings in classes.items():
         element(element(default, "default", class_=name), "geom", **settings)
-    if constrained:
-        closing = {"solref": _reference(settings_of(robot)), "solimp": _IMPEDANCE}
-        element(element(default, "default", class_=_CLOSURE), "equality", **closing)
-
-
-def _mimics(robot: Robot) -> list[tuple[str, Mimic]]:
-    """The mimics of all joints, by the name of the joint that follows."""
-    steps = [step for chain in steps_by_child(robot).values() for step in chain]
-    return [(step.name, step.mimic) for step in steps if step.mimic is not None]
-
-
-def _reference(settings: Settings) -> tuple[float, float]:
-    """`solref`: time constant [s] and damping ratio of a constraint that closes a share of its gap within one step.
-
-    MuJoCo derives from them the damping 2 / time constant, which here stops the gap's velocity within one step, and the
-    stiffness 1 / (time constant * damping ratio)^2. A time constant below two steps it replaces by two steps.
-    """
-    return 2.0 * settings.timestep, 0.5 / sqrt(settings.closure_stiffness)
+    if marked:
+        element(element(default, "default", class_=MARK), "site", group=_HIDDEN)
+    constraints.stiffness(default, robot)
 
 
 def _assets(top: Element, robot: Robot) -> None:
@@ -226,10 +207,11 @@ def _bodies(top: Element, robot: Robot) -> None:
     parents = {robot.root.name: element(top, "worldbody")}
     joint_of = {joint.child: joint for joint in robot.joints}
     names, steps = _GeomNames(), steps_by_child(robot)
+    standing = Pose.of(position=(0.0, 0.0, standing_height(robot, {})))
     for link in robot.links:
         joint = joint_of.get(link.name)
         above = parents[joint.parent] if joint else parents[robot.root.name]
-        body = element(above, "body", name=link.name, **mjcf_pose(joint.X_PC if joint else Pose()))
+        body = element(above, "body", name=link.name, **mjcf_pose(joint.X_PC if joint else standing))
         parents[link.name] = body
         _inertial(body, link.mass_properties)
         if joint is not None:
@@ -316,19 +298,7 @@ def _sites(body: Element, link: Link, robot: Robot) -> None:
     for frame in robot.frames:
         if frame.link == link.name:
             element(body, "site", name=frame.name, **mjcf_pose(frame.X_LF))
-    for closure in robot.closures:
-        for side, holder, X_LF in (("a", closure.link_a, closure.X_AF), ("b", closure.link_b, closure.X_BF)):
-            if holder == link.name:
-                name = f"{closure.name}/{side}"
-                element(body, "site", name=name, **mjcf_pose(X_LF))
-                if closure.kind is JointKind.REVOLUTE:
-                    element(body, "site", name=f"{name}/axis", pos=X_LF.apply(_second_point(closure)).tolist())
-
-
-def _second_point(closure: LoopClosure) -> list[float]:
-    """A point of the axis, in F [m], as far from F as F is from the links' frames, so that all rows weigh the same."""
-    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
-    return [reach * direction for direction in closure.axis]
+    constraints.closure_sites(body, link, robot)
 
 
 def _contact(top: Element, robot: Robot) -> None:
@@ -361,64 +331,9 @@ def _welds(robot: Robot) -> dict[str, str]:
     return weld
 
 
-def _equality(top: Element, robot: Robot) -> None:
-    mimics = _mimics(robot)
-    if not (mimics or robot.closures):
-        return
-    equality = element(top, "equality")
-    for name, mimic in mimics:
-        given: dict[str, Value] = {}
-        if (mimic.offset, mimic.multiplier) != (0.0, 1.0):
-            given["polycoef"] = (mimic.offset, mimic.multiplier)
-        element(equality, "joint", class_=_CLOSURE, joint1=name, joint2=mimic.joint, **given)
-    for closure in robot.closures:
-        kind = "weld" if closure.kind is JointKind.FIXED else "connect"
-        sides = {"site1": f"{closure.name}/a", "site2": f"{closure.name}/b"}
-        element(equality, kind, name=closure.name, class_=_CLOSURE, **sides)
-        if closure.kind is JointKind.REVOLUTE:
-            on_axis = {side: f"{site}/axis" for side, site in sides.items()}
-            element(equality, kind, name=f"{closure.name}/axis", class_=_CLOSURE, **on_axis)
-
-
 def _velocity_limits(top: Element, robot: Robot) -> None:
     limited = [j for j in robot.joints if j.kind is not JointKind.FIXED and isfinite(j.limit.velocity)]
     if limited:
         custom = element(top, "custom")
         for joint in limited:
             element(custom, "numeric", name=f"{joint.name}/velocity", data=joint.limit.velocity)
-
-
-def _keyframe(top: Element, robot: Robot) -> None:
-    """The drawn pose, if it is not q = 0 or a loop must close; position actuators hold it."""
-    drawn = initial_configuration(robot)
-    if not (robot.closures or any(drawn.values())):
-        return
-    base = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0] if robot.base is Base.FLOATING else []
-    steps = steps_by_child(robot)
-    qpos = base + [value for link in _depth_first(robot) for step in steps[link] for value in _drawn(step)]
-    control = [
-        drawn[actuator.joint] * actuator.gear if actuator.kind is ActuatorKind.POSITION else 0.0
-        for actuator in robot.actuators
-    ]
-    element(element(top, "keyframe"), "key", name=HOME, qpos=qpos, **({"ctrl": control} if any(control) else {}))
-
-
-def _drawn(step: Joint) -> list[float]:
-    """MuJoCo's coordinates of a joint as drawn; multi-dof joints are drawn at 0."""
-    if step.kind is JointKind.BALL:
-        return [1.0, 0.0, 0.0, 0.0]
-    return [] if step.kind is JointKind.FIXED else [step.drawn_position]
-
-
-def _depth_first(robot: Robot) -> list[str]:
-    """Names of the links below the root in the order of MuJoCo's coordinates: that of the nested bodies."""
-    below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
-    for joint in robot.joints:
-        below[joint.parent].append(joint)
-    order: list[str] = []
-    stack = list(reversed(below[robot.root.name]))
-    while stack:
-        joint = stack.pop()
-        order.append(joint.child)
-        stack += reversed(below[joint.child])
-    return order

@@ -26,6 +26,7 @@ from stepbot.robot.model import (
     Sphere,
     Visual,
 )
+from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, lowered, refused, reported
@@ -36,6 +37,7 @@ from . import FORMAT
 from . import drake as _drake
 from .gz_plugins import plugins
 from .sensors import sdf_pose, sensors_on_joint, sensors_on_link
+from .world import SUFFIX, world_around
 
 VERSION = "1.9"
 MIMIC_VERSION = "1.11"
@@ -99,7 +101,7 @@ EXPRESSES = {
     Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
     Feature.LIDAR_NEAREST: exact("`<range>`"),
     Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
-    Feature.TIMESTEP: reported("SB730", "a setting of the world"),
+    Feature.TIMESTEP: exact("`<max_step_size>` in `<robot>.world.sdf`"),
     Feature.SOLVER: reported("SB730", "settings of the physics engine"),
     Feature.JOINT_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
@@ -118,11 +120,17 @@ def reserves(name: str) -> bool:
 def render(robot: Robot) -> bytes:
     """The SDFormat of a lowered robot."""
     top = root("sdf", robot.source, version=_version(robot))
-    model = _tree(top, robot)
+    _whole(top, robot)
+    return document(top)
+
+
+def _whole(parent: Element, robot: Robot) -> Element:
+    """The model with everything in it."""
+    model = _tree(parent, robot)
     for closure in robot.closures:
         _closure(model, closure, robot)
     plugins(model, robot)
-    return document(top)
+    return model
 
 
 def companions(robot: Robot) -> tuple[Companion, ...]:
@@ -133,6 +141,17 @@ def companions(robot: Robot) -> tuple[Companion, ...]:
     top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=_version(cut))
     _drake.constrain(_tree(top, cut), cut)
     return (Companion(f"{robot.name}.drake{FORMAT.suffix}", _drake.FORMAT, cut, document(top)),)
+
+
+def scenes(robot: Robot) -> dict[str, bytes]:
+    """A world with physics, floor, light and sky, in which the robot stands."""
+    top = root("sdf", robot.source, version=_version(robot))
+    model = _whole(world_around(top, robot), robot)
+    height = standing_height(robot, {})
+    if height:
+        sdf_pose(model, Pose.of(position=(0.0, 0.0, height)))
+        model.insert(0, model[-1])
+    return {f"{robot.name}{SUFFIX}": document(top)}
 
 
 def _tree(top: Element, robot: Robot) -> Element:

@@ -123,6 +123,11 @@ def companions(robot: Robot) -> tuple[Companion, ...]:
     return (Companion(f"{robot.name}.srdf", "", robot, srdf(robot.name, robot.self_collision, robot.source)),)
 
 
+def scenes(_robot: Robot) -> dict[str, bytes]:
+    """None: a URDF contains one robot and no world."""
+    return {}
+
+
 def _link(top: Element, link: Link, robot: Robot) -> None:
     xml = element(top, "link", name=link.name)
     mass = link.mass_properties

@@ -1,0 +1,67 @@
+"""A scene around the robot's MJCF, which it includes: floor, light, sky and a camera."""
+
+from math import cos, radians, sin
+
+import numpy as np
+
+from stepbot.geometry.spatial import unit
+from stepbot.robot.model import Robot
+from stepbot.robot.sensors import SensorKind
+from stepbot.robot.standing import extent, floor_height
+
+from ..lowering import free_name
+from ..xml import Element, document, element, root
+
+SUFFIX = ".scene.xml"
+_FLOOR, _CAMERA = "floor", "overview"
+_AZIMUTH, _ELEVATION = radians(35.0), radians(25.0)
+"""Direction from the robot to the camera: in front of it, on its left side, above it."""
+_DISTANCE = 2.9
+"""Distance of the camera in half diagonals of the robot: all of it is in the view of 45 degrees, MuJoCo's default."""
+_DIGITS = 3
+
+
+def scene(robot: Robot, main: str) -> bytes:
+    """The scene for a robot in the file ``main``, in the same folder."""
+    center, size = extent(robot)
+    top = root("mujoco", robot.source, model=f"{robot.name} scene")
+    element(top, "include", file=main)
+    element(top, "statistic", center=_rounded(center), extent=max(round(size, _DIGITS), 10.0**-_DIGITS))
+    visual = element(top, "visual")
+    element(visual, "headlight", diffuse=(0.6, 0.6, 0.6), ambient=(0.3, 0.3, 0.3), specular=(0.0, 0.0, 0.0))
+    element(visual, "rgba", haze=(0.15, 0.25, 0.35, 1.0))
+    _floor_material(element(top, "asset"))
+    world = element(top, "worldbody")
+    above = (center[0], center[1], center[2] + 4.0 * size)
+    element(world, "light", pos=_rounded(above), dir=(0.0, 0.0, -1.0), type="directional")
+    shapes = {visual.name for link in robot.links for visual in link.visuals}
+    shapes |= {collision.name for link in robot.links for collision in link.collisions}
+    floor = {"name": free_name(_FLOOR, "_plane", shapes), "material": _FLOOR}
+    height = floor_height(robot)
+    place = {"pos": (0.0, 0.0, height)} if height else {}
+    element(world, "geom", **floor, type="plane", size=(0.0, 0.0, 0.05), **place)
+    cameras = {sensor.name for sensor in robot.sensors if sensor.kind is SensorKind.CAMERA}
+    _camera(world, free_name(_CAMERA, "_camera", cameras), center, size)
+    return document(top)
+
+
+def _floor_material(asset: Element) -> None:
+    """The sky, and a floor of squares of half a metre."""
+    sky = {"rgb1": (0.3, 0.5, 0.7), "rgb2": (0.0, 0.0, 0.0)}
+    element(asset, "texture", type="skybox", builtin="gradient", **sky, width=512, height=3072)
+    squares = {"rgb1": (0.2, 0.3, 0.4), "rgb2": (0.1, 0.2, 0.3), "markrgb": (0.8, 0.8, 0.8)}
+    element(asset, "texture", type="2d", name=_FLOOR, builtin="checker", mark="edge", **squares, width=300, height=300)
+    element(asset, "material", name=_FLOOR, texture=_FLOOR, texuniform="true", texrepeat=(2.0, 2.0), reflectance=0.2)
+
+
+def _camera(world: Element, name: str, center: tuple[float, float, float], size: float) -> None:
+    """A camera that looks at the whole robot; it looks along -z with y up."""
+    back = np.array([cos(_AZIMUTH) * cos(_ELEVATION), sin(_AZIMUTH) * cos(_ELEVATION), sin(_ELEVATION)])
+    right = unit(np.cross((0.0, 0.0, 1.0), back))
+    place = _rounded(np.array(center) + _DISTANCE * size * back)
+    axes = _rounded([*right, *np.cross(back, right)], 6)
+    element(world, "camera", name=name, pos=place, xyaxes=axes)
+
+
+def _rounded(values: object, digits: int = _DIGITS) -> list[float]:
+    return [float(value) + 0.0 for value in np.round(np.asarray(values, dtype=np.float64), digits)]

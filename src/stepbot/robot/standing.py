@@ -1,0 +1,55 @@
+"""Where a robot stands: the height of a floating base on a floor, and the height of the floor below a fixed one."""
+
+import numpy as np
+
+from .bounding_boxes import robot_bounds
+from .kinematics import Configuration, initial_configuration
+from .model import Base, JointKind, Robot
+
+_DIGITS = 9
+"""Decimals [m] of heights: vertices lie on a grid of one nanometre."""
+
+
+def standing_height(robot: Robot, q: Configuration) -> float:
+    """Height [m] of the base's frame above a floor at z = 0 that the lowest point of a floating robot touches.
+
+    The lowest point is that of the collisions, or of the visuals of a robot without collisions. 0 for a fixed base, and
+    for a robot without shapes.
+    """
+    around = robot_bounds(robot, q) if robot.base is Base.FLOATING else None
+    return 0.0 if around is None else round(-around[0][2], _DIGITS) + 0.0
+
+
+def floor_height(robot: Robot) -> float:
+    """Height [m] of the floor in the frame of the base, or in the world of a floating robot.
+
+    A robot with a fixed base stands on the lowest point of the links that do not move. If a link that moves is lower in
+    the drawn pose, the robot hangs, and the floor is a whole height of the robot below its lowest point.
+    """
+    drawn = initial_configuration(robot)
+    around = robot_bounds(robot, drawn)
+    if robot.base is Base.FLOATING or around is None:
+        return 0.0
+    standing = robot_bounds(robot, drawn, _fixed_links(robot))
+    (_, _, lowest), (_, _, highest) = around
+    if standing is not None and standing[0][2] <= lowest:
+        return round(lowest, _DIGITS) + 0.0
+    return round(lowest - (highest - lowest), _DIGITS) + 0.0
+
+
+def extent(robot: Robot) -> tuple[tuple[float, float, float], float]:
+    """Centre [m] and half diagonal [m] of the box around the robot in the drawn pose, where it stands."""
+    drawn = initial_configuration(robot)
+    around = robot_bounds(robot, drawn)
+    low, high = around or ((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))
+    x, y, z = (0.5 * (np.array(low) + np.array(high))).tolist()
+    return (x, y, z + standing_height(robot, drawn)), 0.5 * float(np.linalg.norm(np.array(high) - np.array(low)))
+
+
+def _fixed_links(robot: Robot) -> list[str]:
+    """The root, and the links that are fixed to it."""
+    fixed = [robot.root.name]
+    for joint in robot.joints:  # parents come before their children
+        if joint.kind is JointKind.FIXED and joint.parent in fixed:
+            fixed.append(joint.child)
+    return fixed
