@@ -40,7 +40,7 @@ class MassProperties:
 
 
 def without_residue(computed: MassProperties) -> MassProperties:
-    """Computed mass properties with 0 in place of numeric residue (decision 0024).
+    """Computed mass properties with 0 in place of numeric residue (decision 0025).
 
     Set to 0 are components of the com below ``RESIDUE`` times the largest radius of gyration, and products of inertia
     below ``RESIDUE`` times the geometric mean of the two moments. Moments are unchanged, and so is whether the inertia

@@ -2,7 +2,7 @@
 
 Engines hold the closures of loops by forces, so that loops open a little while they move. A gap of a moving loop
 follows from its centripetal acceleration a: it is a * timestep^2 / (2 * stiffness), where the stiffness is the share of
-a gap that is closed within one step. The defaults are measured in decision 0024.
+a gap that is closed within one step. The defaults are measured in decision 0027.
 """
 
 from dataclasses import dataclass
