@@ -3,6 +3,7 @@
 import sys
 from typing import TYPE_CHECKING, Any
 
+from .counts import counted
 from .diagnostic_text import printable
 from .table import filled, status_lines
 from .terminal import wants_color
@@ -25,7 +26,10 @@ def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) 
     for test, reason in driven.inapplicable.items():
         lines += filled(f"{test} does not apply: {printable(reason)}", width)
     statuses = [verdict.status.value for verdict in driven.verdicts]
-    return [*lines, f"{len(statuses)} tests: {statuses.count('passed')} passed, {statuses.count('failed')} failed"]
+    return [
+        *lines,
+        f"{counted(len(statuses), 'test')}: {statuses.count('passed')} passed, {statuses.count('failed')} failed",
+    ]
 
 
 def _cells(verdict: "Verdict") -> tuple[str, ...]:

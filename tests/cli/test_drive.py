@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.engines import engine_of
 from tests.cli.conftest import Stepbot
-from tests.unit.driving.workbench import HORIZONTAL, gripper, one_joint, written
+from tests.unit.driving.workbench import HORIZONTAL, VERTICAL, gripper, one_joint, written
 
 pytestmark = [pytest.mark.mujoco]
 
@@ -55,6 +55,17 @@ def test_one_file_and_one_test(folder: Path, stepbot: Stepbot) -> None:
     assert [line.split()[:3] for line in lines[1:3]] == [["hold", "mujoco", "passed"], ["step", "mujoco", "passed"]]
     assert lines[-1] == "2 tests: 2 passed, 0 failed"
     assert any(line.startswith("roll does not apply: no velocity actuator") for line in lines)
+
+
+def test_warnings_of_the_engine_leave_no_file(folder: Path, stepbot: Stepbot) -> None:
+    """MuJoCo would write a log file into the current folder for a simulation that diverges."""
+    written(one_joint(VERTICAL, 1e14, 1.0, 1e30), folder / "light")
+    before = sorted(folder.rglob("*"))
+    run = stepbot("drive", "light", "--engine", "mujoco", "--test", "step")
+    assert run.code == 1
+    assert "SB831" in run.err
+    assert run.out.splitlines()[-1] == "1 test: 0 passed, 1 failed"
+    assert sorted(folder.rglob("*")) == before
 
 
 def test_a_failure_names_place_number_limit_and_remedy(folder: Path, stepbot: Stepbot) -> None:

@@ -15,8 +15,10 @@ from ..description.description import DescribedShape, Description, Primitive
 from ..observation import EngineRefused, Request
 from .compiled import Compiled
 from .observer import observe_model
+from .warnings import collected_warnings
 
 
+@collected_warnings()
 def describe_mjcf(file: str) -> Description:
     """Read an MJCF.
 

@@ -5,8 +5,7 @@ visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality
 solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +24,7 @@ from .contacts import excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
 from .shapes import observed_shapes
+from .warnings import collected_warnings
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -63,7 +63,7 @@ def observe(request: Request) -> Observation:
 
     from .motion import close_by_newton, simulate
 
-    with _warnings(engine) as warnings:
+    with collected_warnings() as warnings:
         model, notes = _compile(engine, request)
         compiled = Compiled(engine, model, request.balls)
         observation = observe_model(compiled, request)
@@ -73,18 +73,6 @@ def observe(request: Request) -> Observation:
             finite, reversals = simulate(compiled, request)
             observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
-
-
-@contextmanager
-def _warnings(engine: Any) -> Iterator[list[str]]:
-    """Collect MuJoCo's warnings, which it would otherwise write to a log file in the working directory."""
-    collected: list[str] = []
-    former = engine.get_mju_user_warning()
-    engine.set_mju_user_warning(collected.append)
-    try:
-        yield collected
-    finally:
-        engine.set_mju_user_warning(former)
 
 
 def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:

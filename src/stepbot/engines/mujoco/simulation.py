@@ -24,6 +24,10 @@ _TOUCH = 1e-4
 """Depth [m] up to which two shapes touch without overlapping: flush faces of CAD."""
 
 
+def _ignore(_warning: str) -> None:
+    """Do nothing with a warning."""
+
+
 class MujocoSimulation:
     """:class:`~stepbot.engines.simulation.Simulation` in MuJoCo."""
 
@@ -36,6 +40,8 @@ class MujocoSimulation:
         import mujoco as engine
 
         self._engine, self._mechanism, self._setup = engine, mechanism, setup
+        # Its own handler writes a log file into the working directory; numbers show what it warns of.
+        engine.set_mju_user_warning(_ignore)
         try:
             self.model: Any = _spec(engine, file, mechanism, setup).compile()
         except ValueError as error:
