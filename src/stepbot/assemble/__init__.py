@@ -11,6 +11,8 @@ axis_evidence        the faces that an origin was found by
 joints               joints, closures, the joint table
 devices              named frames, actuators, sensors, settings for simulations
 links                mass properties, visuals, collisions
+collisions           collision shapes of each link
+fitted_collisions    shapes fitted to the solids of a link
 given_inertials      the `inertial` of links against their geometry
 """
 
@@ -23,7 +25,7 @@ from stepbot.report.record import MeasuredBody
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.worker import Worker
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
@@ -32,6 +34,7 @@ from .bound import Bound, bind
 from .claims import Claims, claim
 from .devices import build_actuators, build_frames, build_sensors, build_simulation
 from .double_counting import DoubleCounting
+from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
 from .given_inertials import report_given_inertials
 from .joints import build_closures, build_joints, joint_table, tree_order
@@ -63,6 +66,7 @@ def build_robot(
     cache: Cache | None = None,
     process: Worker | None = None,
     revised: Revised = UNREVISED,
+    timeout: float = DEFAULT_TIMEOUT,
 ) -> Built | None:
     """Build the robot that the sidecar describes; None if there are errors, all of which are in ``found``.
 
@@ -72,9 +76,11 @@ def build_robot(
         measures: Called when needed: trimesh's mass properties of the mesh of each of ``assembly.bodies``; None for a
             mesh that encloses no volume.
         found: Receives SB3xx, SB4xx and SB5xx.
-        cache: Cache for overlaps; None to disable it.
-        process: Worker that searches for overlaps after it has measured the meshes; None to search in this process.
+        cache: Cache for collision shapes and overlaps; None to disable it.
+        process: Worker that fits collision shapes and searches for overlaps after it has measured the meshes; None to
+            do so in this process.
         revised: Components that a revision of the CAD has changed, which is reported elsewhere.
+        timeout: Maximum time [s] to wait for collision geometry.
     """
     document = sidecar.document
     binder = Binder(assembly, sidecar, found, revised)
@@ -88,8 +94,9 @@ def build_robot(
     sensors = build_sensors(binder, frames)
 
     bodies = measured_bodies(assembly, measures(), document.mass)
+    fitted = FittedCollisions(binder, claims, materials.of, bodies, cache, process)
     weighed = masses(binder, materials, bodies)
-    links = Links(binder, claims, materials.of, weighed, bodies)
+    links = Links(binder, claims, materials.of, weighed, bodies, fitted)
     links.report_unknown_masses()
     _report_bodies(binder, claims, bodies)
     binder.report_fragile()
@@ -97,6 +104,8 @@ def build_robot(
     if found.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
         return None
 
+    if not wait_for(fitted, binder, timeout):
+        return None
     double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
     X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
     built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))

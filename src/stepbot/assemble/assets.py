@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh, joined
+from stepbot.geometry.solids.bounded_hulls import bounded_hull
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.spatial import Array
 from stepbot.robot.model import MeshAsset, MeshRef, Rgba
@@ -67,11 +68,15 @@ class MeshAssets:
             return (ColorGroup(self.body(body), next(iter(groups), overruled or plain)),)
         return tuple(ColorGroup(self._group(body, tuple(indices)), rgba) for rgba, indices in groups.items())
 
-    def hull(self, body: int) -> MeshRef | None:
-        """The convex hull of a body; None if the body is flat."""
-        key = ("hull", body)
+    def name_of(self, body: int) -> str:
+        """The name of a body's mesh."""
+        return self._bases[body]
+
+    def hull(self, body: int, max_vertices: int | None = None) -> MeshRef | None:
+        """The convex hull of a body, or one that encloses it with fewer vertices; None if the body is flat."""
+        key = ("hull", body, max_vertices)
         if key not in self._made:
-            mesh = convex_hull(self._assembly.bodies[body].mesh.vertices)
+            mesh = _bounded(convex_hull(self._assembly.bodies[body].mesh.vertices), max_vertices)
             self._made[key] = (
                 None if mesh is None else self._named(f"{self._bases[body]}_hull", mesh, self._source(body))
             )
@@ -83,10 +88,17 @@ class MeshAssets:
         self._made[key] = self._named(f"{ascii_name(link)}_merged", joined(meshes), link)
         return self._reference(key)
 
-    def merged_hull(self, link: str, points: Array) -> MeshRef | None:
+    def piece(self, key: tuple[object, ...], name: str, mesh: TriMesh, source: str) -> MeshRef:
+        """A convex piece of a body or a link."""
+        key = ("piece", *key)
+        if key not in self._made:
+            self._made[key] = self._named(name, mesh, source)
+        return self._reference(key)
+
+    def merged_hull(self, link: str, points: Array, max_vertices: int | None = None) -> MeshRef | None:
         """The convex hull of points (n, 3) [m] of a link, in the link's frame; None if they are coplanar."""
         key = ("merged hull", link)
-        mesh = convex_hull(points)
+        mesh = _bounded(convex_hull(points), max_vertices)
         self._made[key] = None if mesh is None else self._named(f"{ascii_name(link)}_hull", mesh, link)
         return None if mesh is None else self._reference(key)
 
@@ -135,3 +147,7 @@ class MeshAssets:
         if name != BODY:
             return ascii_name(name)
         return self._product_name(self._assembly.components[component.parent]) if component.parent >= 0 else FALLBACK
+
+
+def _bounded(hull: TriMesh | None, max_vertices: int | None) -> TriMesh | None:
+    return hull if hull is None or max_vertices is None else bounded_hull(hull, max_vertices)

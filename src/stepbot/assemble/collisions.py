@@ -1,25 +1,33 @@
-"""Collision geometry of a link: hulls, meshes or simple shapes of its components, or shapes given in the sidecar.
+"""Collision geometry of a link: fitted or derived from its components, or shapes given in the sidecar.
 
-Rules under ``parts`` override the link; the default is the convex hull of each component. A box is aligned with the
-axes of the component's definition. A cylinder or capsule is aligned with one of these axes or with the widest axis line
-of the body, whichever gives the smallest volume; a sphere is the smallest enclosing one.
+Rules under ``parts`` override the link, which overrides ``defaults``; without any, each component gets its convex hull.
+With ``auto`` and ``decompose`` the components of a link are one solid (:mod:`.fitted_collisions`).
+
+A box is aligned with the axes of the component's definition. A cylinder or capsule is aligned with one of these axes or
+with the widest axis line of the body, whichever gives the smallest volume; a sphere is the smallest enclosing one.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.solids.collision_sets import CollisionSet
+from stepbot.geometry.solids.convex_pieces import FILLED
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Sphere
-from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, MergedCollision, Shape
+from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
 from stepbot.step.features.axes import axis_faces, lines
 from stepbot.step.structure.paths import quoted
 
 from .assets import MeshAssets
 from .binder import Binder, listed
+from .collision_rules import CollisionRule, given_budgets, is_merged, link_rule, rule_of
+from .fitted_collisions import FittedCollisions, joined_part, joined_parts
 from .material_assignment import MaterialAssignment
+from .names import ascii_name
 
 _Placed = tuple[Geometry, Pose]
 
@@ -36,28 +44,32 @@ class Placed:
 class Collisions:
     """Creates the collision geometry of links."""
 
-    def __init__(self, binder: Binder, assets: MeshAssets) -> None:
+    def __init__(self, binder: Binder, assets: MeshAssets, fitted: FittedCollisions) -> None:
         self._binder = binder
         self._assets = assets
-        self._fits: dict[tuple[int, CollisionShape], _Placed | None] = {}
+        self._fitted = fitted
+        self._fits: dict[tuple[int, CollisionRule], _Placed | None] = {}
         self._flat: list[str] = []
+        self._coarse: list[str] = []
 
     def of(self, link: str, parts: Sequence[Placed]) -> tuple[Collision, ...]:
         """Collision geometry of a link: by component in file order, then the shapes of the link as a whole."""
-        given = self._binder.document.links[link].collision
-        shape = given if isinstance(given, CollisionShape) else CollisionShape.HULL if given is None else None
+        document = self._binder.document
+        given, common = document.links[link].collision, link_rule(link, document)
         placed: list[_Placed] = []
         whole: list[Placed] = []
         for part in parts:
-            own = part.material.collision or shape
-            if own is None:
+            own = part.material.collision
+            if own is not None:
+                placed += self._component(part, rule_of(own, document))
+            elif common is None or common.is_decomposed or is_merged(link, document):
                 whole.append(part)
             else:
-                placed += self._component(part, own)
-        if isinstance(given, MergedCollision) and whole:
-            placed += self._merged(link, whole, given.merge)
-        elif isinstance(given, tuple):
+                placed += self._component(part, common)
+        if isinstance(given, tuple):
             placed += map(_given, given)
+        elif common is not None and whole:
+            placed += self._joined(link, whole, common) if common.is_decomposed else self._merged(link, whole, common)
         return tuple(
             Collision(f"{link}_collision_{i}", geometry, X_LG) for i, (geometry, X_LG) in enumerate(placed, start=1)
         )
@@ -74,33 +86,90 @@ class Collisions:
                 notes=listed(tuple(self._flat)),
             )
 
-    def _component(self, part: Placed, shape: CollisionShape) -> list[_Placed]:
+    def report_budgets(self) -> None:
+        """Report budgets without effect (SB608), and links whose pieces are coarse because of them (SB609)."""
+        for place, rule in given_budgets(self._binder.document):
+            if useless := rule.useless_budgets:
+                what = " and ".join(f"`{name}`" for name in useless)
+                have = "has" if len(useless) == 1 else "have"
+                message = f"{what} {have} no effect on `{rule.shape.value}`"
+                help = ("remove it, or set `shape: auto`",)
+                self._binder.report("SB608", (*place, "collision"), message, help=help)
+        if self._coarse:
+            count = f"{len(self._coarse)} links" if len(self._coarse) > 1 else "one link"
+            self._binder.found.add(
+                "SB609",
+                f"{self._binder.assembly.source}: `max_hulls` limits the collision geometry of {count}",
+                self._binder.span(("links",)),
+                help=("raise it: `collision: {shape: auto, max_hulls: 32}`",),
+                notes=listed(tuple(self._coarse)),
+            )
+
+    def _component(self, part: Placed, rule: CollisionRule) -> list[_Placed]:
         body = self._binder.assembly.components[part.index].body
-        if shape is CollisionShape.NONE:
+        if rule.shape is CollisionShape.NONE:
             return []
-        if (body, shape) not in self._fits:
-            self._fits[body, shape] = self._fit(part.index, body, shape)
-        fit = self._fits[body, shape]
+        if rule.is_decomposed:
+            joined = joined_part(self._binder.assembly, part.index, rule)
+            made = None if joined is None else self._fitted.of(joined)
+            if made is not None and not made.left_out:
+                name = self._assets.name_of(body)
+                return self._placed(("body", body, rule), name, self._binder.path(part.index), part.X_LC, made)
+            rule = replace(rule, shape=CollisionShape.HULL)
+        if (body, rule) not in self._fits:
+            self._fits[body, rule] = self._fit(part.index, body, rule)
+        fit = self._fits[body, rule]
         if fit is None:
             self._flat.append(quoted(self._binder.path(part.index)))
             return []
         geometry, X_CG = fit
         return [(geometry, part.X_LC @ X_CG)]
 
-    def _fit(self, index: int, body: int, shape: CollisionShape) -> _Placed | None:
+    def _joined(self, link: str, parts: Sequence[Placed], rule: CollisionRule) -> list[_Placed]:
+        """The shapes of all closed solids of a link together, and a hull of each other component."""
+        joined = joined_parts(self._binder.assembly, [part.index for part in parts], rule)
+        placed: list[_Placed] = []
+        solids: tuple[int, ...] = ()
+        if joined is not None:
+            made = self._fitted.of(joined)
+            solids = tuple(index for i, index in enumerate(joined.components) if i not in made.left_out)
+            if len(made.shapes) >= rule.max_hulls > 1 and made.filled < FILLED:
+                pieces = f"{len(made.shapes)} pieces"
+                self._coarse.append(f"link '{link}': its solids fill {made.filled:.2f} of {pieces}")
+            first = next(part for part in parts if part.index == joined.components[0])
+            placed += self._placed(("link", link), ascii_name(link), link, first.X_LC, made)
+        for part in parts:
+            if part.index not in solids:
+                placed += self._component(part, replace(rule, shape=CollisionShape.HULL))
+        return placed
+
+    def _placed(self, key: tuple[object, ...], name: str, source: str, X_LA: Pose, made: CollisionSet) -> list[_Placed]:
+        """The shapes of a set that is given in A."""
+        placed: list[_Placed] = []
+        for i, shape in enumerate(made.shapes):
+            if isinstance(shape.geometry, TriMesh):
+                suffix = "hull" if len(made.shapes) == 1 else f"piece{i + 1}"
+                geometry: Geometry = self._assets.piece((*key, i), f"{name}_{suffix}", shape.geometry, source)
+            else:
+                geometry = shape.geometry
+            placed.append((geometry, X_LA @ shape.X_AG))
+        return placed
+
+    def _fit(self, index: int, body: int, rule: CollisionRule) -> _Placed | None:
         """Geometry of a body and its pose in the definition; None if the body is too flat."""
-        if shape is CollisionShape.MESH:
+        if rule.shape is CollisionShape.MESH:
             return self._assets.body(body), IDENTITY
-        if shape is CollisionShape.HULL:
-            hull = self._assets.hull(body)
+        if rule.shape is CollisionShape.HULL:
+            hull = self._assets.hull(body, rule.max_vertices)
             return None if hull is None else (hull, IDENTITY)
         component = self._binder.assembly.components[index]
         widest = lines(axis_faces(self._binder.assembly, [index]))[:1]
         axes = [*np.eye(3), *(component.X_WC.inverse().turn(line.direction) for line in widest)]
-        return _simple(shape, self._binder.assembly.bodies[body].mesh.vertices, axes)
+        return _simple(rule.shape, self._binder.assembly.bodies[body].mesh.vertices, axes)
 
-    def _merged(self, link: str, parts: Sequence[Placed], shape: CollisionShape) -> list[_Placed]:
+    def _merged(self, link: str, parts: Sequence[Placed], rule: CollisionRule) -> list[_Placed]:
         """One shape that encloses all components of a link without own collision geometry, in the link's frame."""
+        shape = rule.shape
         if shape is CollisionShape.NONE:
             return []
         bodies = self._binder.assembly.bodies
@@ -110,7 +179,7 @@ class Collisions:
         if shape is CollisionShape.MESH:
             fit = self._assets.merged(link, meshes), IDENTITY
         elif shape is CollisionShape.HULL:
-            hull: MeshRef | None = self._assets.merged_hull(link, points)
+            hull: MeshRef | None = self._assets.merged_hull(link, points, rule.max_vertices)
             fit = None if hull is None else (hull, IDENTITY)
         else:
             fit = _simple(shape, points, [*np.eye(3)])

@@ -16,6 +16,7 @@ from .assets import MeshAssets
 from .binder import Binder, listed
 from .claims import Claims
 from .collisions import Collisions, Placed
+from .fitted_collisions import FittedCollisions
 from .material_assignment import MaterialAssignment
 from .visuals import visuals
 
@@ -30,6 +31,7 @@ class Links:
         of: Sequence[MaterialAssignment],
         masses: Mapping[int, ComponentMass],
         bodies: Sequence[MeasuredBody],
+        fitted: FittedCollisions,
     ) -> None:
         self._binder = binder
         self._of = of
@@ -37,7 +39,7 @@ class Links:
         self._bodies = bodies
         self._parts = {link: claims.parts_of(link) for link in binder.document.links}
         self.assets = MeshAssets(binder.assembly)
-        self._collisions = Collisions(binder, self.assets)
+        self._collisions = Collisions(binder, self.assets, fitted)
 
     def report_unknown_masses(self) -> None:
         """One error for all components with a missing mass, and one for each link without a centre of mass."""
@@ -89,8 +91,9 @@ class Links:
         )
 
     def report_flat(self) -> None:
-        """Report components without collision geometry."""
+        """Report components without collision geometry, and what budgets do to it."""
         self._collisions.report_flat()
+        self._collisions.report_budgets()
 
     def _mass(self, name: str, parts: Sequence[Placed]) -> tuple[MassProperties, tuple[ComponentMass, ...]]:
         inertial = self._binder.document.links[name].inertial

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepbot.robot.model import Rgba
-from stepbot.sidecar.document import CollisionShape, Document, MaterialSection, PartRule, StepDensity
+from stepbot.sidecar.document import Derived, Document, MaterialSection, PartRule, StepDensity
 from stepbot.step.assembly import BodyKind, Component
 from stepbot.step.structure.paths import quoted
 
@@ -31,7 +31,7 @@ class MaterialAssignment:
     """Colour that overrides the STEP's."""
     visual: bool | None = None
     """Whether it has a visual; None if no rule sets it."""
-    collision: CollisionShape | None = None
+    collision: Derived | None = None
     """How its collision geometry is made; None if no rule sets it."""
 
 

@@ -13,12 +13,17 @@ from stepbot.runtime.worker import WorkerDied
 from . import mass_properties as measure
 from .mass_properties import measured_all
 from .solids import manifolds
+from .solids.collision_sets import collision_sets
 from .solids.overlapping import overlaps_of
 
 MESH_WORKER = "stepbot.geometry.mesh_worker:compute"
 """The function that runs there; it handles one call after the other."""
 
-_TASKS: dict[str, Callable[[Any], Any]] = {"measures": measured_all, "overlaps": overlaps_of}
+_TASKS: dict[str, Callable[[Any], Any]] = {
+    "measures": measured_all,
+    "collisions": collision_sets,
+    "overlaps": overlaps_of,
+}
 
 
 def prepare() -> None:
@@ -28,7 +33,10 @@ def prepare() -> None:
 
 
 def compute(task: str, question: Any) -> Any:
-    """``measures`` of meshes: see :func:`.measured_all`; ``overlaps`` of a search: see :func:`.overlaps_of`."""
+    """``measures`` of meshes, ``collisions`` of solids, ``overlaps`` of a search.
+
+    See :func:`.measured_all`, :func:`.collision_sets` and :func:`.overlaps_of`.
+    """
     return _TASKS[task](question)
 
 

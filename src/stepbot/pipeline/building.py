@@ -28,7 +28,8 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
     measures = partial(loading.measures, found)
     compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
     revised = UNREVISED if compared is None else compared.rebinding.revised
-    built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker, revised)
+    process, timeout = loading.mesh_worker, options.timeout
+    built = build_robot(assembly, sidecar, measures, found, options.cache, process, revised, timeout)
     if built is None:
         return None
     built = replace(built, robot=share_meshes(built.robot))

@@ -39,8 +39,10 @@ from .shapes import (
     BoxShape,
     CapsuleShape,
     Collision,
+    CollisionSettings,
     CollisionShape,
     CylinderShape,
+    Derived,
     MergedCollision,
     Shape,
     SphereShape,
@@ -81,6 +83,8 @@ class Defaults(Section):
     """Density [kg/m^3]."""
     color: Color | None = None
     """Colour of components without a colour in the STEP."""
+    collision: Derived | None = None
+    """Collision geometry of links without their own: a type, or `{shape, max_hulls, max_vertices}`; by default hull."""
 
 
 class MeshSection(Section):
@@ -107,8 +111,8 @@ class PartRule(Section):
     """Colour, overrides the STEP's."""
     visual: StrictBool | None = None
     """Whether the components have visual geometry."""
-    collision: CollisionShape | None = None
-    """Type of collision geometry; overrides the link's."""
+    collision: Derived | None = None
+    """Type of collision geometry, or `{shape, max_hulls, max_vertices}`; overrides the link's."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes about these components to suppress."""
 
@@ -151,7 +155,8 @@ class LinkSection(Section):
     inertial: InertialSection | None = None
     """Mass properties that override the computed ones."""
     collision: Collision | None = None
-    """Collision geometry: a type for each component, `{merge: ...}` for a single shape, or a list of shapes."""
+    """Collision geometry: a type, `{shape, max_hulls, max_vertices}`, `{merge: ...}` for a single shape, or a list of
+    shapes."""
     visual: StrictBool | None = None
     """Whether the link has visual geometry."""
     mesh: MeshSection | None = None
@@ -319,11 +324,13 @@ __all__ = [
     "CenterOrigin",
     "ClosureSection",
     "Collision",
+    "CollisionSettings",
     "CollisionShape",
     "ComponentOrigin",
     "ComponentPath",
     "CylinderShape",
     "Defaults",
+    "Derived",
     "Document",
     "DynamicsSection",
     "ExcludedPairs",

@@ -3,7 +3,7 @@
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, Field, Tag
 
 from .origins import Offset
 from .quantities import Length, SizeVector
@@ -11,7 +11,7 @@ from .section import Section
 
 
 class CollisionShape(StrEnum):
-    """Type of collision geometry derived from a component's mesh."""
+    """Type of collision geometry derived from components."""
 
     NONE = "none"
     MESH = "mesh"
@@ -20,6 +20,8 @@ class CollisionShape(StrEnum):
     CYLINDER = "cylinder"
     SPHERE = "sphere"
     CAPSULE = "capsule"
+    DECOMPOSE = "decompose"
+    AUTO = "auto"
 
 
 class BoxShape(Section):
@@ -85,6 +87,17 @@ Shape = Annotated[
 ]
 
 
+class CollisionSettings(Section):
+    """Type of collision geometry, and its budgets."""
+
+    shape: CollisionShape = CollisionShape.AUTO
+    """Type of collision geometry."""
+    max_hulls: Annotated[int, Field(ge=1, le=1000)] | None = None
+    """Maximum number of convex pieces of a link, or of a component with its own rule; 16 by default."""
+    max_vertices: Annotated[int, Field(ge=8, le=10000)] | None = None
+    """Maximum number of vertices of each hull; 64 by default for `auto` and `decompose`, otherwise unlimited."""
+
+
 class MergedCollision(Section):
     """One collision shape for the whole link."""
 
@@ -93,14 +106,23 @@ class MergedCollision(Section):
 
 
 def _collision_form(value: Any) -> str:
-    """A word, a mapping or a list."""
-    if isinstance(value, dict | MergedCollision):
+    """A word, one of two mappings, or a list."""
+    if isinstance(value, MergedCollision) or (isinstance(value, dict) and "merge" in value):
         return "<merge>"
+    if isinstance(value, dict | CollisionSettings):
+        return "<settings>"
     return "<list>" if isinstance(value, list | tuple) else "<word>"
 
 
+Derived = Annotated[
+    Annotated[CollisionShape, Tag("<word>")] | Annotated[CollisionSettings, Tag("<settings>")],
+    Discriminator(_collision_form),
+]
+"""Collision geometry derived from components."""
+
 Collision = Annotated[
     Annotated[CollisionShape, Tag("<word>")]
+    | Annotated[CollisionSettings, Tag("<settings>")]
     | Annotated[MergedCollision, Tag("<merge>")]
     | Annotated[tuple[Shape, ...], Tag("<list>")],
     Discriminator(_collision_form),

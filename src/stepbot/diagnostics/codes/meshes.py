@@ -65,4 +65,21 @@ CODES = (
         "Repair the solid in CAD, or give its mass in the sidecar. Walls thinner than the mesh tolerance intersect in "
         "the mesh only; in this case use a finer `mesh`.",
     ),
+    Code(
+        "SB608",
+        "warning",
+        "collision budget without effect",
+        "A `collision` sets `max_hulls` for shapes that are not convex pieces, or `max_vertices` for shapes that are no "
+        "hulls.",
+        "The budget is ignored: the collision geometry may have more shapes or vertices than intended.",
+        "Set `shape: auto` or `shape: decompose`, or remove the budget.",
+    ),
+    Code(
+        "SB609",
+        "note",
+        "coarse collision geometry",
+        "A link has as many convex pieces as `max_hulls` allows, and its solids fill less than 0.95 of them.",
+        "The shapes enclose the link, but reach into hollows: contacts may occur where the parts do not touch.",
+        "Raise `max_hulls`, or accept the shapes. `report.json` has how far they reach beyond the solids.",
+    ),
 )

@@ -154,6 +154,29 @@ def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
     return float(manifold3d.Manifold.batch_boolean(placed, manifold3d.OpType.Add).volume())
 
 
+def joined_solid(parts: Sequence[tuple[TriMesh, Pose]]) -> tuple[Any | None, tuple[int, ...]]:
+    """The union of closed meshes, each given in C and placed by X_AC, without voids; None without any volume.
+
+    Also returns the indices of the parts that bound no volume, which are left out.
+    """
+    import manifold3d
+
+    solids, left_out = [], []
+    for i, (mesh, X_AC) in enumerate(parts):
+        closed = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64)))
+        if closed.status() == manifold3d.Error.NoError and closed.volume() > 0.0:
+            solids.append(closed if X_AC.is_identity else closed.transform(X_AC.matrix[:3]))
+        else:
+            left_out.append(i)
+    union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
+    # The surface of a void is turned inside out; solids in a void are inside the union once the void is filled.
+    surfaces = union.decompose()
+    outer = [surface for surface in surfaces if surface.volume() > 0.0]
+    if len(outer) < len(surfaces):
+        union = manifold3d.Manifold.batch_boolean(outer, manifold3d.OpType.Add)
+    return (None if union.is_empty() else union), tuple(left_out)
+
+
 def convex_hull(points: Array) -> TriMesh | None:
     """Convex hull of points (n, 3), outward-facing; None if they are coplanar, or nearly.
 
@@ -171,16 +194,52 @@ def convex_hull(points: Array) -> TriMesh | None:
     return _sorted(TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)))
 
 
+def mesh_arrays(solid: Any) -> tuple[Array, NDArray[np.int64]]:
+    """Vertices (n, 3) [m] and faces (m, 3) of a manifold, sorted: their order in the library depends on its threads."""
+    mesh = solid.to_mesh64()
+    return _in_order(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64))
+
+
+def hull_points(points: Array) -> Array:
+    """Those of points (n, 3) that are vertices of their convex hull, sorted."""
+    import manifold3d
+
+    return mesh_arrays(manifold3d.Manifold.hull_points(np.ascontiguousarray(points)))[0]
+
+
+def hull_volume(points: Array) -> float:
+    """Volume [m^3] of the convex hull of points (n, 3); 0 if there are too few."""
+    import manifold3d
+
+    return float(manifold3d.Manifold.hull_points(np.ascontiguousarray(points)).volume()) if len(points) >= 4 else 0.0
+
+
+def hull_faces(points: Array) -> NDArray[np.int64]:
+    """Faces (m, 3) of the convex hull of points (n, 3), as indices of these points, in no particular order."""
+    import manifold3d
+
+    mesh = manifold3d.Manifold.hull_points(points).to_mesh64()
+    vertices = np.asarray(mesh.vert_properties)[:, :3]
+    # The hull's vertices are a subset of the points, unchanged, in another order.
+    index = {point.tobytes(): i for i, point in enumerate(points)}
+    numbers = np.array([index[vertex.tobytes()] for vertex in np.ascontiguousarray(vertices)], dtype=np.int64)
+    return numbers[np.asarray(mesh.tri_verts, dtype=np.int64)]
+
+
 def _sorted(mesh: TriMesh) -> TriMesh:
     """The same mesh with its vertices sorted by x, y, z and its faces by their vertices.
 
     The lowest vertex of each face comes first; the orientation is kept.
     """
-    order = np.lexsort(mesh.vertices.T[::-1])
-    faces = np.argsort(order)[mesh.faces]
-    turns = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
-    faces = np.take_along_axis(faces, turns, axis=1)
-    return TriMesh.of(mesh.vertices[order], faces[np.lexsort(faces.T[::-1])])
+    return TriMesh.of(*_in_order(mesh.vertices, mesh.faces))
+
+
+def _in_order(vertices: Array, faces: NDArray[np.integer]) -> tuple[Array, NDArray[np.int64]]:
+    order = np.lexsort(vertices.T[::-1])
+    renumbered: NDArray[np.int64] = np.argsort(order)[faces]
+    turns = (renumbered.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    renumbered = np.take_along_axis(renumbered, turns, axis=1)
+    return np.ascontiguousarray(vertices[order]), renumbered[np.lexsort(renumbered.T[::-1])]
 
 
 def _sagittas(mesh: TriMesh) -> Array:

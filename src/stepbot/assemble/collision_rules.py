@@ -1,0 +1,77 @@
+"""The collision rule of each component and link: its own, or that of the defaults, with all budgets filled in."""
+
+from dataclasses import dataclass
+
+from stepbot.geometry.solids.collision_sets import MAX_HULLS, MAX_VERTICES
+from stepbot.sidecar.document import CollisionSettings, CollisionShape, Derived, Document, MergedCollision
+
+DECOMPOSED = (CollisionShape.AUTO, CollisionShape.DECOMPOSE)
+"""Types that treat a link as one solid."""
+
+
+@dataclass(frozen=True)
+class CollisionRule:
+    """A type of collision geometry and its budgets."""
+
+    shape: CollisionShape
+    max_hulls: int = MAX_HULLS
+    """Only for :data:`DECOMPOSED`."""
+    max_vertices: int | None = None
+    """Of each hull; None for no limit."""
+
+    @property
+    def is_decomposed(self) -> bool:
+        """Whether it treats a link as one solid."""
+        return self.shape in DECOMPOSED
+
+
+def rule_of(given: Derived, document: Document) -> CollisionRule:
+    """A rule of the sidecar; budgets that it lacks are the defaults' or else stepbot's."""
+    default = document.defaults.collision
+    budgets = default if isinstance(default, CollisionSettings) else CollisionSettings()
+    own = given if isinstance(given, CollisionSettings) else CollisionSettings(shape=given)
+    max_vertices = budgets.max_vertices if own.max_vertices is None else own.max_vertices
+    if max_vertices is None and own.shape in DECOMPOSED:
+        max_vertices = MAX_VERTICES
+    return CollisionRule(own.shape, own.max_hulls or budgets.max_hulls or MAX_HULLS, max_vertices)
+
+
+def link_rule(link: str, document: Document) -> CollisionRule | None:
+    """The rule for the components of a link that have none of their own; None if the link lists its shapes."""
+    given = document.links[link].collision
+    if isinstance(given, tuple):
+        return None
+    if isinstance(given, MergedCollision):
+        return rule_of(given.merge, document)
+    return rule_of(given or document.defaults.collision or CollisionShape.HULL, document)
+
+
+def is_merged(link: str, document: Document) -> bool:
+    """Whether all components of a link without a rule of their own get one shape."""
+    return isinstance(document.links[link].collision, MergedCollision)
+
+
+@dataclass(frozen=True)
+class GivenBudgets:
+    """The budgets of one `collision` in the sidecar."""
+
+    shape: CollisionShape
+    useless_budgets: tuple[str, ...]
+    """Keys of those that do not apply to the shape."""
+
+
+def given_budgets(document: Document) -> list[tuple[tuple[str, ...], GivenBudgets]]:
+    """Every `collision` with budgets, and the keys of its section. A budget in ``defaults`` is for any rule."""
+    places: list[tuple[tuple[str, ...], object]] = [
+        *((("parts", name), rule.collision) for name, rule in document.parts.items()),
+        *((("links", name), link.collision) for name, link in document.links.items()),
+    ]
+    return [(place, _budgets(given)) for place, given in places if isinstance(given, CollisionSettings)]
+
+
+def _budgets(given: CollisionSettings) -> GivenBudgets:
+    allowed = {"max_hulls", "max_vertices"} if given.shape in DECOMPOSED else set()
+    if given.shape is CollisionShape.HULL:
+        allowed = {"max_vertices"}
+    set_here = [name for name in ("max_hulls", "max_vertices") if getattr(given, name) is not None]
+    return GivenBudgets(given.shape, tuple(name for name in set_here if name not in allowed))

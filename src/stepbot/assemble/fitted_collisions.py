@@ -1,0 +1,178 @@
+"""Shapes of ``auto`` and ``decompose`` collisions: requested for all links at once, from the cache or a worker.
+
+A link's components without a rule of their own are one solid, given in the frame of the first of them; a component with
+a rule is a solid of its own, shared by all occurrences of its body. Neither depends on joints, so editing them does not
+change a shape or its cache key.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.geometry.mesh_worker import report_death
+from stepbot.geometry.solids.collision_sets import CollisionSet, PlacedSolid, Wanted, collision_sets
+from stepbot.geometry.solids.convex_pieces import Bore
+from stepbot.geometry.solids.primitive_fits import Shaft
+from stepbot.geometry.spatial import IDENTITY, tidy
+from stepbot.report.record import MeasuredBody
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
+from stepbot.sidecar.document import CollisionShape
+from stepbot.step.assembly import Assembly, AxisFace
+
+from .binder import Binder
+from .claims import Claims
+from .collision_rules import CollisionRule, link_rule, rule_of
+from .material_assignment import MaterialAssignment
+
+_SHAFTS = 24
+"""Number of cylindrical faces of a solid that primitives are fitted to, the largest ones."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """Components whose solids get one set of shapes."""
+
+    components: tuple[int, ...]
+    """Indices; the first one's frame is that of the shapes."""
+    rule: CollisionRule
+
+
+class FittedCollisions:
+    """The sets of shapes of a robot."""
+
+    def __init__(
+        self,
+        binder: Binder,
+        claims: Claims,
+        of: Sequence[MaterialAssignment],
+        bodies: Sequence[MeasuredBody],
+        cache: Cache | None,
+        process: Worker | None,
+    ) -> None:
+        """Look the sets up in the cache or start to compute them; returns at once.
+
+        Args:
+            binder: The assembly and the sidecar.
+            claims: The link of each component.
+            of: The sidecar's settings for each component.
+            bodies: Each body of the assembly, measured.
+            cache: Cache of sets; None to disable it.
+            process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
+        """
+        self._assembly, self._of = binder.assembly, of
+        self._results = TypedCache(cache, CollisionSet)
+        self._sets: dict[Joined, CollisionSet] = {}
+        wanted = {}
+        for joined in _all_joined(binder, claims, of):
+            wanted[joined] = _wanted(binder.assembly, joined, bodies)
+        self._keys = {joined: _key(one) if cache is not None else "" for joined, one in wanted.items()}
+        for joined, key in self._keys.items():
+            known = self._results.get(key) if key else None
+            if known is not None:
+                self._sets[joined] = known
+        self._missing = {joined: one for joined, one in wanted.items() if joined not in self._sets}
+        self._process: Worker | None = None
+        if self._missing and process is not None:
+            self._process = process.submit("collisions", tuple(self._missing.values()), more=True)
+
+    def wait(self, timeout: float = DEFAULT_TIMEOUT) -> None:
+        """Wait for the sets; afterwards the worker is idle again.
+
+        Raises:
+            WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
+        """
+        if not self._missing:
+            return
+        wanted = tuple(self._missing.values())
+        made = collision_sets(wanted) if self._process is None else self._process.result(timeout)
+        for joined, one in zip(self._missing, made, strict=True):
+            self._sets[joined] = one
+            self._results.put(self._keys[joined], one)
+        self._missing = {}
+
+    def of(self, joined: Joined) -> CollisionSet:
+        """The shapes of components, in the frame of the first."""
+        return self._sets[joined]
+
+
+def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule) -> Joined | None:
+    """The closed solids among components; None without any."""
+    closed = tuple(index for index in indices if _is_closed(assembly, index))
+    return Joined(closed, rule) if closed else None
+
+
+def joined_part(assembly: Assembly, index: int, rule: CollisionRule) -> Joined | None:
+    """A component with a rule of its own, as the first occurrence of its body; None if it is not closed."""
+    body = assembly.components[index].body
+    first = next(component.index for component in assembly.components if component.body == body)
+    return Joined((first,), rule) if _is_closed(assembly, index) else None
+
+
+def _is_closed(assembly: Assembly, index: int) -> bool:
+    body = assembly.bodies[assembly.components[index].body]
+    return body.watertight and len(body.mesh.faces) > 0
+
+
+def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]) -> list[Joined]:
+    assembly, document = binder.assembly, binder.document
+    found: dict[Joined, None] = {}
+    for link in document.links:
+        whole = []
+        for index in claims.parts_of(link):
+            own = of[index].collision
+            if own is None:
+                whole.append(index)
+                continue
+            rule = rule_of(own, document)
+            if rule.is_decomposed and (one := joined_part(assembly, index, rule)) is not None:
+                found[one] = None
+        common = link_rule(link, document)
+        if common is not None and common.is_decomposed:
+            several = joined_parts(assembly, whole, common)
+            if several is not None:
+                found[several] = None
+    return list(found)
+
+
+def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody]) -> Wanted:
+    components = [assembly.components[index] for index in joined.components]
+    X_AW = components[0].X_WC.inverse()
+    solids: list[PlacedSolid] = []
+    faces: list[AxisFace] = []
+    missing = 0.0
+    for component in components:
+        body = assembly.bodies[component.body]
+        X_AC = tidy(X_AW @ component.X_WC) if component is not components[0] else IDENTITY
+        solids.append(PlacedSolid(body.mesh, X_AC))
+        faces += [face.moved(X_AC) for face in body.axis_faces if not face.cone]
+        measured = bodies[component.body]
+        if measured.used is not None and measured.mesh is not None:
+            missing += measured.used.mass - measured.mesh.mass
+    shafts = sorted((face for face in faces if not face.bore), key=lambda face: -face.radius * (face.high - face.low))
+    rule = joined.rule
+    assert rule.max_vertices is not None
+    return Wanted(
+        tuple(solids),
+        missing,
+        tuple(Shaft(np.array(face.point), np.array(face.direction), face.radius) for face in shafts[:_SHAFTS]),
+        tuple(Bore(np.array(face.point), np.array(face.direction), face.radius) for face in faces if face.bore),
+        rule.shape is CollisionShape.AUTO,
+        rule.max_hulls,
+        rule.max_vertices,
+    )
+
+
+def _key(wanted: Wanted) -> str:
+    return Digest("collision set").add(environment(), codec_of(Wanted).encode(wanted)).key
+
+
+def wait_for(fitted: FittedCollisions, binder: Binder, timeout: float) -> bool:
+    """Wait for the shapes; False after SB902, if the worker died."""
+    try:
+        fitted.wait(timeout)
+    except WorkerDied as death:
+        report_death(death, "fits collision shapes", binder.span(("links",)), binder.found)
+        return False
+    return True

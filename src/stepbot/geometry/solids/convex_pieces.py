@@ -1,0 +1,289 @@
+"""Convex decomposition of a solid by planes, mostly those of its own faces.
+
+Machined and printed parts are joined and hollowed at planes of their faces: an L-bracket cut at one of them is two
+boxes, exactly. So the candidates are the largest planes of the faces, planes through the axes of bores, and a few
+planes across the solid for free-form shapes. Each step makes the cut that reduces the total volume of the hulls most,
+until the solid fills :data:`FILLED` of it. Then pieces whose common hull fills nearly as much are merged.
+
+Candidates are compared on a simplified mesh, and the cuts are made on the exact one. The result is the same in every
+run: gains are compared to nine digits, in a fixed order. CoACD, which searches for its planes at random, takes about
+a hundred times as long (``docs/decisions/0029-convex-decomposition-by-planes.md``).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..spatial import Array
+from .manifolds import hull_points, hull_volume, mesh_arrays
+
+FILLED = 0.95
+"""Share of the total volume of its pieces' hulls that a solid has to fill."""
+_COARSE = 1e-3
+"""Tolerance of the simplified mesh, as a share of the diagonal."""
+_PLANES = 40
+"""Number of planes of faces to try."""
+_ACROSS = 5
+"""Number of planes across the solid to try along each axis."""
+_NARROWEST = 0.05
+"""Radius of a bore, as a share of the diagonal, from which planes through its axis are tried."""
+_THINNEST = 2e-3
+"""Thickness of a piece, as a share of the solid's diagonal."""
+_LEAST_GAIN = 2e-3
+"""Share of the hulls' total volume from which a cut is a gain."""
+_BLIND_CUTS = 4
+"""Number of cuts without a gain that may prepare one: a ring has to be quartered first."""
+_ON = 1e-7
+"""Distance [m] up to which a point is on a plane."""
+_SLIVER = 1e-9
+"""Volume of a piece, as a share of the hull of the one that it was cut from, up to which it is none."""
+_ANGLES, _OFFSETS = 1e3, 500.0
+"""Steps per unit of a normal, and per diagonal, within which planes count as one."""
+
+
+@dataclass(frozen=True)
+class Bore:
+    """The axis and radius of a cylindrical face with material outside."""
+
+    point: Array
+    """Shape (3,) [m]."""
+    direction: Array
+    """Unit vector (3,)."""
+    radius: float
+    """[m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Plane:
+    normal: Array
+    """Unit vector (3,)."""
+    offset: float
+    """Distance [m] from the origin along the normal."""
+
+    @property
+    def reverse(self) -> "_Plane":
+        return _Plane(-self.normal, -self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cut:
+    gain: float
+    """Reduction of the hulls' volume [m^3]."""
+    plane: _Plane
+
+
+class _Solid:
+    """The part of a mesh on one side of several planes.
+
+    Where faces lie on a plane, or cross it by the rounding of their vertices, the cut leaves films without a volume.
+    Their points, from which no edge leads away from the plane, do not count.
+    """
+
+    def __init__(self, manifold: Any, planes: tuple[_Plane, ...] = ()) -> None:
+        self.manifold, self.planes = manifold, planes
+        points, faces = mesh_arrays(manifold)
+        sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        edges = sides[sides[:, 0] < sides[:, 1]]
+        counts = np.ones(len(points), dtype=bool)
+        for plane in planes:
+            counts &= _reaching(points @ plane.normal - plane.offset, edges)
+        renumbered = np.cumsum(counts) - 1
+        self.points = points[counts]
+        self.edges = renumbered[edges[counts[edges].all(axis=1)]]
+
+    def above(self, plane: _Plane) -> "_Solid":
+        """The part of this solid that the plane's normal points to."""
+        x, y, z = plane.normal.tolist()
+        return _Solid(self.manifold.trim_by_plane((x, y, z), plane.offset), (*self.planes, plane))
+
+
+class _Piece:
+    """A piece of the solid, exact and coarse."""
+
+    def __init__(self, exact: _Solid, coarse: _Solid) -> None:
+        self.exact, self.coarse = exact, coarse
+        self.volume = float(coarse.manifold.volume())
+        self.hull = hull_volume(coarse.points)
+        self.cut: _Cut | None = None
+        self.is_tried = False
+
+    @property
+    def excess(self) -> float:
+        """Volume of the hull outside the solid [m^3]."""
+        return self.hull - self.volume
+
+
+def convex_pieces(solid: Any, bores: Sequence[Bore], max_pieces: int) -> list[Array]:
+    """Points (n, 3) [m] of each convex piece; their hulls together enclose the solid.
+
+    Args:
+        solid: A manifold without voids.
+        bores: Axes of its bores.
+        max_pieces: Maximum number of pieces.
+    """
+    points, faces = mesh_arrays(solid)
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    coarse = solid.simplify(_COARSE * diagonal)
+    if coarse.is_empty() or coarse.volume() <= 0.0:
+        coarse = solid
+    pieces = [_Piece(_Solid(solid), _Solid(coarse))]
+    normals, offsets = _candidates(points, faces, bores, diagonal)
+    blind = 0
+    while len(pieces) < max_pieces:
+        total = sum(piece.hull for piece in pieces)
+        if sum(piece.volume for piece in pieces) >= FILLED * total:
+            break
+        for piece in pieces:
+            if not piece.is_tried:
+                piece.cut, piece.is_tried = _best_cut(piece, normals, offsets, _THINNEST * diagonal), True
+        best = max(range(len(pieces)), key=lambda i: _rank(pieces[i].cut, total))
+        cut = pieces[best].cut
+        if cut is None or cut.gain < _LEAST_GAIN * total:
+            best = max(range(len(pieces)), key=lambda i: _digits(pieces[i].excess, total))
+            cut = _middle_cut(pieces[best])
+            blind += 1
+            if blind > _BLIND_CUTS:
+                break
+        else:
+            blind = 0
+        pieces[best : best + 1] = _halves(pieces[best], cut.plane)
+    return _merged(pieces)
+
+
+def _rank(cut: _Cut | None, total: float) -> float:
+    return -1.0 if cut is None else _digits(cut.gain, total)
+
+
+def _digits(value: float, total: float) -> float:
+    """A volume as a share of the total, without the last digits, which depend on threads."""
+    return round(value / total, 9)
+
+
+def _halves(piece: _Piece, plane: _Plane) -> list[_Piece]:
+    """The parts of a piece on both sides of a plane, those with a volume."""
+    halves = [_Piece(piece.exact.above(side), piece.coarse.above(side)) for side in (plane, plane.reverse)]
+    return [half for half in halves if half.hull > 0.0 and half.volume > _SLIVER * piece.hull] or [piece]
+
+
+def _best_cut(piece: _Piece, normals: Array, offsets: Array, thinnest: float) -> _Cut | None:
+    """The cut that reduces the volume of the hulls most; the first of equal ones."""
+    best: _Cut | None = None
+    if piece.hull <= 0.0 or piece.excess <= 1e-6 * piece.hull:
+        return None
+    heights = piece.coarse.points @ normals.T - offsets
+    crosses = (heights.max(axis=0) > thinnest) & (heights.min(axis=0) < -thinnest)
+    for k in np.flatnonzero(crosses).tolist():
+        above, below = _sides(piece.coarse, heights[:, k])
+        gain = piece.hull - hull_volume(above) - hull_volume(below)
+        if best is None or _digits(gain - best.gain, piece.hull) > 0.0:
+            best = _Cut(gain, _Plane(normals[k], float(offsets[k])))
+    return best
+
+
+def _sides(solid: _Solid, heights: Array) -> tuple[Array, Array]:
+    """The points of a solid on either side of a plane, with those where edges cross it."""
+    start, end = heights[solid.edges[:, 0]], heights[solid.edges[:, 1]]
+    crosses = ((start > _ON) & (end < -_ON)) | ((start < -_ON) & (end > _ON))
+    share = (start[crosses] / (start[crosses] - end[crosses]))[:, None]
+    a, b = solid.points[solid.edges[crosses, 0]], solid.points[solid.edges[crosses, 1]]
+    on = a + share * (b - a)
+    above, below = (_reaching(side, solid.edges) & (side >= -_ON) for side in (heights, -heights))
+    return np.vstack([solid.points[above], on]), np.vstack([solid.points[below], on])
+
+
+def _reaching(heights: Array, edges: Any) -> Any:
+    """Which points are above a plane, or have an edge to one that is: a face on the plane has far corners."""
+    beyond = heights > _ON
+    reaching = beyond.copy()
+    reaching[edges[beyond[edges[:, 0]], 1]] = True
+    reaching[edges[beyond[edges[:, 1]], 0]] = True
+    return reaching
+
+
+def _middle_cut(piece: _Piece) -> _Cut:
+    """The cut across the longest axis of the bounding box, in its middle."""
+    low, high = piece.coarse.points.min(axis=0), piece.coarse.points.max(axis=0)
+    axis = int((high - low).round(9).argmax())
+    return _Cut(0.0, _Plane(np.eye(3)[axis], float(0.5 * (low + high)[axis])))
+
+
+def _merged(pieces: list[_Piece]) -> list[Array]:
+    """The points of the pieces, merged while the solid fills enough of the hulls' volume."""
+    points = [hull_points(piece.exact.points) for piece in pieces]
+    hulls = [hull_volume(of) for of in points]
+    solid = sum(piece.volume for piece in pieces)
+    costs = {(i, j): _cost(points, hulls, i, j) for j in range(len(points)) for i in range(j)}
+    left = list(range(len(points)))
+    while costs:
+        total = sum(hulls[i] for i in left)
+        (i, j), cost = min(costs.items(), key=lambda item: (_digits(item[1], total), item[0]))
+        if solid < FILLED * (total + cost) and cost > 1e-6 * total:
+            break
+        points.append(np.vstack([points[i], points[j]]))
+        hulls.append(hulls[i] + hulls[j] + cost)
+        left = [k for k in left if k not in (i, j)]
+        costs = {pair: known for pair, known in costs.items() if not {i, j} & set(pair)}
+        costs |= {(k, len(points) - 1): _cost(points, hulls, k, len(points) - 1) for k in left}
+        left.append(len(points) - 1)
+    return [points[i] for i in left]
+
+
+def _cost(points: Sequence[Array], hulls: Sequence[float], i: int, j: int) -> float:
+    """Increase of the hulls' volume [m^3] if two pieces share one."""
+    return hull_volume(np.vstack([points[i], points[j]])) - hulls[i] - hulls[j]
+
+
+def _candidates(points: Array, faces: Any, bores: Sequence[Bore], diagonal: float) -> tuple[Array, Array]:
+    """Normals (n, 3) and offsets (n,) [m] of the planes to try, the larger faces first."""
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    normals, areas, a = normals[areas > 0.0], areas[areas > 0.0], a[areas > 0.0]
+    normals = normals / areas[:, None]
+    of_faces = _distinct(normals, np.einsum("ij,ij->i", normals, a), areas, diagonal)
+    axes = main_axes(normals, areas)
+    found = [of_faces]
+    wide = sorted((bore for bore in bores if bore.radius >= _NARROWEST * diagonal), key=lambda bore: -bore.radius)
+    for bore in wide:
+        across = np.cross(bore.direction, axes)
+        lengths = np.linalg.norm(across, axis=1)
+        across = across[lengths > 0.5] / lengths[lengths > 0.5, None]
+        found.append((across, across @ bore.point))
+    for axis in axes:
+        heights = points @ axis
+        offsets = np.linspace(heights.min(), heights.max(), _ACROSS + 2)[1:-1]
+        found.append((np.tile(axis, (_ACROSS, 1)), offsets))
+    return np.vstack([planes for planes, _ in found]), np.concatenate([offsets for _, offsets in found])
+
+
+def _distinct(normals: Array, offsets: Array, areas: Array, diagonal: float) -> tuple[Array, Array]:
+    """The planes with most area, each once whichever side its faces look to."""
+    leading = (np.abs(normals) > 0.5 / _ANGLES).argmax(axis=1)
+    signs = np.sign(normals[np.arange(len(normals)), leading])
+    normals, offsets = normals * signs[:, None], offsets * signs
+    keys = np.column_stack([(normals * _ANGLES).round(), (offsets / diagonal * _OFFSETS).round()]).astype(np.int64)
+    _, first, groups = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    sums = np.bincount(groups.ravel(), weights=areas)
+    # The plane of the largest face stands for its group.
+    order = np.lexsort((-areas, groups.ravel()))
+    largest = order[np.searchsorted(groups.ravel()[order], np.arange(len(first)))]
+    chosen = largest[np.lexsort((np.arange(len(sums)), -sums.round(15)))][:_PLANES]
+    return normals[chosen], offsets[chosen]
+
+
+def main_axes(normals: Array, areas: Array) -> Array:
+    """Three orthogonal axes (3, 3), as rows: the normals of the largest faces; the coordinate axes without planes."""
+    signs = np.sign(normals[np.arange(len(normals)), (np.abs(normals) > 0.5 / _ANGLES).argmax(axis=1)])
+    towards = normals * signs[:, None]
+    _, groups = np.unique((towards * _ANGLES).round().astype(np.int64), axis=0, return_inverse=True)
+    sums = np.bincount(groups.ravel(), weights=areas).round(15)
+    order = np.lexsort((groups.ravel(), -areas))
+    first = towards[order[[int((groups.ravel()[order] == g).argmax()) for g in np.argsort(-sums, kind="stable")[:50]]]]
+    z = first[0]
+    across = first[np.abs(first @ z) < 1.0 / _ANGLES]
+    x = across[0] if len(across) else np.eye(3)[int(np.abs(z).argmin())]
+    x = x - (x @ z) * z
+    x = x / np.linalg.norm(x)
+    return np.vstack([x, np.cross(z, x), z])

@@ -1,0 +1,111 @@
+"""The primitive that encloses a solid most closely: along the axes of its faces, with their exact radii.
+
+A smallest circle around the vertices of a mesh has the radius of the cylinder to a few nanometres; the face has it
+exactly, and the axis too.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ..enclosing_shapes import THINNEST, box_around, capsule_around, cylinder_around, sphere_around
+from ..mesh import GRID_PER_METRE
+from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
+from ..spatial import Array, Pose, perpendicular_frame
+
+FILLED = 0.9
+"""Share of a primitive's volume that a solid has to fill."""
+_EQUAL = 1e-4
+"""Difference between shares up to which the simpler primitive is preferred."""
+_GRID = 2.0 / GRID_PER_METRE
+"""Distance [m] by which the vertex grid may displace a point of a face."""
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """The axis and radius of a cylindrical face with material inside."""
+
+    point: Array
+    """Shape (3,) [m]."""
+    direction: Array
+    """Unit vector (3,)."""
+    radius: float
+    """[m]."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A primitive, its pose, and the share of it that the solid fills."""
+
+    shape: Primitive
+    X_AG: Pose
+    filled: float
+
+
+def fitted_primitive(points: Array, volume: float, axes: Array, shafts: Sequence[Shaft]) -> Fit | None:
+    """The primitive that a solid fills most, if at least :data:`FILLED`; it encloses all points.
+
+    Args:
+        points: Vertices (n, 3) [m] of the solid or of its hull.
+        volume: Volume [m^3] of the solid.
+        axes: Three orthogonal unit vectors (3, 3), as rows, to align boxes with.
+        shafts: Cylindrical faces to align cylinders and capsules with.
+    """
+    best: Fit | None = None
+    for shape, X_AG in _candidates(points, axes, shafts):
+        filled = volume / primitive_volume(shape)
+        if filled >= FILLED and (best is None or filled > best.filled + _EQUAL):
+            best = Fit(shape, X_AG, filled)
+    return best
+
+
+def primitive_volume(shape: Primitive) -> float:
+    """Volume [m^3] of a primitive."""
+    if isinstance(shape, Box):
+        return shape.size[0] * shape.size[1] * shape.size[2]
+    if isinstance(shape, Sphere):
+        return 4.0 / 3.0 * pi * shape.radius**3
+    domes = 4.0 / 3.0 * shape.radius if isinstance(shape, Capsule) else 0.0
+    return pi * shape.radius**2 * (shape.length + domes)
+
+
+def _candidates(points: Array, axes: Array, shafts: Sequence[Shaft]) -> Iterator[tuple[Primitive, Pose]]:
+    """The simpler primitives first."""
+    R = axes.T
+    box = box_around(points @ R)
+    if box is not None:
+        yield box[0], Pose.of(R, R @ box[1].p)
+    for shaft in shafts:
+        yield from _cylinder_on(points, shaft)
+    for found in (cylinder_around(points, axes), sphere_around(points), capsule_around(points, axes)):
+        if found is not None:
+            yield found
+    for shaft in shafts:
+        capsule = capsule_around(points, [shaft.direction])
+        if capsule is not None:
+            yield _exact_capsule(capsule[0], shaft), capsule[1]
+
+
+def _cylinder_on(points: Array, shaft: Shaft) -> Iterator[tuple[Cylinder, Pose]]:
+    """The cylinder around the axis of a face: with its radius if that encloses the points, up to the vertex grid."""
+    R = perpendicular_frame(shaft.direction)
+    local = (points - shaft.point) @ R
+    farthest = float(np.linalg.norm(local[:, :2], axis=1).max())
+    low, high = float(local[:, 2].min()), float(local[:, 2].max())
+    if high - low >= THINNEST:
+        radius = shaft.radius if farthest <= shaft.radius + _GRID else farthest
+        middle = shaft.point + R @ np.array([0.0, 0.0, 0.5 * (low + high)])
+        yield Cylinder(radius, _on_grid(high - low)), Pose.of(R, middle)
+
+
+def _exact_capsule(capsule: Capsule, shaft: Shaft) -> Capsule:
+    if abs(capsule.radius - shaft.radius) > _GRID:
+        return capsule
+    return Capsule(shaft.radius, _on_grid(capsule.length + 2.0 * (capsule.radius - shaft.radius)))
+
+
+def _on_grid(length: float) -> float:
+    """A length between two points of the vertex grid [m]; rounding of rotated coordinates is removed."""
+    return round(length, 11)
