@@ -19,10 +19,10 @@ _POSTS = corners(200, 190)
 
 
 def draw_lower_deck() -> bd.Part:
-    """A round plate with wells for the wheels and an opening above the caster."""
+    """A round plate with wells for the wheels and an openings above the casters."""
     body = cylinder(d.DECK_RADIUS, d.DECK)
     body -= [at(bd.Box(d.WELL[0], 80, 40), (0, side * (d.TRACK / 2 - d.WELL[1] + 40), 0)) for side in (1, -1)]
-    body -= at(cylinder(d.CASTER_RADIUS + 8, 20), (d.CASTER_X, 0, 0))
+    body -= [at(cylinder(d.CASTER_RADIUS + 8, 20), (x, 0, 0)) for x, _ in d.CASTERS.values()]
     return drilled(body, 2.2, d.DECK, _POSTS)
 
 
@@ -63,9 +63,10 @@ def draw_mount() -> bd.Part:
 
 
 def draw_battery() -> bd.Part:
-    """A pack with a handle."""
-    body = plate(90, 130, 56, edge=6, rim=2)
-    return body + at(plate(16, 60, 8, edge=3), (0, 0, 56))
+    """A pack with a handle, on two rails."""
+    body = at(plate(90, 130, 56, edge=6, rim=2), (0, 0, d.RAIL))
+    body += [at(bd.Box(80, 12, d.RAIL), (0, side * 50, d.RAIL / 2)) for side in (1, -1)]
+    return body + at(plate(16, 60, 8, edge=3), (0, 0, 56 + d.RAIL))
 
 
 def draw_computer() -> bd.Part:
@@ -128,7 +129,7 @@ def draw_tyre() -> bd.Part:
 
 
 def machine() -> Machine:
-    """The base with everything bolted to it, two wheels, the ball of the caster."""
+    """The base with everything bolted to it, two wheels, the balls of the casters."""
     deck = part("lower deck", draw_lower_deck(), METAL, shapes.DARK)
     top = part("upper deck", draw_upper_deck(), METAL, shapes.LIGHT)
     post = part("post", draw_post(), METAL)
@@ -148,6 +149,8 @@ def machine() -> Machine:
     floor = d.LOWER_DECK + d.DECK
     inside = d.TRACK / 2 - d.WHEEL_WIDTH / 2 - 6
     drives = [pose((0, side * inside, d.WHEEL_RADIUS), turn("x", side * pi / 2)) for side in d.SIDES.values()]
+    # The cup of the front caster is let into the deck as far as its ball is above the floor.
+    cups = [d.caster_place("caster"), d.caster_place("front_caster")]
     fixed = [
         (deck, [pose((0, 0, d.LOWER_DECK))]),
         (top, [pose((0, 0, d.UPPER_DECK))]),
@@ -155,9 +158,9 @@ def machine() -> Machine:
         (bumper, [pose((0, 0, d.LOWER_DECK - 6))]),
         (motor, drives),
         (mount, [pose((0, side * (inside - d.GEAR_LENGTH - 14), d.WHEEL_RADIUS)) for side in d.SIDES.values()]),
-        (battery, [pose((-70, 0, floor))]),
-        (computer, [pose((62, 0, floor))]),
-        (cup, [d.caster_place()]),
+        (battery, [pose((d.BATTERY_X, 0, floor))]),
+        (computer, [pose((d.COMPUTER_X, 0, floor))]),
+        (cup, cups),
         (lidar, [pose((d.LIDAR_X, 0, d.UPPER_DECK + d.DECK))]),
         (camera, [d.camera_place()]),
         (camera_foot, [pose((float(d.camera_place()[0, 3]), 0, floor))]),
@@ -167,12 +170,12 @@ def machine() -> Machine:
     wheels = [
         Link(f"{name}_wheel", d.wheel_place(side), [*placed(rim), *placed(tyre)]) for name, side in d.SIDES.items()
     ]
-    caster = Link("caster_ball", d.caster_place(), placed(ball))
+    balls = [Link(f"{name}_ball", d.caster_place(name), placed(ball)) for name in d.CASTERS]
     joints = {f"{name}_axle": JointFrame(d.wheel_place(side)) for name, side in d.SIDES.items()}
     return Machine(
         "diff_drive",
-        (Link("base_link", X_WB, base), *wheels, caster),
-        {**joints, "caster": JointFrame(d.caster_place())},
+        (Link("base_link", X_WB, base), *wheels, *balls),
+        {**joints, **{name: JointFrame(d.caster_place(name)) for name in d.CASTERS}},
         closed_form.known(),
     )
 

@@ -11,8 +11,9 @@ WHEEL_RADIUS, WHEEL_WIDTH = 60.0, 28.0
 TRACK = 300.0
 """Distance between the middle planes of the wheels."""
 CASTER_RADIUS = 22.0
-CASTER_X = -125.0
-"""Of the caster's ball, which touches the floor behind the axle."""
+CASTERS = {"caster": (-125.0, 0.0), "front_caster": (125.0, 1.5)}
+"""x of the balls, and their height above the floor. The base rests on the rear one, its centre of mass being just behind
+the axle; the front one catches it when it brakes or drives backwards, before it tilts by a degree."""
 
 DECK_RADIUS, DECK = 180.0, 6.0
 LOWER_DECK, UPPER_DECK = 34.0, 150.0
@@ -20,7 +21,10 @@ LOWER_DECK, UPPER_DECK = 34.0, 150.0
 WELL = (140.0, 22.0)
 """Openings of the lower deck for the wheels: length along x, and width inwards from the wheels' middle planes."""
 MOTOR_RADIUS, MOTOR_LENGTH, GEAR_RADIUS, GEAR_LENGTH = 17.0, 62.0, 19.0, 24.0
-LIDAR_RADIUS, LIDAR_HEIGHT, LIDAR_X = 38.0, 52.0, 60.0
+LIDAR_RADIUS, LIDAR_HEIGHT, LIDAR_X = 38.0, 52.0, 0.0
+BATTERY_X, COMPUTER_X = -106.0, 30.0
+RAIL = 6.0
+"""Height of the battery above the lower deck, on rails: the ball of the caster is below."""
 SIDES = {"left": 1, "right": -1}
 
 
@@ -34,9 +38,10 @@ def wheel_place(side: int) -> Array:
     return pose((0, side * TRACK / 2, WHEEL_RADIUS), turn("x", -pi / 2))
 
 
-def caster_place() -> Array:
-    """X_WC of the caster's ball."""
-    return pose((CASTER_X, 0, CASTER_RADIUS))
+def caster_place(name: str) -> Array:
+    """X_WC of a caster's ball."""
+    x, height = CASTERS[name]
+    return pose((x, 0, CASTER_RADIUS + height))
 
 
 def camera_place() -> Array:
