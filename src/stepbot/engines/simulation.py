@@ -98,7 +98,7 @@ class Simulation(Protocol):
         """Switch all motors off."""
 
     def apply(self, efforts: Mapping[str, float]) -> None:
-        """Apply efforts [N m] or [N] to joints until the next call, motors off."""
+        """Apply efforts [N m] or [N] to joints until the next call, motors off; none beyond the limit of speed."""
 
     def push(self, force_W: Array) -> None:
         """Push the root link's centre of mass with a force (3,) [N] until the next call."""

@@ -7,7 +7,7 @@ each other, PyBullet's default, since URDF cannot exclude pairs.
 """
 
 from collections.abc import Mapping
-from math import isfinite
+from math import copysign, inf, isfinite
 from time import perf_counter
 
 import numpy as np
@@ -76,7 +76,7 @@ class PybulletSimulation:
         self._masses = self._mass_properties()
         self._motors = {motor.name: motor for motor in mechanism.motors if motor.joint in self._joints}
         self._push: Array | None = None
-        self._efforts: Mapping[str, float] = {}
+        self._efforts: dict[str, float] = {}
         self._floor = self._cube = -1
         self._weightless = True
         self._add_scene(file)
@@ -165,7 +165,24 @@ class PybulletSimulation:
             )
 
     def apply(self, efforts: Mapping[str, float]) -> None:  # noqa: D102
-        self._efforts = {name: effort for name, effort in efforts.items() if name in self._joints}
+        # URDF has no armature: one step of full effort would accelerate a light joint far beyond its limit of speed. A
+        # velocity motor with that effort stops at the limit.
+        limits = {motor.joint: motor.limit.velocity for motor in self._motors.values()}
+        self._efforts = {}
+        for name, effort in efforts.items():
+            fastest = limits.get(name, inf)
+            if name not in self._joints:
+                continue
+            if not isfinite(fastest):
+                self._efforts[name] = effort
+                continue
+            self._engine.setJointMotorControl2(
+                self._body.id,
+                self._joints[name],
+                self._engine.VELOCITY_CONTROL,
+                targetVelocity=copysign(fastest, effort),
+                force=abs(effort),
+            )
 
     def push(self, force_W: Array) -> None:  # noqa: D102
         self._push = force_W if np.any(force_W) else None
