@@ -17,8 +17,8 @@ from .compiled import Compiled
 
 FORMAT = "mjcf"
 """The format that is driven."""
-SCENE = "scene.xml"
-"""Name of the scene beside the robot's file; its floor, contact settings and light are used if it is there."""
+SCENE = ".scene.xml"
+"""Suffix of the scene beside the robot's file, whose floor is used if it is there."""
 _CUBE = "stepbot/cube"
 _TOUCH = 1e-4
 """Depth [m] up to which two shapes touch without overlapping: flush faces of CAD."""
@@ -203,7 +203,7 @@ class MujocoSimulation:
 
 def _spec(engine: Any, file: str, mechanism: Mechanism, setup: Setup) -> Any:
     """The robot's file, or the scene that includes it, with what a test adds."""
-    scene = Path(file).parent / SCENE
+    scene = Path(file).with_suffix(SCENE)
     spec = engine.MjSpec.from_file(str(scene) if setup.floor and scene.is_file() else file)
     for key in list(spec.keys):  # a keyframe does not fit a model with a cube
         spec.delete(key)
