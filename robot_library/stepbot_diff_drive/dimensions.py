@@ -12,8 +12,10 @@ TRACK = 300.0
 """Distance between the middle planes of the wheels."""
 CASTER_RADIUS = 22.0
 CASTERS = {"caster": (-125.0, 0.0), "front_caster": (125.0, 1.5)}
-"""x of the balls, and their height above the floor. The base rests on the rear one, its centre of mass being just behind
-the axle; the front one catches it when it brakes or drives backwards, before it tilts by a degree."""
+"""x of the balls, and their height above the floor.
+
+The base rests on the rear one, its centre of mass being just behind the axle. The front one catches it before it tilts
+by more than a degree, when it brakes or starts backwards."""
 
 DECK_RADIUS, DECK = 180.0, 6.0
 LOWER_DECK, UPPER_DECK = 34.0, 150.0

@@ -93,13 +93,18 @@ def stand(simulation: Simulation, stage: Stage, height: float = 0.0) -> None:
 class Gaps:
     """The widest gap of each closure so far."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Stage, stride: int = 5) -> None:
+        """Measure every ``stride``-th time: in slow motions a gap changes little from step to step."""
+        self._stride, self._calls = stride, 0
         self._closures = stage.mechanism.robot.closures
         self._widest = dict.fromkeys((closure.name for closure in self._closures), 0.0)
         self.trace: list[float] = []
 
     def measure(self, simulation: Simulation) -> None:
-        """Measure all gaps now."""
+        """Measure all gaps, if it is time."""
+        self._calls += 1
+        if self._calls % self._stride:
+            return
         now = 0.0
         for closure in self._closures:
             gap = MM * _gap(closure, simulation)

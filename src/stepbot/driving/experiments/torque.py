@@ -22,7 +22,7 @@ def experiment(stage: Stage) -> Result:
     """Drive all joints that have a motor and an effort limit."""
     motors = [motor for motor in stage.mechanism.motors if isfinite(motor.limit.effort)]
     random = np.random.Generator(np.random.PCG64(SEED))
-    gaps, times, speeds = Gaps(stage), [], []
+    gaps, times, speeds = Gaps(stage, stride=1), [], []
     beyond: dict[Motor, float] = dict.fromkeys(motors, 0.0)
     fastest: dict[str, float] = {}
     with stage.scene(held=True) as simulation:
