@@ -12,7 +12,6 @@ from pydantic import Field, StrictBool
 
 from stepbot.geometry.directions import Direction
 from stepbot.robot.model import Base, JointKind
-from stepbot.robot.self_collision import DEFAULT_SAMPLES
 
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
@@ -32,9 +31,9 @@ from .quantities import (
     Number,
     Pitch,
     RelativeOrLength,
-    SampleCount,
 )
 from .section import ComponentPath, MaterialName, Name, RobotName, Section
+from .self_collision import SelfCollisionSection
 from .shapes import (
     BoxShape,
     CapsuleShape,
@@ -250,22 +249,6 @@ class ClosureSection(Section):
     """Axis in the closure's frame, `z` by default."""
 
 
-class ExcludedPairs(StrEnum):
-    """Pairs of links by how often they overlap in sampled poses."""
-
-    ALWAYS = "always"
-    NEVER = "never"
-
-
-class SelfCollisionSection(Section):
-    """A search for the links that can overlap, in random poses within the limits."""
-
-    samples: SampleCount = DEFAULT_SAMPLES
-    """Number of poses, the drawn one included."""
-    exclude: tuple[ExcludedPairs, ...] = (ExcludedPairs.ALWAYS,)
-    """Pairs whose contacts MJCF excludes, in addition to adjacent links."""
-
-
 class Document(Section):
     """A stepbot sidecar: the robot data that a STEP file lacks."""
 
@@ -333,7 +316,6 @@ __all__ = [
     "Derived",
     "Document",
     "DynamicsSection",
-    "ExcludedPairs",
     "ExplicitOrigin",
     "IgnoredFinding",
     "InertiaSection",

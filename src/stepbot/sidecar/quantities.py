@@ -15,7 +15,6 @@ from pydantic_core import PydanticCustomError
 from stepbot.diagnostics import did_you_mean
 from stepbot.geometry.spatial import Vector3, unit
 from stepbot.robot.model import Rgba
-from stepbot.robot.self_collision import MOST_SAMPLES
 
 from . import units
 from .codepages import UnknownCodePage, code_page
@@ -226,13 +225,6 @@ def _count(value: Any) -> int:
     return value
 
 
-def _sample_count(value: Any) -> int:
-    """A number of poses."""
-    if _count(value) > MOST_SAMPLES:
-        raise fault("SB125", f"{value} is out of range: must be at most {MOST_SAMPLES}")
-    return int(value)
-
-
 def _two(value: Any) -> Any:
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise fault("SB122", f"expected two values [first, second], not {described(value)}")
@@ -313,9 +305,6 @@ StepShare = Annotated[
     _json(units.RATIO, exclusiveMinimum=0, maximum=1),
 ]
 Count = Annotated[int, BeforeValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
-SampleCount = Annotated[
-    int, BeforeValidator(_sample_count), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": MOST_SAMPLES})
-]
 Resolution = Annotated[tuple[Count, Count], BeforeValidator(_two)]
 _Distance = Annotated[float, BeforeValidator(_distance), _json(units.LENGTH, minimum=0)]
 DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(_two)]
