@@ -8,6 +8,7 @@ overlaps             mass that overlapping solids count twice
 bound                links, masses and joints as far as the sidecar binds
 frames               origin of each joint and frame, as drawn
 axis_evidence        the faces that an origin was found by
+axis_direction       axes across the line of their origin
 joints               joints, closures, the joint table
 devices              named frames, actuators, sensors, settings for simulations
 links                mass properties, visuals, collisions
@@ -29,6 +30,7 @@ from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
+from .axis_direction import report_axes_off_their_lines
 from .binder import UNREVISED, Binder, Revised
 from .bound import Bound, bind
 from .claims import Claims, claim
@@ -90,6 +92,7 @@ def build_robot(
     frames = Frames(binder, claims, root)
     joints = build_joints(binder, frames, order)
     closures = build_closures(binder, frames)
+    report_axes_off_their_lines(binder, frames)
     named = build_frames(binder, frames)
     sensors = build_sensors(binder, frames)
 

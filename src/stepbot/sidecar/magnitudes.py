@@ -20,8 +20,8 @@ _MOST_ROTATION = 6.5
 _MOST_METRES = 10.0
 _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
-_DENSEST = 25_000.0
-"""[kg/m^3]: osmium has 22590."""
+_SPARSEST, _DENSEST = 5.0, 25_000.0
+"""[kg/m^3]: foams have 10 or more, osmium 22590."""
 _LEADING_NUMBER = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?")
 _EFFORTS = ("effort", "friction")
 _LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
@@ -70,17 +70,20 @@ def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
         except UnitError:  # reported where the value was read
             continue
         if density > _DENSEST:
-            number = _LEADING_NUMBER.match(scalar.text)
-            help = (
-                [f"if the unit is kg/m^3, write `{number[0]} kg/m^3`"] if number and float(number[0]) < _DENSEST else []
-            )
+            help = _other_unit(scalar.text, "kg/m^3", 1.0) or "for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"
             message = f"{subject(keys)}: {density:g} kg/m^3 exceeds the density of any material"
-            found.add(
-                "SB143",
-                message,
-                sidecar.span(*keys),
-                help=help or ["for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"],
-            )
+            found.add("SB143", message, sidecar.span(*keys), help=[help])
+        elif 0.0 < density < _SPARSEST and sidecar.plain_number(*keys) is None:  # else SB139
+            help = _other_unit(scalar.text, "g/cm^3", 1000.0) or "for comparison, polystyrene foam has 15 kg/m^3"
+            message = f"{subject(keys)}: {density:g} kg/m^3 is below the density of any solid, and that of foam"
+            found.add("SB143", message, sidecar.span(*keys), help=[help])
+
+
+def _other_unit(written: str, unit: str, scale: float) -> str:
+    """The same number in the unit that was probably meant; empty if it is out of range there, too."""
+    number = _LEADING_NUMBER.match(written)
+    plausible = number is not None and _SPARSEST <= float(number[0]) * scale <= _DENSEST
+    return f"if the unit is {unit}, write `{number[0]} {unit}`" if number and plausible else ""
 
 
 def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:

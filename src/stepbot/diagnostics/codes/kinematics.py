@@ -164,4 +164,15 @@ CODES = (
         "In robot files z is up. A robot drawn with y up, as many CAD programs do by default, would lie on its side.",
         "Set the axis that is up: `root: {up: y}`. If z is up, confirm it with `root: {up: z}`.",
     ),
+    Code(
+        "SB422",
+        "warning",
+        "axis not along the line of its origin",
+        "The origin of a turning joint or closure was found on the line of cylindrical faces, and its frame has z along "
+        "that line. `axis` names another direction of this frame.",
+        "`axis` is in the joint's frame. The joint turns about a line across the shaft that was found, and every check of "
+        "the files passes, because they say the same.",
+        "Write `axis: z` or `axis: -z`. The joint table of `stepbot check --step` has the direction in the STEP's frame; it "
+        "is no value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
+    ),
 )

@@ -298,10 +298,11 @@ CODES = (
     Code(
         "SB143",
         "warning",
-        "density beyond that of any material",
-        "A density exceeds 25000 kg/m^3. Osmium, the densest element, has 22590 kg/m^3.",
+        "density outside the range of all materials",
+        "A density exceeds 25000 kg/m^3, or is below 5 kg/m^3. Osmium, the densest element, has 22590 kg/m^3; foams for "
+        "packaging have 10 to 30.",
         "The unit is probably wrong. 2700 g/cm^3 is a thousand times the density of aluminium, and makes the robot a "
-        "thousand times too heavy.",
+        "thousand times too heavy; 1.24 kg/m^3 is a thousandth of that of PLA.",
         "Write the density in the unit of the data sheet: `2700 kg/m^3` or `2.7 g/cm^3`. If a solid stands for "
         "something heavier, give its `mass`.",
     ),
