@@ -1,6 +1,7 @@
 """``stepbot convert``: convert a sidecar and a STEP file, and verify the written files."""
 
 import json
+import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -55,6 +56,23 @@ html_option = click.option(
 drive_option = click.option(
     "--drive", is_flag=True, help="Drive the written files in MuJoCo and PyBullet, too; see `stepbot drive`."
 )
+
+
+def _package(context: click.Context, option: click.Parameter, given: str | None) -> str:  # noqa: ARG001
+    """The name of a ROS package, by REP 144."""
+    if given and not re.fullmatch(r"[a-z][a-z0-9_]+", given):
+        raise click.BadParameter(
+            f"'{given}' is not the name of a ROS package: lower-case letters, digits and _, a letter first"
+        )
+    return given or ""
+
+
+package_option = click.option(
+    "--package",
+    metavar="NAME",
+    callback=_package,
+    help="Write mesh paths of the URDF as package://NAME/meshes/..., for a ROS package with the output as its content.",
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
@@ -82,6 +100,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @ignore_option
 @reading_options
 @html_option
+@package_option
 @junit_option
 @json_option
 @display_options
@@ -97,6 +116,7 @@ def command(
     ignore: tuple[str, ...],
     require: tuple[str, ...],
     html: bool,
+    package: str,
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -108,6 +128,8 @@ def command(
     """
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
+    if package and "urdf" not in format_names(formats):
+        raise click.UsageError("--package needs the format urdf")
     options = replace(
         options,
         output=output or default_output(sidecar),
@@ -118,6 +140,7 @@ def command(
         ignore=ignore,
         require=require,
         html=html,
+        package=package,
     )
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
 

@@ -57,6 +57,7 @@ def convert(
     memory_limit: int | None = None,
     cache: AnyPath | bool = True,
     html: bool = False,
+    package: str = "",
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
@@ -74,6 +75,7 @@ def convert(
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
         html: Whether to write the report as a page, too.
+        package: ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -99,6 +101,7 @@ def convert(
         memory_limit=memory_limit,
         cache=_cache(cache),
         html=html,
+        package=package,
     )
     return convert_unless_unchanged(path, options)
 

@@ -81,3 +81,17 @@ def test_launch_file_for_rviz_finds_every_mesh(folder: Path, monkeypatch: pytest
     meshes = [element.attrib["filename"] for element in urdf.iter("mesh")]
     assert meshes
     assert all(mesh.startswith("file:///") and Path(mesh.removeprefix("file://")).is_file() for mesh in meshes)
+
+
+def test_the_command_for_a_ros_package_fills_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The documented command writes what the documented CMake lines install, and `package://` leads to every mesh."""
+    monkeypatch.chdir(folder)
+    (command,) = block("ROS package", "sh").splitlines()
+    assert main([*command.split()[1:], "--no-verify"]) == 0
+    package = folder / "src" / "arm_description"
+    installed = re.findall(r"^install\(\w+ (\S+) DESTINATION share/", block("ROS package", "cmake"), re.MULTILINE)
+    assert all((package / name).exists() for name in installed)
+    meshes = [element.attrib["filename"] for element in ET.parse(package / "arm.urdf").getroot().iter("mesh")]
+    assert meshes
+    assert all(mesh.startswith("package://arm_description/meshes/") for mesh in meshes)
+    assert all((folder / "src" / mesh.removeprefix("package://")).is_file() for mesh in meshes)

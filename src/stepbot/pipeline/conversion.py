@@ -48,6 +48,8 @@ class Options:
     """Cache of results; None to disable it."""
     html: bool = False
     """Whether to write the report as a page, too."""
+    package: str = ""
+    """ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file."""
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ from stepbot.engines.workers import check_required
 from stepbot.formats import Format, default_formats, format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, joined, main_file
+from stepbot.formats.urdf import FORMAT as URDF
+from stepbot.formats.urdf.package import with_package
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Content, Report, WrittenFile
@@ -119,6 +121,9 @@ def _produce(
         lowered = {written.name: lower(robot, written, found) for written in formats}
         found.raise_if_errors()
         by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
+        if options.package and URDF.name in by_format:
+            urdf = main_file(lowered[URDF.name], URDF)
+            by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
         built.double_counting.report(options.timeout)
         if options.strict:
             found.make_strict()

@@ -36,7 +36,7 @@ EXPRESSES = {
     Feature.FIXED_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
     Feature.FLOATING_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
-    Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.MESH: exact("OBJ in metres, path relative to the file, or `package://`"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: lowered("SB709", "a capsule is written as a cylinder and two spheres"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
