@@ -34,7 +34,7 @@ from .axis_direction import report_axes_off_their_lines
 from .binder import UNREVISED, Binder, Revised
 from .bound import Bound, bind
 from .claims import Claims, claim
-from .devices import build_actuators, build_frames, build_sensors, build_simulation
+from .devices import build_actuators, build_frames, build_sensors, build_simulation, tune_actuators
 from .double_counting import DoubleCounting
 from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
@@ -127,6 +127,7 @@ def build_robot(
         sensors,
         build_simulation(document),
     )
+    robot = tune_actuators(robot, sidecar, found)
     rows = joint_table(frames, joints, closures)
     report_up_axis(binder, claims, root, rows)
     return Built(robot, double_counting, bodies, rows)

@@ -2,12 +2,16 @@
 
 from math import inf, pi
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
-from stepbot.robot.model import Actuator, Frame, Limit
+from stepbot.robot.gains import tuned
+from stepbot.robot.model import Actuator, Frame, JointKind, Limit, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.simulation import Simulation
-from stepbot.sidecar.devices import SensorSection
+from stepbot.robot.tuning import Tuning
+from stepbot.sidecar.devices import ActuatorSection, SensorSection
 from stepbot.sidecar.document import Document
+from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motion import LimitsSection
 
 from .binder import Binder
@@ -30,9 +34,37 @@ def build_frames(binder: Binder, frames: Frames) -> tuple[Frame, ...] | None:
 def build_actuators(document: Document) -> tuple[Actuator, ...]:
     """The actuators, in the sidecar's order."""
     return tuple(
-        Actuator(name, drive.joint, drive.kind, drive.kp.value, drive.kv.value, drive.gear, limit=_limit(drive.limits))
+        Actuator(
+            name,
+            drive.joint,
+            drive.kind,
+            drive.kp.value,
+            drive.kv.value,
+            drive.gear,
+            limit=_limit(drive.limits),
+            tuning=_tuning(drive),
+        )
         for name, drive in document.actuators.items()
     )
+
+
+def _tuning(drive: ActuatorSection) -> Tuning | None:
+    """How to compute the gains; None if they are given."""
+    if drive.gains is None or isinstance(drive.gains, str):
+        return None if drive.gains is None else Tuning()
+    return Tuning(drive.gains.bandwidth, drive.gains.damping_ratio)
+
+
+def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
+    """The robot with its computed gains; reports SB464, actuators that are too weak for the weight of their joint."""
+
+    def too_weak(actuator: Actuator, effort: float, weight: float) -> None:
+        unit = "N" if robot.joint_by_name[actuator.joint].kind is JointKind.PRISMATIC else "N m"
+        message = f"actuator '{actuator.name}': its effort limit of {effort:g} {unit} does not hold the joint"
+        span = sidecar.span("actuators", actuator.name)
+        found.add("SB464", f"{message}, whose weight is {weight:.3g} {unit} in the drawn pose", span)
+
+    return tuned(robot, too_weak)
 
 
 def build_simulation(document: Document) -> Simulation:

@@ -11,6 +11,7 @@ from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
+from stepbot.robot.tuning import Tuning
 
 from .record import Report
 from .self_collision import self_collision_document
@@ -123,7 +124,19 @@ def _actuator(actuator: Actuator) -> Json:
         "kp": actuator.kp,
         "kv": actuator.kv,
         "gear": actuator.gear,
+        "computed": None if actuator.tuning is None else _tuning(actuator.tuning),
         "limits": _limits(actuator.limit),
+    }
+
+
+def _tuning(tuning: Tuning) -> Json:
+    """What computed gains were asked for, and what they follow from."""
+    return {
+        "bandwidth": tuning.bandwidth,
+        "damping_ratio": tuning.damping_ratio,
+        "inertia": tuning.inertia,
+        "weight": tuning.weight,
+        "braked": tuning.braked,
     }
 
 

@@ -25,6 +25,7 @@ from stepbot.geometry.spatial import (
 from .self_collision import SelfCollision
 from .sensors import Sensor
 from .simulation import DEFAULTS, Simulation
+from .tuning import Tuning
 
 
 class JointKind(StrEnum):
@@ -252,6 +253,8 @@ class Actuator:
     """Motor position / joint position."""
     limit: Limit = Limit()
     """Its own bounds, at the joint, in addition to those of the joint."""
+    tuning: Tuning | None = None
+    """How its gains are computed; None if they are given."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.robot.model import ActuatorKind, JointKind
 from stepbot.robot.sensors import PLACED, SEEING, SensorKind
 
-from .devices import ActuatorSection, SensorSection
+from .devices import ActuatorSection, GainsSection, SensorSection
 from .joint_rules import check_unit
 from .joint_settings import ONE_FREEDOM, settings_of
 from .located import Sidecar
@@ -77,11 +77,31 @@ def _check_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: 
                 "SB137", message, sidecar.key_span("actuators", name, gain), help=[f"valid kinds: {', '.join(help)}"]
             )
     needed = _NEEDED_GAIN.get(kind)
-    if needed is not None and needed not in actuator.model_fields_set:
+    if actuator.gains is not None:
+        _check_computed_gains(sidecar, name, actuator, found)
+    elif needed is not None and needed not in actuator.model_fields_set:
         message = f"{who}: missing key '{needed}', required for kind {kind}"
-        found.add("SB121", message, sidecar.key_span("actuators", name), help=[f"example: `{needed}: 100`"])
+        help = [f"example: `{needed}: 100`", "or `gains: auto`, to compute the gains"]
+        found.add("SB121", message, sidecar.key_span("actuators", name), help=help)
     if actuator.gear == 0.0:
         found.add("SB125", f"{who}: gear: ratio must not be 0", sidecar.span("actuators", name, "gear"))
+
+
+def _check_computed_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:
+    """Report computed gains of a kind without gains, beside given ones, and a damping ratio without effect."""
+    who, kind, place = f"actuator '{name}'", actuator.kind, sidecar.key_span("actuators", name, "gains")
+    if kind is ActuatorKind.MOTOR:
+        help = ["valid kinds: position, velocity"]
+        found.add("SB137", f"{who}: 'gains' is not valid for kind {kind}", place, help=help)
+    given = [gain for gain in ("kp", "kv") if gain in actuator.model_fields_set]
+    if given:
+        message = f"{who}: both 'gains' and '{given[0]}'"
+        found.add("SB137", message, place, help=["keep `gains` to compute both gains, or remove it"])
+    ratio = isinstance(actuator.gains, GainsSection) and "damping_ratio" in actuator.gains.model_fields_set
+    if kind is ActuatorKind.VELOCITY and ratio:
+        span = sidecar.key_span("actuators", name, "gains", "damping_ratio")
+        message = f"{who}: 'gains.damping_ratio' is not valid for kind {kind}"
+        found.add("SB137", message, span, help=["valid kinds: position"])
 
 
 def _check_bounds(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:

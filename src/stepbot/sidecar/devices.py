@@ -1,12 +1,19 @@
 """Devices mounted on links and joints: frames, actuators and sensors."""
 
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Tag
+
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
+from stepbot.robot.tuning import BANDWIDTH, DAMPING_RATIO
 
 from .motion import LimitsSection
 from .origins import Origin
 from .quantities import (
+    Bandwidth,
     Count,
+    DampingRatio,
     DistanceRange,
     FieldOfView,
     Frequency,
@@ -28,6 +35,27 @@ class FrameSection(Section):
     """Its pose; not `auto`, since there is no second link."""
 
 
+class GainsSection(Section):
+    """How to compute the gains of an actuator from the inertia that it moves in the drawn pose."""
+
+    bandwidth: Bandwidth = BANDWIDTH
+    """Natural frequency [Hz] of the joint with the actuator; of a velocity actuator, its corner frequency."""
+    damping_ratio: DampingRatio = DAMPING_RATIO
+    """Damping ratio of a position actuator; 1, the default, is the fastest response that does not overshoot."""
+
+
+def _gains_form(value: Any) -> str:
+    """The word ``auto``, or a mapping."""
+    return "<word>" if isinstance(value, str) else "<gains>"
+
+
+Gains = Annotated[
+    Annotated[Literal["auto"], Tag("<word>")] | Annotated[GainsSection, Tag("<gains>")],
+    Discriminator(_gains_form),
+]
+"""`auto`, or the bandwidth and the damping ratio of computed gains."""
+
+
 class ActuatorSection(Section):
     """An actuator on a joint."""
 
@@ -39,6 +67,8 @@ class ActuatorSection(Section):
     """Position gain [N m/rad or N/m]."""
     kv: JointDamping = JointValue(0.0)
     """Velocity gain [N m s/rad or N s/m]."""
+    gains: Gains | None = None
+    """Computes `kp` and `kv` from the inertia that the actuator moves in the drawn pose, and from its effort limit."""
     gear: Number = 1.0
     """Motor position / joint position. `kp`, `kv` and the input are on the motor's side."""
     limits: LimitsSection = LimitsSection()

@@ -294,6 +294,12 @@ FieldOfView = Annotated[
     _json(units.ANGLE, minimum=0, maximum=math.tau),
 ]
 Frequency = Annotated[float, BeforeValidator(_finite(units.FREQUENCY, low=0.0)), _json(units.FREQUENCY, minimum=0)]
+Bandwidth = Annotated[
+    float, BeforeValidator(_finite(units.FREQUENCY, above=0.0)), _json(units.FREQUENCY, exclusiveMinimum=0)
+]
+DampingRatio = Annotated[
+    float, BeforeValidator(_finite(units.RATIO, above=0.0)), _json(units.RATIO, exclusiveMinimum=0)
+]
 Timestep = Annotated[
     float,
     BeforeValidator(_finite(units.TIME, above=0.0, high=LONGEST_TIMESTEP)),

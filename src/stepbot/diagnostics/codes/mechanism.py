@@ -125,4 +125,14 @@ CODES = (
         "+-1e9 m. A planner may rotate the joint beyond what the cables allow.",
         "Replace `todo` by `{lower: ..., upper: ...}`, or set `type: continuous` for unlimited rotation.",
     ),
+    Code(
+        "SB464",
+        "warning",
+        "actuator too weak for its joint",
+        "An actuator with `gains: auto` cannot hold its joint against gravity in the drawn pose: the effort limit of "
+        "the actuator or of the joint is below the weight.",
+        "The joint falls. The computed gains do not take the effort limit into account.",
+        "Correct the effort limit, the masses or the drawn pose. If a spring or a counterweight carries the joint, set "
+        "`kp` and `kv`.",
+    ),
 )

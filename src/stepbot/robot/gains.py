@@ -1,0 +1,129 @@
+"""Gains of actuators from the inertia that they move in the drawn pose.
+
+A position actuator and the inertia I of its joint are an oscillator with kp = I w^2 and kv = 2 z I w, where w = 2 pi *
+bandwidth and z is the damping ratio; passive damping of the joints is subtracted from kv. A velocity actuator is a
+first-order system with kv = I w.
+
+An actuator at its effort limit T accelerates and brakes no faster than T allows, so that a large step overshoots in
+spite of its damping. With velocity v and error e, it brakes from v = (kp / kv) e on, which takes the deceleration
+(kp / kv)^2 e. With the joint's weight g against it, T suffices after a step s from rest if
+
+    (kp / kv)^2 <= (T - g) (3 T + g) / (2 (T + g) I s)
+
+and kv is raised until it does.
+
+In a mechanism, I is the entry of the driven joint in the mass matrix of the driven joints, mimics and loops followed:
+the other motors hold. The base is held, too.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import floor, isfinite, log10, pi, sqrt
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array
+
+from .actuators import actuator_limit
+from .closures import Loops, driven_joints
+from .dynamics import equations_of_motion
+from .kinematics import initial_configuration
+from .model import Actuator, ActuatorKind, Joint, JointKind, Robot
+from .multi_dof import unfolded
+
+STEP, TRAVEL = 0.5, 0.1
+"""Step [rad] and [m] that an actuator at its effort limit brakes without overshoot, or half of the joint's range."""
+_RESIDUE = 9
+"""Decimals [N m] or [N] of weights: smaller ones are rounding of axes that point up."""
+_DIGITS = 4
+"""Significant digits of gains, which do not depend on the last bits of the linear algebra below."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """The driven joints in the drawn pose, all others following them."""
+
+    names: tuple[str, ...]
+    inertia: Array
+    """Diagonal of the mass matrix (n,), armatures included."""
+    weight: Array
+    """Gravity forces (n,)."""
+    damping: Array
+    """Diagonal of the passive damping (n,)."""
+
+
+def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> Robot:
+    """The robot with the gains of all actuators that have a :class:`Tuning`.
+
+    Args:
+        robot: The robot.
+        too_weak: Called for each of these actuators whose effort limit does not hold its joint in the drawn pose, with
+            the limit and the weight [N m] or [N]; its gains ignore the limit.
+    """
+    if all(actuator.tuning is None for actuator in robot.actuators):
+        return robot
+    driven = _driven(robot)
+    return replace(robot, actuators=tuple(_tuned(robot, actuator, driven, too_weak) for actuator in robot.actuators))
+
+
+def _driven(robot: Robot) -> _Driven:
+    """Inertia, weight and damping of the driven joints."""
+    loops, home = Loops(robot), initial_configuration(robot)
+    tree = loops.tree
+    _, J = loops.constraints(tree.vector(home))
+    names = driven_joints(robot) if robot.closures else tree.independent
+    drives = [tree.independent.index(name) for name in names]
+    follow = [i for i in range(len(tree.independent)) if i not in drives]
+    T = np.zeros((len(tree.independent), len(drives)))
+    T[drives, range(len(drives))] = 1.0
+    if follow and robot.closures:
+        T[follow] = -np.linalg.lstsq(J[:, follow], J[:, drives], rcond=None)[0]
+    S = tree.B @ T
+    joints = unfolded(robot).joint_by_name
+    armature, damping = (
+        np.array([getattr(joints[name].dynamics, field) for name in tree.joints]) for field in ("armature", "damping")
+    )
+    equations = equations_of_motion(robot, home)
+    inertia = S.T @ (equations.mass_matrix + np.diag(armature)) @ S
+    return _Driven(names, np.diag(inertia), S.T @ equations.gravity, np.diag(S.T @ np.diag(damping) @ S))
+
+
+def _tuned(
+    robot: Robot, actuator: Actuator, driven: _Driven, too_weak: Callable[[Actuator, float, float], None]
+) -> Actuator:
+    if actuator.tuning is None or actuator.joint not in driven.names:
+        return actuator
+    index = driven.names.index(actuator.joint)
+    inertia, passive = float(driven.inertia[index]), float(driven.damping[index])
+    weight = round(abs(float(driven.weight[index])), _RESIDUE)
+    joint = robot.joint_by_name[actuator.joint]
+    w = 2.0 * pi * actuator.tuning.bandwidth
+    kp, kv, braked = 0.0, inertia * w, False
+    if actuator.kind is ActuatorKind.POSITION:
+        kp, kv = inertia * w**2, 2.0 * actuator.tuning.damping_ratio * inertia * w
+        effort = actuator_limit(actuator, joint).effort
+        if effort <= weight:
+            too_weak(actuator, effort, weight)
+        elif isfinite(effort):
+            braking = kp / sqrt(_fastest_braking(effort, weight) / (inertia * _step(joint)))
+            braked, kv = braking > kv, max(kv, braking)
+    square = actuator.gear**2
+    found = replace(actuator.tuning, inertia=_rounded(inertia), weight=_rounded(weight), braked=braked)
+    kp, kv = kp / square, max(kv - passive, 0.0) / square
+    return replace(actuator, kp=_rounded(kp), kv=_rounded(kv), tuning=found)
+
+
+def _fastest_braking(effort: float, weight: float) -> float:
+    """Square of the largest kp / kv that brakes without overshoot, times inertia and step."""
+    return (effort - weight) * (3.0 * effort + weight) / (2.0 * (effort + weight))
+
+
+def _step(joint: Joint) -> float:
+    """The step [rad] or [m] that must not overshoot."""
+    widest = TRAVEL if joint.kind is JointKind.PRISMATIC else STEP
+    return min(widest, 0.5 * (joint.limit.upper - joint.limit.lower))
+
+
+def _rounded(value: float) -> float:
+    """The value to its significant digits."""
+    return round(value, _DIGITS - 1 - floor(log10(abs(value)))) if value else 0.0

@@ -1,0 +1,24 @@
+"""Computed gains of an actuator: what was asked for, and what they were computed from."""
+
+from dataclasses import dataclass
+
+BANDWIDTH = 5.0
+"""Default bandwidth [Hz]."""
+DAMPING_RATIO = 1.0
+"""Default damping ratio: critical, the fastest response that does not overshoot."""
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """How the gains of an actuator are computed, by :mod:`.gains`."""
+
+    bandwidth: float = BANDWIDTH
+    """Natural frequency [Hz] of the joint with a position actuator; corner frequency with a velocity actuator."""
+    damping_ratio: float = DAMPING_RATIO
+    """Damping ratio of a position actuator."""
+    inertia: float = 0.0
+    """Inertia [kg m^2] or mass [kg] that the actuator moves in the drawn pose, at the joint, armatures included."""
+    weight: float = 0.0
+    """Effort [N m] or [N] that holds the joint in the drawn pose, at the joint."""
+    braked: bool = False
+    """Whether damping is above the ratio, because the effort limit could not brake a step without overshoot."""

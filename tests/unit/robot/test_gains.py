@@ -1,0 +1,178 @@
+"""Computed gains of actuators, against closed forms and MuJoCo."""
+
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.formats.rendering import render
+from stepbot.geometry.spatial import Array, turn_inertia
+from stepbot.robot.closures import close_loops
+from stepbot.robot.gains import tuned
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointDynamics, JointKind, Limit, Robot
+from stepbot.robot.tuning import Tuning
+from tests.robots import ROBOTS, four_bar, gripper_with_mimic
+from tests.simulators.conftest import skip_without
+from tests.workshop import Workshop, at, box_mass
+
+LENGTH, BREADTH = 0.4, 0.03
+ROD = (LENGTH, BREADTH, BREADTH)
+ARMATURE, DAMPING, BANDWIDTH = 0.02, 0.05, 4.0
+HALF = 0.5 * LENGTH
+
+
+def one_link_arm(kind: ActuatorKind = ActuatorKind.POSITION, effort: float = np.inf, gear: float = 1.0) -> Robot:
+    """A horizontal rod on a joint with a horizontal axis, with an actuator whose gains are computed."""
+    shop = Workshop()
+    base = shop.link("base", [((0.1, 0.1, 0.1), at(z=-0.2))])
+    rod = shop.link("rod", [(ROD, at(x=HALF))])
+    dynamics = JointDynamics(damping=DAMPING, armature=ARMATURE)
+    joint = Joint(
+        "lift", JointKind.REVOLUTE, "base", "rod", at(), (0.0, -1.0, 0.0), limit=Limit(-2, 2), dynamics=dynamics
+    )
+    motor = Actuator("motor", "lift", kind, gear=gear, limit=Limit(effort=effort), tuning=Tuning(BANDWIDTH))
+    robot = Robot("one_link_arm", (base, rod), (joint,), actuators=(motor,), meshes=shop.sorted_meshes())
+    return tuned(robot, fails)
+
+
+def fails(actuator: Actuator, effort: float, weight: float) -> None:
+    """No actuator here is too weak."""
+    pytest.fail(f"{actuator.name}: {effort} {weight}")
+
+
+def rod_inertia() -> float:
+    """Inertia [kg m^2] of the rod about its joint, with the armature."""
+    return float(box_mass(ROD, at(x=HALF)).inertia[1][1]) + box_mass(ROD).mass * HALF**2 + ARMATURE
+
+
+def compiled(robot: Robot, *, gravity: bool) -> Any:
+    """The robot's MJCF in MuJoCo, without contacts."""
+    skip_without("mujoco")
+    import mujoco
+
+    files = render(robot, "mjcf", Diagnostics())
+    main, *_ = files
+    model = mujoco.MjModel.from_xml_string(files[main].decode(), {p: c for p, c in files.items() if p != main})
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    model.opt.gravity[2] = -9.81 if gravity else 0.0
+    return model
+
+
+def stepped(model: Any, target: float, seconds: float, start: float = 0.0) -> Array:
+    """Positions [rad] of the only joint, step by step, after a step of its target."""
+    import mujoco
+
+    data = mujoco.MjData(model)
+    data.qpos[0], data.ctrl[0] = start, target
+    found = []
+    for _ in range(round(seconds / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+        found.append(float(data.qpos[0]))
+    return np.array(found)
+
+
+def test_gains_are_those_of_a_critically_damped_oscillator() -> None:
+    """kp = I w^2 and kv + damping = 2 I w with the closed-form inertia; with a gear they are at the motor."""
+    (motor,) = one_link_arm().actuators
+    inertia, w = rod_inertia(), 2.0 * pi * BANDWIDTH
+    assert motor.kp == pytest.approx(inertia * w**2, rel=5e-4)
+    assert motor.kv == pytest.approx(2.0 * inertia * w - DAMPING, rel=5e-4)
+    assert motor.tuning is not None
+    assert motor.tuning.inertia == pytest.approx(inertia, rel=5e-4)
+    assert motor.tuning.weight == pytest.approx(box_mass(ROD).mass * 9.81 * HALF, rel=5e-4)
+    (geared,) = one_link_arm(gear=-20.0).actuators
+    assert (geared.kp, geared.kv) == pytest.approx((motor.kp / 400.0, motor.kv / 400.0), rel=5e-4)
+    (turned,) = one_link_arm(ActuatorKind.VELOCITY).actuators
+    assert (turned.kp, turned.kv) == (0.0, pytest.approx(inertia * w - DAMPING, rel=5e-4))
+
+
+@pytest.mark.mujoco
+def test_the_step_response_is_the_closed_form() -> None:
+    """In MuJoCo the arm follows 1 - (1 + w t) exp(-w t), and sags by its weight / kp."""
+    robot = one_link_arm()
+    model = compiled(robot, gravity=False)
+    model.opt.timestep = 2e-4
+    positions = stepped(model, 0.5, 1.0)
+    wt = 2.0 * pi * BANDWIDTH * model.opt.timestep * np.arange(1, len(positions) + 1)
+    np.testing.assert_allclose(positions, 0.5 * (1.0 - (1.0 + wt) * np.exp(-wt)), atol=2e-3)
+    assert positions.max() < 0.5 + 1e-4
+    (motor,) = robot.actuators
+    assert motor.tuning is not None
+    sagged = stepped(compiled(robot, gravity=True), 0.0, 2.0)[-1]
+    assert sagged == pytest.approx(-motor.tuning.weight / motor.kp, rel=0.01)
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize(("share", "critical"), [(1.15, 1.0), (1.5, 0.4), (2.0, 0.03)])
+def test_a_weak_actuator_brakes_in_time(share: float, critical: float) -> None:
+    """At its effort limit, down with the weight, a step of 0.5 rad stops; critically damped it overshoots."""
+    weight = box_mass(ROD).mass * 9.81 * HALF
+    robot = one_link_arm(effort=share * weight)
+    (motor,) = robot.actuators
+    assert motor.tuning is not None
+    assert motor.tuning.braked
+    model = compiled(robot, gravity=True)
+
+    def overshoot() -> float:
+        positions = stepped(model, -0.25, 4.0, start=0.25)
+        return float((positions[-1] - positions.min()) / 0.5)
+
+    assert overshoot() < 1e-3
+    model.actuator_biasprm[0][2] = -2.0 * rod_inertia() * 2.0 * pi * BANDWIDTH
+    assert overshoot() > critical
+
+
+def test_followers_of_a_mimic_are_moved_too() -> None:
+    """The mass at a finger's motor is that of both fingers, and of the thumb that turns with them."""
+    robot = gripper_with_mimic()
+    wanted = tuple(replace(actuator, tuning=Tuning()) for actuator in robot.actuators)
+    (grip,) = tuned(replace(robot, actuators=wanted), fails).actuators
+    thumb = robot.joint_by_name["thumb_pivot"]
+    assert thumb.mimic is not None
+    body = robot.link_by_name["thumb"].mass_properties
+    arm = np.linalg.norm(np.cross(thumb.axis, body.com))
+    about_pivot = float(np.array(thumb.axis) @ np.array(body.inertia) @ np.array(thumb.axis) + body.mass * arm**2)
+    fingers = sum(robot.link_by_name[name].mass_properties.mass for name in ("left_finger", "right_finger"))
+    mass = fingers + about_pivot * thumb.mimic.multiplier**2
+    assert grip.tuning is not None
+    assert grip.tuning.inertia == pytest.approx(mass, rel=5e-4)
+
+
+def test_loops_are_followed() -> None:
+    """The inertia at a four-bar's crank is twice the kinetic energy of all links at unit speed, by differences."""
+    robot = four_bar()
+    (crank,) = tuned(
+        replace(robot, actuators=tuple(replace(one, tuning=Tuning()) for one in robot.actuators)), fails
+    ).actuators
+    home, h = initial_configuration(robot), 1e-5
+    poses = [
+        link_poses(robot, close_loops(robot, {**home, crank.joint: home[crank.joint] + d}, (crank.joint,)))
+        for d in (-h, h)
+    ]
+    energy = 0.0
+    for link in robot.links:
+        before, after = (pose[link.name] for pose in poses)
+        body = link.mass_properties
+        v = (after.apply(body.com) - before.apply(body.com)) / (2.0 * h)
+        turn = (after.R - before.R) @ before.R.T / (2.0 * h)
+        w = np.array([turn[2, 1], turn[0, 2], turn[1, 0]])
+        energy += float(body.mass * v @ v + w @ turn_inertia(before.R, body.inertia) @ w)
+    assert crank.tuning is not None
+    assert crank.tuning.inertia == pytest.approx(energy + robot.joint_by_name[crank.joint].dynamics.armature, rel=1e-3)
+
+
+def test_an_actuator_that_cannot_hold_its_joint_is_reported() -> None:
+    """The callback gets limit and weight; the gains ignore the limit. Given gains stay as they are."""
+    weak: list[tuple[str, float, float]] = []
+    robot = one_link_arm()
+    limited = replace(robot, actuators=tuple(replace(one, limit=Limit(effort=0.1)) for one in robot.actuators))
+    assert (
+        tuned(limited, lambda *found: weak.append((found[0].name, *found[1:]))).actuators[0].kp == robot.actuators[0].kp
+    )
+    assert [(name, effort) for name, effort, _ in weak] == [("motor", 0.1)]
+    given = ROBOTS["two_link_arm"]()
+    assert tuned(given, fails) is given
