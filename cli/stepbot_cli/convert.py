@@ -4,7 +4,7 @@ import json
 import re
 import sys
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
+    from stepbot.report.record import LinkCollision
 
 
 def _titles() -> str:
@@ -192,8 +193,22 @@ def _show(conversion: "Conversion", output: Path, display: Display) -> None:
     if conversion.report is None:
         return
     show_joint_table(conversion.report.joint_table, verbose=display.verbose)
+    _show_collisions(conversion.report.collision_shapes, verbose=display.verbose)
     if conversion.report.checks:
         (show_table if display.verbose else show_proof)(conversion.report)
+
+
+def _show_collisions(shapes: Sequence["LinkCollision"], *, verbose: bool) -> None:
+    """Print how well collision shapes match the solids, in one line; with ``verbose``, also for each link."""
+    if not shapes:
+        return
+    from stepbot.report.collision_words import collision_summary
+
+    lines = [collision_summary(shapes)]
+    if verbose:
+        lines += [f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes]
+    width = screen_width(sys.stdout)
+    write_result("\n".join(line for words in lines for line in filled(printable(words), width)))
 
 
 def _files_words(files: Mapping[str, bytes], folder: Path) -> str:

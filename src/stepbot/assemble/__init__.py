@@ -14,6 +14,7 @@ devices              named frames, actuators, sensors, settings for simulations
 links                mass properties, visuals, collisions
 collisions           collision shapes of each link
 fitted_collisions    shapes fitted to the solids of a link
+scored_collisions    scores of these shapes for the report
 given_inertials      the `inertial` of links against their geometry
 """
 
@@ -44,6 +45,7 @@ from .links import Links, is_complete
 from .masses import masses
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies, report_choices, report_massless
+from .scored_collisions import ScoredCollisions
 from .up_axis import report_up_axis
 
 
@@ -58,6 +60,8 @@ class Built:
     """Each body of the assembly, measured."""
     joint_table: tuple[JointRow, ...]
     """The pose of every joint and closure as drawn, and how it was found."""
+    collisions: ScoredCollisions
+    """The collision shapes of each link, scored on request, after ``double_counting`` has reported."""
 
 
 def build_robot(
@@ -130,7 +134,8 @@ def build_robot(
     robot = tune_actuators(robot, sidecar, found)
     rows = joint_table(frames, joints, closures)
     report_up_axis(binder, claims, root, rows)
-    return Built(robot, double_counting, bodies, rows)
+    scored = ScoredCollisions(binder, claims, robot, X_WL, bodies, cache, process)
+    return Built(robot, double_counting, bodies, rows, scored)
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:

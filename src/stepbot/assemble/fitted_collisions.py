@@ -19,7 +19,7 @@ from stepbot.report.record import MeasuredBody
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
 from stepbot.sidecar.document import CollisionShape
-from stepbot.step.assembly import Assembly, AxisFace
+from stepbot.step.assembly import Assembly, AxisFace, Component
 
 from .binder import Binder
 from .claims import Claims
@@ -97,9 +97,20 @@ class FittedCollisions:
         return self._sets[joined]
 
 
+def closed_parts(assembly: Assembly, indices: Sequence[int]) -> tuple[int, ...]:
+    """Those of components whose meshes are closed."""
+    return tuple(index for index in indices if _is_closed(assembly, index))
+
+
+def missing_volume(components: Sequence[Component], bodies: Sequence[MeasuredBody]) -> float:
+    """Exact volume [m^3] of components, minus that of their meshes."""
+    measured = [bodies[component.body] for component in components]
+    return sum(body.used.mass - body.mesh.mass for body in measured if body.used is not None and body.mesh is not None)
+
+
 def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule) -> Joined | None:
     """The closed solids among components; None without any."""
-    closed = tuple(index for index in indices if _is_closed(assembly, index))
+    closed = closed_parts(assembly, indices)
     return Joined(closed, rule) if closed else None
 
 
@@ -141,21 +152,17 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody]) 
     X_AW = components[0].X_WC.inverse()
     solids: list[PlacedSolid] = []
     faces: list[AxisFace] = []
-    missing = 0.0
     for component in components:
         body = assembly.bodies[component.body]
         X_AC = tidy(X_AW @ component.X_WC) if component is not components[0] else IDENTITY
         solids.append(PlacedSolid(body.mesh, X_AC))
         faces += [face.moved(X_AC) for face in body.axis_faces if not face.cone]
-        measured = bodies[component.body]
-        if measured.used is not None and measured.mesh is not None:
-            missing += measured.used.mass - measured.mesh.mass
     shafts = sorted((face for face in faces if not face.bore), key=lambda face: -face.radius * (face.high - face.low))
     rule = joined.rule
     assert rule.max_vertices is not None
     return Wanted(
         tuple(solids),
-        missing,
+        missing_volume(components, bodies),
         tuple(Shaft(np.array(face.point), np.array(face.direction), face.radius) for face in shafts[:_SHAFTS]),
         tuple(Bore(np.array(face.point), np.array(face.direction), face.radius) for face in faces if face.bore),
         rule.shape is CollisionShape.AUTO,

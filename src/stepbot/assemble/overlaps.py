@@ -68,7 +68,7 @@ class OverlapSearch:
         if self._known is None:
             self._search = _search(assembly, weighed, masses, max_faces)
             if process is not None and self._search.groups:
-                self._process = process.submit("overlaps", self._search)
+                self._process = process.submit("overlaps", self._search, more=True)
 
     def result(self, timeout: float = DEFAULT_TIMEOUT) -> Mapping[str, Overlaps]:
         """The overlaps of each link, the heaviest pair first.

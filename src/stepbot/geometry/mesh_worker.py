@@ -13,6 +13,7 @@ from stepbot.runtime.worker import WorkerDied
 from . import mass_properties as measure
 from .mass_properties import measured_all
 from .solids import manifolds
+from .solids.collision_scores import collision_scores
 from .solids.collision_sets import collision_sets
 from .solids.overlapping import overlaps_of
 
@@ -23,6 +24,7 @@ _TASKS: dict[str, Callable[[Any], Any]] = {
     "measures": measured_all,
     "collisions": collision_sets,
     "overlaps": overlaps_of,
+    "scores": collision_scores,
 }
 
 
@@ -33,9 +35,9 @@ def prepare() -> None:
 
 
 def compute(task: str, question: Any) -> Any:
-    """``measures`` of meshes, ``collisions`` of solids, ``overlaps`` of a search.
+    """``measures`` of meshes, ``collisions`` of solids, ``overlaps`` of a search, ``scores`` of shapes.
 
-    See :func:`.measured_all`, :func:`.collision_sets` and :func:`.overlaps_of`.
+    See :func:`.measured_all`, :func:`.collision_sets`, :func:`.overlaps_of` and :func:`.collision_scores`.
     """
     return _TASKS[task](question)
 

@@ -125,6 +125,7 @@ def _produce(
             urdf = main_file(lowered[URDF.name], URDF)
             by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
         built.double_counting.report(options.timeout)
+        shapes = built.collisions.result(options.timeout)
         if options.strict:
             found.make_strict()
         found.raise_if_errors()
@@ -135,6 +136,7 @@ def _produce(
     names = {asset.path: asset.source for asset in robot.meshes}
     report = replace(report, files=_listed(lowered, formats))
     report = replace(report, inputs=inputs, names=names, bodies=built.bodies, joint_table=built.joint_table)
+    report = replace(report, collision_shapes=shapes)
     if options.strict:
         found.make_strict()
     files = {**joined(by_format), REPORT: report_bytes(report, found)}

@@ -14,7 +14,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.version import __version__
 
 from .joint_table import joint_table_document
-from .record import Check, MeasuredBody, Report, Status
+from .record import Check, LinkCollision, MeasuredBody, Report, Status
 from .robot import mass_document, number, robot_document
 
 VERSION = 1
@@ -49,6 +49,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "inputs": dict(report.inputs),
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],
+        "collision_shapes": [_link_collision(one) for one in report.collision_shapes],
         "joint_table": joint_table_document(report.joint_table),
         "diagnostics": [_diagnostic(diagnostic) for diagnostic in diagnostics],
     }
@@ -79,6 +80,18 @@ def _body(body: MeasuredBody) -> Json:
         "deviation": number(body.deviation),
         "error": number(body.error),
         "written": body.written,
+    }
+
+
+def _link_collision(one: LinkCollision) -> Json:
+    return {
+        "link": one.link,
+        "rule": one.rule,
+        "shapes": dict(one.shapes),
+        "vertices": one.vertices,
+        "most_vertices": one.most_vertices,
+        "iou": number(one.iou),
+        "overshoot": number(one.overshoot),
     }
 
 

@@ -107,6 +107,25 @@ class WrittenFile:
 
 
 @dataclass(frozen=True)
+class LinkCollision:
+    """The collision shapes of a link, and how well they match its solids."""
+
+    link: str
+    rule: str
+    """``auto``, ``hull``, ``merged box``; ``given`` for a list in the sidecar."""
+    shapes: Mapping[str, int]
+    """Number of boxes, cylinders, spheres, capsules, hulls, meshes."""
+    vertices: int
+    """Of all hulls and meshes."""
+    most_vertices: int
+    """Of one hull or mesh."""
+    iou: float | None
+    """Volume of the intersection with the solids / volume of the union; None without closed solids."""
+    overshoot: float | None
+    """Largest distance [m] of a point of the shapes from the solids; None without closed solids."""
+
+
+@dataclass(frozen=True)
 class Report:
     """The verification results."""
 
@@ -129,6 +148,8 @@ class Report:
     names: Mapping[str, str] = field(default_factory=dict)
     """Names in the files, and the original names in the STEP."""
     bodies: tuple[MeasuredBody, ...] = ()
+    collision_shapes: tuple[LinkCollision, ...] = ()
+    """Of each link that has any."""
     joint_table: tuple[JointRow, ...] = ()
     """The pose of each joint, for review; for compared files, of the first one."""
     own_parsers: tuple[str, ...] = ()

@@ -296,8 +296,8 @@ def _dynamics(body: Body, q: Mapping[str, float], rates: Rates) -> Dynamics:
 
 def _complaints(lines: Sequence[str], request: Request) -> list[str]:
     """The messages among printed lines, without folders and positions in PyBullet's source."""
-    text = "\n".join(line for line in lines if line.strip() != _PLAIN).replace(
-        str(Path(request.file).parent) + os.sep, ""
-    )
+    # A message ends without a line feed, so what getMeshData prints may follow it on its line.
+    own = (line.rstrip().removesuffix(_PLAIN) for line in lines)
+    text = "\n".join(own).replace(str(Path(request.file).parent) + os.sep, "")
     parts = re.split(r"b3(?:Warning|Error|Printf)\[[^\[\]]*\]:", text)
     return [" ".join(part.split()) for part in parts if part.strip()]

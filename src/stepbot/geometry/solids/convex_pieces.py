@@ -21,11 +21,12 @@ from .manifolds import hull_points, hull_volume, mesh_arrays
 
 FILLED = 0.95
 """Share of the total volume of its pieces' hulls that a solid has to fill."""
-_COARSE = 1e-3
-"""Tolerance of the simplified mesh, as a share of the diagonal."""
-_PLANES = 40
+_COARSE = (1e-3, 2e-3, 4e-3)
+"""Tolerances of the simplified mesh, as shares of the diagonal: the first that leaves :data:`_FEW` triangles."""
+_FEW = 1500
+_PLANES = 30
 """Number of planes of faces to try."""
-_ACROSS = 5
+_ACROSS = 4
 """Number of planes across the solid to try along each axis."""
 _NARROWEST = 0.05
 """Radius of a bore, as a share of the diagonal, from which planes through its axis are tried."""
@@ -91,7 +92,8 @@ class _Solid:
             counts &= _reaching(points @ plane.normal - plane.offset, edges)
         renumbered = np.cumsum(counts) - 1
         self.points = points[counts]
-        self.edges = renumbered[edges[counts[edges].all(axis=1)]]
+        # Columns are contiguous: they are read for every plane that is tried.
+        self.edges = np.asfortranarray(renumbered[edges[counts[edges].all(axis=1)]])
 
     def above(self, plane: _Plane) -> "_Solid":
         """The part of this solid that the plane's normal points to."""
@@ -125,9 +127,7 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], max_pieces: int) -> list[Ar
     """
     points, faces = mesh_arrays(solid)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    coarse = solid.simplify(_COARSE * diagonal)
-    if coarse.is_empty() or coarse.volume() <= 0.0:
-        coarse = solid
+    coarse = _simplified(solid, diagonal)
     pieces = [_Piece(_Solid(solid), _Solid(coarse))]
     normals, offsets = _candidates(points, faces, bores, diagonal)
     blind = 0
@@ -150,6 +150,19 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], max_pieces: int) -> list[Ar
             blind = 0
         pieces[best : best + 1] = _halves(pieces[best], cut.plane)
     return _merged(pieces)
+
+
+def _simplified(solid: Any, diagonal: float) -> Any:
+    """A mesh with fewer triangles, on which cuts are compared."""
+    coarse = solid
+    for tolerance in _COARSE:
+        made = coarse.simplify(tolerance * diagonal)
+        if made.is_empty() or made.volume() <= 0.0:
+            break
+        coarse = made
+        if coarse.num_tri() <= _FEW:
+            break
+    return coarse
 
 
 def _rank(cut: _Cut | None, total: float) -> float:
@@ -196,6 +209,8 @@ def _sides(solid: _Solid, heights: Array) -> tuple[Array, Array]:
 def _reaching(heights: Array, edges: Any) -> Any:
     """Which points are above a plane, or have an edge to one that is: a face on the plane has far corners."""
     beyond = heights > _ON
+    if not (np.abs(heights) <= _ON).any():
+        return beyond
     reaching = beyond.copy()
     reaching[edges[beyond[edges[:, 0]], 1]] = True
     reaching[edges[beyond[edges[:, 1]], 0]] = True

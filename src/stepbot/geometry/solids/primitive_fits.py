@@ -54,7 +54,7 @@ def fitted_primitive(points: Array, volume: float, axes: Array, shafts: Sequence
         shafts: Cylindrical faces to align cylinders and capsules with.
     """
     best: Fit | None = None
-    for shape, X_AG in _candidates(points, axes, shafts):
+    for shape, X_AG in _candidates(points, volume, axes, shafts):
         filled = volume / primitive_volume(shape)
         if filled >= FILLED and (best is None or filled > best.filled + _EQUAL):
             best = Fit(shape, X_AG, filled)
@@ -71,21 +71,37 @@ def primitive_volume(shape: Primitive) -> float:
     return pi * shape.radius**2 * (shape.length + domes)
 
 
-def _candidates(points: Array, axes: Array, shafts: Sequence[Shaft]) -> Iterator[tuple[Primitive, Pose]]:
-    """The simpler primitives first."""
+def _candidates(points: Array, volume: float, axes: Array, shafts: Sequence[Shaft]) -> Iterator[tuple[Primitive, Pose]]:
+    """The simpler primitives first; only those that the solid can fill, by their extent."""
     R = axes.T
     box = box_around(points @ R)
     if box is not None:
         yield box[0], Pose.of(R, R @ box[1].p)
     for shaft in shafts:
         yield from _cylinder_on(points, shaft)
-    for found in (cylinder_around(points, axes), sphere_around(points), capsule_around(points, axes)):
-        if found is not None:
-            yield found
-    for shaft in shafts:
-        capsule = capsule_around(points, [shaft.direction])
-        if capsule is not None:
-            yield _exact_capsule(capsule[0], shaft), capsule[1]
+    directions = [*axes, *(shaft.direction for shaft in shafts)]
+    sizes = [_size_along(points, direction) for direction in directions]
+    for direction, (radius, length) in zip(axes, sizes[:3], strict=True):
+        if volume >= FILLED * primitive_volume(Cylinder(radius, length)):
+            found = cylinder_around(points, [direction])
+            if found is not None:
+                yield found
+    if volume >= FILLED * primitive_volume(Sphere(max(radius for radius, _ in sizes))):
+        ball = sphere_around(points)
+        if ball is not None:
+            yield ball
+    for i, (direction, (radius, length)) in enumerate(zip(directions, sizes, strict=True)):
+        if length > 2.0 * radius and volume >= FILLED * primitive_volume(Capsule(radius, length - 2.0 * radius)):
+            capsule = capsule_around(points, [direction])
+            if capsule is not None:
+                yield (_exact_capsule(capsule[0], shafts[i - 3]) if i >= 3 else capsule[0]), capsule[1]
+
+
+def _size_along(points: Array, direction: Array) -> tuple[float, float]:
+    """A lower bound of the radius across a direction, and the length along it [m]."""
+    local = points @ perpendicular_frame(direction)
+    x, y, z = np.ptp(local, axis=0).tolist()
+    return 0.5 * max(x, y), z
 
 
 def _cylinder_on(points: Array, shaft: Shaft) -> Iterator[tuple[Cylinder, Pose]]:

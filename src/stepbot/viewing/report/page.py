@@ -16,7 +16,7 @@ from .markup import Markup, element, joined
 from .numbers import mass_text
 from .reduction import Reduced, reduced
 from .result_tables import Places, findings_section, inputs_section, proof_section
-from .robot_tables import bodies_section, joints_section, masses_section
+from .robot_tables import bodies_section, collisions_section, joints_section, masses_section
 
 STYLES = ("style.css", "report.css")
 _GENERATOR = f"Written by stepbot {__version__}."
@@ -48,6 +48,7 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
         masses_section(robot),
         proof_section(report),
         findings_section(found, lines, names),
+        collisions_section(report.collision_shapes),
         bodies_section(report.bodies),
         inputs_section(report),
         element(

@@ -1,10 +1,11 @@
-"""Joints with their evidence, masses with their sources, bodies measured twice."""
+"""Joints with their evidence, masses with their sources, collision shapes with their scores, bodies measured twice."""
 
 from collections.abc import Iterable
 
 from stepbot.geometry.sums import exact_sum
+from stepbot.report.collision_words import shape_words
 from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
-from stepbot.report.record import MeasuredBody
+from stepbot.report.record import LinkCollision, MeasuredBody
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import ComponentMass, Joint, JointKind, Link, Robot
@@ -135,6 +136,29 @@ def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
         for one in masses
     )
     return element("details", element("summary", summary), table(headings, rows))
+
+
+def collisions_section(shapes: Iterable[LinkCollision]) -> Markup | None:
+    """The collision shapes of every link, and how well they match its solids."""
+    rows = [
+        element(
+            "tr",
+            element("th", one.link),
+            element("td", one.rule),
+            element("td", shape_words(one.shapes)),
+            element("td.number", one.vertices),
+            cell("" if one.iou is None else f"{one.iou:.3f}", one.iou),
+            cell("" if one.overshoot is None else f"{1e3 * one.overshoot:.2f} mm", one.overshoot),
+            data_link=one.link,
+        )
+        for one in shapes
+    ]
+    if not rows:
+        return None
+    headings = ("link", "rule", "shapes", "vertices", "intersection / union", "overshoot")
+    note = "Intersection over union of the shapes and the solids, by volume; overshoot is how far the shapes reach."
+    heading = element("h2", "Collision shapes")
+    return element("section", heading, table(headings, rows), element("p.quiet", note), id="collision-table")
 
 
 def bodies_section(bodies: Iterable[MeasuredBody]) -> Markup | None:

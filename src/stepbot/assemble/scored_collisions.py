@@ -1,0 +1,122 @@
+"""Scores of the collision shapes of each link against its solids, for the report."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from stepbot.geometry.mesh_worker import report_death
+from stepbot.geometry.solids.collision_scores import CollisionScore, PlacedShape, Unscored, collision_scores
+from stepbot.geometry.solids.collision_sets import PlacedSolid
+from stepbot.geometry.spatial import Pose, tidy
+from stepbot.report.record import LinkCollision, MeasuredBody
+from stepbot.robot.model import Geometry, Link, MeshRef, Robot
+from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
+from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
+from stepbot.sidecar.document import Document
+
+from .binder import Binder
+from .claims import Claims
+from .collision_rules import is_merged, link_rule
+from .fitted_collisions import closed_parts, missing_volume
+
+
+class ScoredCollisions:
+    """The collision shapes of a robot, which are scored when the report needs it."""
+
+    def __init__(
+        self,
+        binder: Binder,
+        claims: Claims,
+        robot: Robot,
+        X_WL: Mapping[str, Pose],
+        bodies: Sequence[MeasuredBody],
+        cache: Cache | None,
+        process: Worker | None,
+    ) -> None:
+        """Keep what scores need; computes nothing.
+
+        Args:
+            binder: The assembly and the sidecar; its collector receives SB902.
+            claims: The link of each component.
+            robot: The robot.
+            X_WL: Frame of each link as drawn.
+            bodies: Each body of the assembly, measured.
+            cache: Cache of scores; None to disable it.
+            process: Worker of :mod:`stepbot.geometry.mesh_worker`, idle when the scores are requested; None to compute
+                in this process.
+        """
+        self._binder, self._claims, self._robot, self._bodies = binder, claims, robot, bodies
+        self._X_WL = X_WL
+        self._results, self._process = TypedCache(cache, CollisionScore), process
+
+    def result(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[LinkCollision, ...]:
+        """The shapes of every link that has any, with their scores; without scores after SB902."""
+        links = [link for link in self._robot.links if link.collisions]
+        scores = self._scores({link.name: self._unscored(link) for link in links}, timeout)
+        return tuple(self._record(link, scores.get(link.name, CollisionScore())) for link in links)
+
+    def _scores(self, unscored: Mapping[str, Unscored], timeout: float) -> dict[str, CollisionScore]:
+        keys = {name: _key(one) for name, one in unscored.items()}
+        known = {name: self._results.get(key) for name, key in keys.items()}
+        scores = {name: score for name, score in known.items() if score is not None}
+        left = {name: one for name, one in unscored.items() if name not in scores}
+        if not left:
+            return scores
+        wanted = tuple(left.values())
+        try:
+            submitted = None if self._process is None else self._process.submit("scores", wanted, more=True)
+            made = collision_scores(wanted) if submitted is None else submitted.result(timeout)
+        except WorkerDied as death:
+            report_death(death, "scores collision shapes", self._binder.span(("links",)), self._binder.found)
+            return scores
+        for name, score in zip(left, made, strict=True):
+            self._results.put(keys[name], score)
+        return scores | dict(zip(left, made, strict=True))
+
+    def _unscored(self, link: Link) -> Unscored:
+        """The closed solids of a link and its shapes, in the frame of the first component."""
+        assembly = self._binder.assembly
+        parts = [assembly.components[index] for index in closed_parts(assembly, self._claims.parts_of(link.name))]
+        if not parts:
+            return Unscored((), 0.0, ())
+        X_AW = parts[0].X_WC.inverse()
+        X_AL = X_AW @ self._X_WL[link.name]
+        solids = tuple(PlacedSolid(assembly.bodies[part.body].mesh, tidy(X_AW @ part.X_WC)) for part in parts)
+        shapes = []
+        for shape in link.collisions:
+            of = shape.geometry
+            geometry = self._robot.mesh_by_name[of.name].mesh if isinstance(of, MeshRef) else of
+            shapes.append(PlacedShape(geometry, tidy(X_AL @ shape.X_LG)))
+        return Unscored(solids, missing_volume(parts, self._bodies), tuple(shapes))
+
+    def _record(self, link: Link, score: CollisionScore) -> LinkCollision:
+        meshes = [self._robot.mesh_by_name[of.name].mesh for of in _geometries(link) if isinstance(of, MeshRef)]
+        rule = _rule(link.name, self._binder.document)
+        counts = Counter(type(of).__name__.lower() for of in _geometries(link) if not isinstance(of, MeshRef))
+        if meshes:
+            counts["mesh" if rule == "mesh" else "hull"] += len(meshes)
+        vertices = tuple(len(mesh.vertices) for mesh in meshes)
+        return LinkCollision(
+            link.name,
+            rule,
+            dict(sorted(counts.items())),
+            sum(vertices),
+            max(vertices, default=0),
+            score.iou,
+            score.overshoot,
+        )
+
+
+def _geometries(link: Link) -> list[Geometry]:
+    return [shape.geometry for shape in link.collisions]
+
+
+def _rule(link: str, document: Document) -> str:
+    """The rule of a link in words: ``auto``, ``merged hull``, ``given``."""
+    rule = link_rule(link, document)
+    if rule is None:
+        return "given"
+    return f"merged {rule.shape.value}" if is_merged(link, document) else rule.shape.value
+
+
+def _key(unscored: Unscored) -> str:
+    return Digest("collision score").add(environment(), codec_of(Unscored).encode(unscored)).key
