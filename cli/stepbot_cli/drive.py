@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Options
 
-_TESTS = ("hold", "step", "sweep", "torque", "drop", "grip", "roll", "stand")
+_TESTS = ("hold", "step", "sweep", "torque", "drop", "grip", "roll", "strafe", "stand")
 _ENGINES = ("mujoco", "pybullet")
 _NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}}
 

@@ -90,6 +90,14 @@ LIMITS: Mapping[str, Mapping[str, Bound]] = {
         "return error": Bound(30.0, "5 % of the way of 0.6 m"),
         "tilt": Bound(3.0, "all wheels stay on the floor"),
     },
+    "strafe": {
+        **_ANY,
+        "distance error": Bound(10.0, "rollers slip more than wheels: each of them starts and stops several times"),
+        "heading": Bound(3.0, "50 mm aside per metre"),
+        "sideways": Bound(30.0, "with the heading above, on the way of 0.6 m"),
+        "return error": Bound(60.0, "10 % of the way of 0.6 m"),
+        "tilt": Bound(3.0, "all wheels stay on the floor"),
+    },
     "stand": {
         **_ANY,
         "tilt at rest": Bound(5.0, "the trunk stays level on equal legs"),

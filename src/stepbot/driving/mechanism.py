@@ -18,6 +18,7 @@ from stepbot.robot.posing import posed
 _LEVEL = 0.1
 """Cosine of the angle between an axle and the vertical up to which the axle counts as horizontal."""
 _FEWEST_LIMBS = 2
+_FEWEST_ROLLERS = 3
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class Wheels:
     wheels: tuple[Wheel, ...]
     direction: tuple[float, float, float]
     """Direction of driving forwards, in the root link."""
+    rollers: tuple[tuple[str, ...], ...] = ()
+    """Joints of the rollers of each wheel, if all wheels have some: mecanum wheels, which can drive sideways."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,19 @@ def wheels_of(mechanism: Mechanism) -> Wheels | None:
     ahead = found[0][2] / np.linalg.norm(found[0][2])
     ahead = ahead if ahead @ (1.0, 1e-3, 0.0) > 0.0 else -ahead
     wheels = tuple(Wheel(motor.name, link, float(np.sign(way @ ahead))) for motor, link, way in found)
-    return Wheels(wheels, (float(ahead[0]), float(ahead[1]), float(ahead[2])))
+    rollers = tuple(_rollers(robot, wheel.link) for wheel in wheels)
+    all_have = all(len(names) >= _FEWEST_ROLLERS for names in rollers)
+    return Wheels(wheels, (float(ahead[0]), float(ahead[1]), float(ahead[2])), rollers if all_have else ())
+
+
+def _rollers(robot: Robot, wheel: str) -> tuple[str, ...]:
+    """Continuous joints without a motor on a wheel."""
+    driven = {actuator.joint for actuator in robot.actuators}
+    return tuple(
+        joint.name
+        for joint in robot.joints
+        if joint.parent == wheel and joint.kind is JointKind.CONTINUOUS and joint.name not in driven
+    )
 
 
 def limbs_of(mechanism: Mechanism) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ TESTS = {
     "drop": "falls on the floor, or limp if the base is fixed",
     "grip": "holds a cube",
     "roll": "drives straight ahead and back",
+    "strafe": "drives to the left and back",
     "stand": "stands, and is pushed",
 }
 """All tests, in the order in which they run, and what the robot does."""
@@ -53,5 +54,6 @@ def reasons(
         "roll": ""
         if wheels
         else "no velocity actuator on a continuous joint with a horizontal axle, on a floating base",
+        "strafe": "" if wheels and wheels.rollers else "no wheels with three or more passive rollers each",
         "stand": "" if limbs and not wheels else "no floating base with two or more limbs of two motors each",
     }

@@ -1,5 +1,6 @@
-"""Roll: a wheeled base drives straight ahead and back."""
+"""Roll: a wheeled base drives straight ahead and back. Strafe, in :mod:`.strafe`, is the same to the left."""
 
+from collections.abc import Callable, Mapping
 from math import atan2, degrees, hypot
 
 import numpy as np
@@ -20,8 +21,29 @@ _SPEED = 0.3
 _SHARE = 0.5
 
 
+Spins = Callable[[Simulation, Wheels], Mapping[str, float]]
+"""Speed of each wheel's motor, per speed of the base over the radius of the wheels."""
+
+
 def experiment(stage: Stage) -> Result:
     """Drive ahead and back at constant speed."""
+    assert stage.wheels is not None
+    return drive(stage, "roll", stage.wheels.direction, lambda simulation, wheels: _forwards(wheels))
+
+
+def _forwards(wheels: Wheels) -> Mapping[str, float]:
+    return {wheel.motor: wheel.forwards for wheel in wheels.wheels}
+
+
+def drive(stage: Stage, test: str, direction: tuple[float, float, float], spins: Spins) -> Result:
+    """Drive in a direction and back at constant speed.
+
+    Args:
+        stage: The robot.
+        test: Name of the test.
+        direction: Unit vector in the root link.
+        spins: The wheels' speeds for that direction.
+    """
     assert stage.wheels is not None
     wheels, root, gaps = stage.wheels, stage.mechanism.robot.root.name, Gaps(stage)
     times, path, tilts, clock = [], [], [], 0.0
@@ -30,6 +52,7 @@ def experiment(stage: Stage) -> Result:
         radius = _radius(simulation, wheels)
         fastest = min(stage.motor(wheel.motor).limit.velocity for wheel in wheels.wheels)
         speed = min(_SPEED, _SHARE * fastest * radius)
+        per_speed = spins(simulation, wheels)
         places = {}
         for name, sign, seconds in (
             ("start", 0.0, _SETTLE),
@@ -38,18 +61,18 @@ def experiment(stage: Stage) -> Result:
             ("back", -1.0, _SECONDS),
             ("end", 0.0, _STOP),
         ):
-            spin = {wheel.motor: sign * wheel.forwards * speed / radius for wheel in wheels.wheels}
+            spin = {motor: sign * turn * speed / radius for motor, turn in per_speed.items()}
             simulation.command({**stage.home, **spin})
             for time in run(simulation, seconds):
                 X_WR = simulation.pose(root)
                 gaps.measure(simulation)
                 times.append(clock + time)
-                path.append(MM * float(X_WR.p @ np.array(wheels.direction)))
+                path.append(MM * float(X_WR.p @ np.array(direction)))
                 tilts.append(degrees(atan2(hypot(X_WR.R[2, 0], X_WR.R[2, 1]), X_WR.R[2, 2])))
             clock = times[-1]
             places[name] = simulation.pose(root)
     start, there, end = (places[name] for name in ("start", "there", "end"))
-    ahead = np.array(wheels.direction)
+    ahead = np.array(direction)
     side = np.cross((0.0, 0.0, 1.0), ahead)
     gone, back = start.R.T @ (there.p - start.p), start.R.T @ (end.p - start.p)
     expected = speed * _SECONDS
@@ -62,8 +85,8 @@ def experiment(stage: Stage) -> Result:
         Measure("tilt", max(tilts)),
         *gaps.measures(),
     )
-    curves = {"way ahead [mm]": thinned(times, path)}
-    return Result("roll", measures, Plot("time [s]", "way [mm]", curves))
+    curves = {"way [mm]": thinned(times, path)}
+    return Result(test, measures, Plot("time [s]", "way [mm]", curves))
 
 
 def _radius(simulation: Simulation, wheels: Wheels) -> float:
