@@ -16,6 +16,10 @@ pytestmark = pytest.mark.slow
     [
         pytest.param("simple_pendulum.step", 2, ["revolute"], marks=pytest.mark.long),
         ("two_joint_servo_arm_ap242.step", 3, ["revolute", "revolute"]),
+        # Two coupled loops that reach a dead centre.
+        pytest.param(
+            "openarm_leader_gripper.step", 6, ["prismatic", "prismatic", *["revolute"] * 3], marks=pytest.mark.long
+        ),
     ],
 )
 def test_draft_of_a_real_assembly_converts(

@@ -159,6 +159,8 @@ class ObservedClosure:
     """Largest gap [m] of the closure over the mechanism's range."""
     angle_error: float | None = None
     """Largest deviation [rad or m] of the engine's closed configuration from the reference's, over the range."""
+    sensitivity: float = 0.0
+    """Largest motion [rad/m], [m/m] of the following joints per gap of the loops, over the range; in the reference."""
 
     @classmethod
     def of_frames(

@@ -9,6 +9,7 @@ from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, without_contacts
+from stepbot.robot.loop_sensitivity import loop_sensitivity
 from stepbot.robot.model import (
     Actuator,
     ActuatorKind,
@@ -50,6 +51,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
     tree = Tree(robot)
     closed = [q for way in request.ways for q in way]
     poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
+    sensitivity = loop_sensitivity(robot, closed, request.driven)
     equations = [equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments]
     return Observation(
         engine=NAME,
@@ -63,7 +65,10 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
         coordinates=tree.joints,
         poses=poses,
         dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations),
-        closures=tuple(_closure(closure, poses[len(request.configurations) :]) for closure in robot.closures),
+        closures=tuple(
+            replace(_closure(closure, poses[len(request.configurations) :]), sensitivity=sensitivity)
+            for closure in robot.closures
+        ),
         frames={frame.name: (frame.link, frame.X_LF) for frame in robot.frames},
         actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
         sensors=tuple(_sensor(sensor) for sensor in robot.sensors),

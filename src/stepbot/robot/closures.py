@@ -129,9 +129,10 @@ class Loops:
             for closure in robot.closures
         ]
         reach = max((float(np.linalg.norm(X.p)) for c in robot.closures for X in (c.X_AF, c.X_BF)), default=0.0)
-        self._per_length = 1.0 / (reach or 1.0)
+        self.per_length = 1.0 / (reach or 1.0)
+        """Unit of lengths in residuals [1/m]: the inverse of the mechanism's own reach."""
         self.closed_distance = max(CLOSED_DISTANCE, 2.0 * RANK_TOLERANCE * reach)
-        self.closed_share = self.closed_distance * self._per_length
+        self.closed_share = self.closed_distance * self.per_length
         """Norm of the residual of closed loops, in its unit."""
 
     def constraints(self, u: Array) -> tuple[Array, Array]:
@@ -147,9 +148,9 @@ class Loops:
             R_FW = X_WF[..., :3, :3].swapaxes(-1, -2)
             X_FG = np.zeros((*many, 4, 4))
             X_FG[..., :3, :3] = R_FW @ X_WG[..., :3, :3]
-            X_FG[..., :3, 3:] = R_FW @ (X_WG - X_WF)[..., :3, 3:] * self._per_length
+            X_FG[..., :3, 3:] = R_FW @ (X_WG - X_WF)[..., :3, 3:] * self.per_length
             turn = np.zeros((*many, 6, 6))
-            turn[..., :3, :3], turn[..., 3:, 3:] = R_FW, R_FW * self._per_length
+            turn[..., :3, :3], turn[..., 3:, 3:] = R_FW, R_FW * self.per_length
             J_F = turn @ self.tree.jacobian(X, a, X_WF[..., :3, 3])
             J_G = turn @ self.tree.jacobian(X, b, X_WG[..., :3, 3])
             residual, J = constraint_rows(closure, X_FG, J_F, J_G)
@@ -290,7 +291,7 @@ def close_loops(robot: Robot, guess: Configuration, driven: Sequence[str]) -> di
         DoesNotClose: The residual does not fall below the tolerance.
     """
     loops = Loops(robot)
-    free = _free(loops.tree, driven)
+    free = following(loops.tree, driven)
     return loops.tree.named(loops.closed(loops.tree.vector(guess), free))
 
 
@@ -311,7 +312,7 @@ def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str,
         return ()
     loops = Loops(robot)
     driven = driven_joints(robot)
-    free = _free(loops.tree, driven)
+    free = following(loops.tree, driven)
     start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     _, J = loops.constraints(start)
     in_loops = [name for i, name in enumerate(loops.tree.independent) if name in driven and J[:, i].any()]
@@ -326,7 +327,8 @@ def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str,
     return tuple(ways) or ((loops.tree.named(start),),)
 
 
-def _free(tree: Tree, driven: Sequence[str]) -> list[int]:
+def following(tree: Tree, driven: Sequence[str]) -> list[int]:
+    """Indices of the independent joints that are not driven."""
     return [i for i, name in enumerate(tree.independent) if name not in driven]
 
 
