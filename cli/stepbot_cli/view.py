@@ -59,7 +59,7 @@ def command(
     is written.
     """
     from stepbot.serving.session import Session
-    from stepbot.serving.watching import Prover
+    from stepbot.serving.watching import Prover, follow
 
     found = Diagnostics()
     drafted = ""
@@ -92,7 +92,10 @@ def command(
                 running.callback(prover.close)
                 session.on_edit = lambda: prover.ask(session)
                 prover.ask(session)
-            threading.Event().wait()
+            ended = threading.Event()
+            if not edit:
+                ended.wait()
+            follow(session, lambda shown: None if shown.diagnostics.has_errors else session.on_edit(), ended)
         except KeyboardInterrupt:
             return 0
     return 0

@@ -65,16 +65,16 @@ def press(page: Page, name: str) -> None:
     page.run("document.querySelector(`#card [data-edit='${arguments[0]}']`).click()", name)
 
 
+def component(page: Page, name: str) -> str:
+    """Path of the first component with a body whose path has a name in it."""
+    script = "return stepbot.state.scene.components.find(one => one.has_body && one.path.includes(arguments[0])).path"
+    return str(page.run(script, name))
+
+
 def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session], cache: Path) -> None:
     """Two clicks and `joint here` make a joint that moves; the YAML has it, comments stay, undo takes it back."""
     session = edited(BARE)
-    paths = {
-        name: page.run(
-            "return stepbot.state.scene.components.find(one => one.has_body && one.path.includes(arguments[0])).path",
-            name,
-        )
-        for name in ("ground bar", "crank")
-    }
+    paths = {name: component(page, name) for name in ("ground bar", "crank")}
     page.click(page.pixel_of("ground", paths["ground bar"]))
     page.wait("return stepbot.state.selection?.component === arguments[0]", paths["ground bar"])
     page.click(page.pixel_of("ground", paths["crank"]), with_control=True)
@@ -100,6 +100,14 @@ def test_from_parts_to_a_mechanism(page: Page, edited: Callable[[str], Session],
     assert text_of(session, cache) == text
 
 
+def flipped_text(good: str) -> str:
+    """The four-bar's sidecar with the axis of its rocker turned round, and its limits with it."""
+    found = good.replace("child: rocker, axis: -z,", "child: rocker, axis: z,")
+    found = found.replace("lower: -15 deg, upper: 70 deg", "lower: -70 deg, upper: 15 deg")
+    assert found.count("axis: z,") > good.count("axis: z,")
+    return found
+
+
 def test_axis_and_limits(page: Page, edited: Callable[[str], Session], robot_library: Path) -> None:
     """`flip axis` and the sliders of limits change their values alone; each is one step back."""
     good = (robot_library / "stepbot_four_bar" / "four_bar.robot.yaml").read_text(encoding="utf-8")
@@ -107,34 +115,41 @@ def test_axis_and_limits(page: Page, edited: Callable[[str], Session], robot_lib
     page.run("stepbot.state.select({connection: 'rocker_swing'})")
     press(page, "flip")
     page.wait("return stepbot.state.scene.connections.find(one => one.name === 'rocker_swing').axis[2] === 1")
-    flipped = good.replace("child: rocker, axis: -z,", "child: rocker, axis: z,")
-    assert flipped != good
+    flipped = flipped_text(good)
     assert session.target.read_text(encoding="utf-8") == flipped
     page.run(
         "const bar = document.querySelector('#card [data-limit=upper]'); bar.value = 75;"
         "bar.dispatchEvent(new Event('input')); bar.dispatchEvent(new Event('change'));"
     )
     page.until(lambda: session.target.read_text(encoding="utf-8") != flipped, "the limit is written")
-    changed = flipped.replace("lower: -15 deg, upper: 70 deg", "lower: -15 deg, upper: 75 deg")
+    changed = flipped.replace("lower: -70 deg, upper: 15 deg", "lower: -70 deg, upper: 75 deg")
     assert session.target.read_text(encoding="utf-8") == changed
     for expected in (flipped, good):
         page.element("#undo").click()
         page.until(lambda expected=expected: session.target.read_text(encoding="utf-8") == expected, "undone")
 
 
-def test_parts_to_links(page: Page, edited: Callable[[str], Session]) -> None:
-    """Parts are assigned to a new link by clicking; a link that hangs on no joint is refused and nothing is written."""
-    session = edited(BARE)
-    path = page.run(
-        "return stepbot.state.scene.components.find(one => one.path.includes('rocker') && one.has_body).path"
-    )
-    page.run("stepbot.state.select({link: 'ground', component: arguments[0]})", path)
-    page.run("document.querySelector('#card [data-edit=link]').value = ''")
-    page.run("document.querySelector('#card [data-edit=new-link]').value = 'rocker'")
+def test_parts_to_links(page: Page, edited: Callable[[str], Session], robot_library: Path, cache: Path) -> None:
+    """A part moves to another link; the card shows its new link and its mass; no link can be made without a joint."""
+    good = (robot_library / "stepbot_four_bar" / "four_bar.robot.yaml").read_text(encoding="utf-8")
+    session = edited(good)
+    path = component(page, "pillar")
+    former = page.run("return stepbot.state.scene.components.find(one => one.path === arguments[0]).link", path)
+    target = "rocker"
+    assert former != target
+    page.run("stepbot.state.select({link: arguments[0], component: arguments[1]})", former, path)
+    assert not page.run("return document.querySelector('#card [data-edit=new-link]')")
     press(page, "assign")
-    page.wait("return document.querySelector('#card .refusal').textContent.includes('check')")
-    assert "SB453" in page.text("#card .refusal")
-    assert session.target.read_text(encoding="utf-8") == BARE
+    page.wait("return document.querySelector('#notice').textContent.includes('already')")
+    page.run("document.querySelector('#card [data-edit=link]').value = arguments[0]", target)
+    press(page, "assign")
+    page.wait("return stepbot.state.selection.link === arguments[0]", target)
+    page.wait("return document.querySelector('#notice').textContent.includes('saved')")
+    card = page.text("#card")
+    assert f"link\n{target}\n" in card
+    assert "mass\n" in card
+    assert page.run("return document.querySelector('#card [data-edit=link]').value") == target
+    assert path in text_of(session, cache)
 
 
 def test_line_ends_and_other_editors(page: Page, edited: Callable[[str], Session], robot_library: Path) -> None:
@@ -144,11 +159,11 @@ def test_line_ends_and_other_editors(page: Page, edited: Callable[[str], Session
     page.run("stepbot.state.select({connection: 'rocker_swing'})")
     press(page, "flip")
     page.wait("return stepbot.state.scene.connections.find(one => one.name === 'rocker_swing').axis[2] === 1")
-    expected = good.replace("child: rocker, axis: -z,", "child: rocker, axis: z,").replace("\n", "\r\n").encode()
+    expected = flipped_text(good).replace("\n", "\r\n").encode()
     assert session.target.read_bytes() == expected
     session.target.write_bytes(expected + b"# a note\r\n")
     page.element("#undo").click()
-    page.wait("return document.querySelector('#card .refusal').textContent.includes('changed elsewhere')")
+    page.wait("return document.querySelector('#notice').textContent.includes('changed elsewhere')")
     assert session.target.read_bytes() == expected + b"# a note\r\n"
     press(page, "flip")
     page.wait("return stepbot.state.scene.connections.find(one => one.name === 'rocker_swing').axis[2] === -1")

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from stepbot.geometry.spatial import Vector3
 from stepbot.robot.joint_table import Basis, Evidence, Rival, Side
-from stepbot.step.features.axes import OUTWEIGHS, AxisLine, LineFace, is_parallel, millimetres
+from stepbot.step.features.axes import DISTANCE_TOLERANCE, OUTWEIGHS, AxisLine, LineFace, is_parallel, millimetres
 from stepbot.step.structure.paths import quoted
 
 RIVALS = 5
@@ -47,6 +47,11 @@ def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
     """Why the evidence for a line without a selector is weak; empty if it is strong."""
     if line.basis is Basis.TOUCH:
         a, b = line.faces
+        if abs(a.radius - b.radius) <= DISTANCE_TOLERANCE and a.bore == b.bore:
+            both = f"two {'bores' if a.bore else 'shafts'} of radius {millimetres(a.radius)}"
+            return f"{both} {_along(line)}, and no shaft is in a bore"
+        if abs(a.radius - b.radius) <= DISTANCE_TOLERANCE:
+            return f"{_face(a)} and {_face(b)} {_along(line)}, but the shaft is not in the bore"
         return f"{_face(a)} and {_face(b)} {_along(line)}, but their radii do not match"
     wider = [one for one in others if one.basis is Basis.TOUCH and one.weight >= OUTWEIGHS * line.weight]
     if wider and line.basis is not Basis.AXIS:

@@ -12,6 +12,7 @@ from typing import Any
 from stepbot.assemble.assets import MeshAssets
 from stepbot.authoring.draft import Draft, DraftConnection, DraftJoint
 from stepbot.geometry.spatial import IDENTITY, Pose, perpendicular_frame, unit, vector3
+from stepbot.report.joint_words import direction_words, point_words
 from stepbot.robot.model import GREY, Joint, JointKind, Limit, Link, LoopClosure, Robot, Visual
 from stepbot.robot.shared_meshes import share_meshes
 from stepbot.step.assembly import Assembly, BodyKind
@@ -60,6 +61,8 @@ def _evidence(one: DraftConnection) -> Json:
     return {
         "evidence": "; ".join((f"a guess, score {one.confidence.score:.2f}", *one.confidence.evidence)),
         "doubt": one.review or weak,
+        "at": point_words(one.point),
+        "along": "" if one.direction is None else direction_words(vector3(unit(one.direction))),
         "others": [f"{other.type.value} between {other.a} and {other.b}" for other in one.alternatives],
     }
 

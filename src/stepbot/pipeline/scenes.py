@@ -8,6 +8,7 @@ from typing import Any
 from stepbot.authoring.draft import Draft
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.robot.step_names import is_step_name, step_stem
+from stepbot.sidecar.draft_comments import drafted_reviews
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
 from stepbot.viewing.scene import scene_document
@@ -115,5 +116,6 @@ def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Show
         if assembly is None:
             return Shown(found, sidecar=path, files=files)
         return _parts_alone(assembly, step_stem(assembly.source), found, path, files)
-    scene = scene_document(built.robot, evidence=evidence_of_rows(built.joint_table), assembly=assembly, found=found)
+    evidence = evidence_of_rows(built.joint_table, drafted_reviews(sidecar.text))
+    scene = scene_document(built.robot, evidence=evidence, assembly=assembly, found=found)
     return Shown(found, scene, assembly, path, files)

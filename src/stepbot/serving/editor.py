@@ -16,6 +16,7 @@ from stepbot.pipeline.scenes import Shown, show_text
 from stepbot.runtime.file import write_file
 from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
+from stepbot.sidecar.located import Sidecar
 
 from .edits import changes_of
 from .local_server import Refused
@@ -42,7 +43,8 @@ class Editor:
             show: Shows what was written.
         """
         self._sidecar, self._options, self._show = sidecar, options, show
-        self._lock = Lock()
+        self.lock = Lock()
+        """Held while the file is read, changed and written."""
         self._done: list[_Step] = []
         self._undone: list[_Step] = []
 
@@ -52,14 +54,11 @@ class Editor:
         Raises:
             Refused: The change is not possible, or `check` would reject the result.
         """
-        with self._lock:
+        with self.lock:
             before = self._content()
             text, newline = _lines(before)
-            sidecar = parse_sidecar(text, self._sidecar, found := Diagnostics())
-            if sidecar is None:
-                raise Refused(_reasons(found, "the sidecar has errors"))
             try:
-                changed = edited(text, changes_of(sidecar.document, question))
+                changed = edited(text, changes_of(self._parsed(text), question))
             except CannotEdit as error:
                 raise Refused(str(error)) from error
             mark = _BYTE_ORDER_MARK if before.startswith(_BYTE_ORDER_MARK) else b""
@@ -87,12 +86,20 @@ class Editor:
         """
         return self._move(self._undone, self._done, back=False)
 
+    def sidecar(self) -> Sidecar:
+        """The sidecar as it is now.
+
+        Raises:
+            Refused: It has errors.
+        """
+        return self._parsed(_lines(self._content())[0])
+
     def state(self) -> Json:
         """Numbers of steps that can be undone and redone."""
         return {"undo": len(self._done), "redo": len(self._undone)}
 
     def _move(self, taken: list[_Step], given: list[_Step], *, back: bool) -> Json:
-        with self._lock:
+        with self.lock:
             if not taken:
                 raise Refused("nothing to undo" if back else "nothing to redo")
             step = taken[-1]
@@ -103,6 +110,12 @@ class Editor:
             given.append(taken.pop())
             self._show(shown)
             return self.state()
+
+    def _parsed(self, text: str) -> Sidecar:
+        sidecar = parse_sidecar(text, self._sidecar, found := Diagnostics())
+        if sidecar is None:
+            raise Refused(_reasons(found, "the sidecar has errors"))
+        return sidecar
 
     def _content(self) -> bytes:
         try:

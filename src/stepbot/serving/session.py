@@ -1,8 +1,8 @@
 """What one page shows and asks: a scene, its verification, faces that were clicked."""
 
 import threading
-from collections.abc import Callable
-from dataclasses import asdict
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +12,18 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.viewing.faces import clicked_face
 from stepbot.viewing.findings import diagnostic_documents, proof_document
-from stepbot.viewing.joining import shared_lines
 from stepbot.viewing.page import page_html
 from stepbot.viewing.scene import scene_text
 
+from .axis_questions import axes_between, axes_of_joint
 from .editor import Editor
 from .local_server import LocalServer, Refused
 
 Json = dict[str, Any]
+
+
+Signature = tuple[tuple[Path, tuple[int, int, int]], ...]
+"""For each file its time [ns], size and number in the file system; zeros for a missing one."""
 
 
 class Session:
@@ -43,6 +47,10 @@ class Session:
         self.target, self._options, self._writes = target, options, writes
         self.files: tuple[Path, ...] = (target,)
         """The files of the last reading, whether it succeeded or not."""
+        self._seen: Signature = ()
+        """The files as they were read or written last."""
+        self._last: Signature = ()
+        """The files at the last call of :meth:`refresh`."""
         self._lock = threading.Lock()
         self._scene = b"null"
         self._shown: Shown | None = None
@@ -54,18 +62,39 @@ class Session:
         if edits:
             self._editor = Editor(target, options, self._edited)
             editor = self._editor
-            answers |= {"edit": editor.edit, "undo": editor.undo, "redo": editor.redo, "between": self._between}
+            answers |= {
+                "edit": editor.edit,
+                "undo": editor.undo,
+                "redo": editor.redo,
+                "between": lambda question: axes_between(self._shown, question),
+                "lines": lambda question: axes_of_joint(self._shown, editor.sidecar(), question),
+            }
         self.server = LocalServer(self._page, lambda: self._scene, answers, port)
 
     def load(self) -> Shown:
         """Read the target and show it; after errors the page keeps the last robot, if there was one."""
+        before = _signature(self.files)
         shown = show(self.target, self._options)
         self.files = shown.files or (self.target,)
+        # A save while it was read is one to show: what was known before counts.
+        self._seen = tuple(sorted({**dict(_signature(self.files)), **dict(before)}.items()))
         if shown.scene is None or (shown.diagnostics.has_errors and self._shown is not None):
             self.server.send("findings", {"diagnostics": diagnostic_documents(shown.diagnostics)})
             return shown
         self._set(shown)
         return shown
+
+    def refresh(self) -> Shown | None:
+        """Read the target again if another program has saved one of its files, and has finished; None otherwise."""
+        now = _signature(self.files)
+        settled, self._last = now == self._last, now
+        if not settled or self._is_shown(now):
+            return None
+        with self._editor.lock if self._editor is not None else nullcontext():
+            return None if self._is_shown(_signature(self.files)) else self.load()
+
+    def _is_shown(self, now: Signature) -> bool:
+        return set(now) <= set(self._seen)
 
     def guess(self) -> None:
         """Show the joints that inference finds in a plain STEP file; nothing for other targets."""
@@ -85,6 +114,8 @@ class Session:
         self.server.send("scene", {"revision": self._revision, "edit": edit})
 
     def _edited(self, shown: Shown) -> None:
+        self.files = shown.files or self.files
+        self._seen = _signature(self.files)
         self._set(shown)
         self.on_edit()
 
@@ -113,17 +144,6 @@ class Session:
         modules = ("live",) if self._editor is None else ("edit",)
         return page_html(self.target.name, None, modules=modules, connect="'self'")
 
-    def _between(self, question: Json) -> Json:
-        """The axes that two components share: ``{a, b}``."""
-        shown = self._shown
-        if shown is None or shown.assembly is None:
-            return {"lines": []}
-        indices = {one.path: one.index for one in shown.assembly.components}
-        a, b = (indices.get(str(question.get(name))) for name in ("a", "b"))
-        if a is None or b is None:
-            raise Refused("no such part")
-        return {"lines": [asdict(one) for one in shared_lines(shown.assembly, a, b)]}
-
     def _face(self, question: Json) -> Json:
         """The axis of a clicked face: ``{component, triangle}``."""
         shown = self._shown
@@ -139,6 +159,18 @@ class Session:
             return {"why": "This face has no axis."}
         line = {"component": question["component"], "point": face.point, "direction": face.direction}
         return {"kind": face.kind, "radius": face.radius, "origin": face.origin, "line": line}
+
+
+def _signature(files: Iterable[Path]) -> Signature:
+    found = []
+    for path in files:
+        try:
+            status = path.stat()
+        except OSError:
+            found.append((path, (0, 0, 0)))
+        else:
+            found.append((path, (status.st_mtime_ns, status.st_size, status.st_ino)))
+    return tuple(sorted(found))
 
 
 def _triangle(value: object) -> list[list[float]] | None:

@@ -16,6 +16,8 @@ from .session import Session
 
 QUIET = 40
 """Milliseconds without a further change after which files count as saved."""
+LOOK = 0.5
+"""Seconds between two looks at the files of a page that edits."""
 LONGEST = 400
 """Milliseconds after which changes count as saved although files still change."""
 
@@ -63,6 +65,25 @@ class Prover:
                     conversion = session.prove()
                     if conversion is not None:
                         self._report(session, conversion)
+
+
+def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> None:
+    """Show a session's target again when another program saves one of its files, until ``ended`` is set.
+
+    It looks at the files twice a second, without `watchfiles`; the page's own edits are shown already.
+
+    Args:
+        session: A session that was loaded.
+        changed: Called after each reading.
+        ended: Ends the function.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C.
+    """
+    while not ended.wait(LOOK):
+        shown = session.refresh()
+        if shown is not None:
+            changed(shown)
 
 
 def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None], ended: Event) -> None:

@@ -15,6 +15,7 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from stepbot.diagnostics import Diagnostics
 
+from .draft_comments import above, below
 from .load import parse_sidecar
 from .starter import scalar
 from .tree import plain_data
@@ -44,9 +45,19 @@ class Remove:
     """Remove the entry or item at keys, which must exist; of a list or mapping that would be empty, all of it."""
 
     keys: Keys
+    with_draft: bool = False
+    """Whether the comments go with it that `stepbot init` wrote about it; other comments above it stay."""
 
 
-Change = Put | Append | Remove
+@dataclass(frozen=True)
+class Rename:
+    """Give the entry at keys, which must exist, another name; it keeps its place."""
+
+    keys: Keys
+    name: str
+
+
+Change = Put | Append | Remove | Rename
 
 
 class CannotEdit(Exception):
@@ -98,6 +109,10 @@ def _applied(data: Any, change: Change) -> Any:
         at[last] = change.value
     elif isinstance(change, Append):
         at.setdefault(last, []).append(change.value)
+    elif isinstance(change, Rename):
+        entries = [(change.name if key == last else key, value) for key, value in at.items()]
+        at.clear()
+        at.update(entries)
     else:
         del at[last]
         if not at and above:
@@ -114,10 +129,12 @@ def _spliced(text: str, change: Change) -> str:
         raise CannotEdit("the sidecar is not a mapping")
     nodes = _way(root, change.keys)
     missing = change.keys[len(nodes) - 1 :]
+    if isinstance(change, Remove | Rename) and missing:
+        raise CannotEdit(f"there is no {'.'.join(map(str, change.keys))}")
+    if isinstance(change, Rename):
+        return _renamed(text, nodes, change.name)
     if isinstance(change, Remove):
-        if missing:
-            raise CannotEdit(f"there is no {'.'.join(map(str, change.keys))}")
-        return _without(text, nodes, change.keys)
+        return _without(text, nodes, change.keys, str(change.keys[-1]) if change.with_draft else None)
     if isinstance(change, Append) and not missing:
         return _with_item(text, nodes[-1], change.value)
     value = [change.value] if isinstance(change, Append) else change.value
@@ -190,10 +207,19 @@ def _as_lines(text: str, after: int, lines: Sequence[str]) -> str:
     return "\n".join([head, *lines, ""]) + tail
 
 
-def _without(text: str, nodes: Sequence[Node], keys: Keys) -> str:
+def _renamed(text: str, nodes: Sequence[Node], name: str) -> str:
+    parent, node = nodes[-2], nodes[-1]
+    if not isinstance(parent, MappingNode):
+        raise CannotEdit("an item of a list has no name")
+    key = next(key for key, value in parent.value if value is node)
+    return text[: key.start_mark.index] + scalar(name) + text[key.end_mark.index :]
+
+
+def _without(text: str, nodes: Sequence[Node], keys: Keys, drafted: str | None) -> str:
+    """The text without the last node; ``drafted`` is the name of a joint or link whose drafted comments go, too."""
     parent, node = nodes[-2], nodes[-1]
     if len(parent.value) == 1 and len(nodes) > 2:
-        return _without(text, nodes[:-1], keys[:-1])
+        return _without(text, nodes[:-1], keys[:-1], drafted)
     is_mapping = isinstance(parent, MappingNode)
     start = next(name for name, value in parent.value if value is node).start_mark.index if is_mapping else None
     first = node.start_mark.index if start is None else start
@@ -205,9 +231,13 @@ def _without(text: str, nodes: Sequence[Node], keys: Keys) -> str:
             following = parent.value[index + 1]
             return text[:first] + text[(following[0] if is_mapping else following).start_mark.index :]
         return text[: _end(members[index - 1])] + text[stop:]
-    line = text.rfind("\n", 0, first) + 1
-    end = text.find("\n", stop)
-    return text[:line] + (text[end + 1 :] if end >= 0 else "")
+    lines = text.split("\n")
+    start_line, after = text.count("\n", 0, first), text.count("\n", 0, stop) + 1
+    gone = set(range(start_line, after))
+    if drafted is not None:
+        gone.update(above(lines, start_line), range(after, below(lines, after, scalar(drafted))))
+    kept = [one for index, one in enumerate(lines) if index not in gone]
+    return "\n".join(kept if after < len(lines) else [*kept, ""])
 
 
 def _block(key: str, value: Any, indent: int) -> list[str]:
@@ -248,4 +278,4 @@ def _is_quantity(text: str) -> bool:
 
 
 _AXES = frozenset(("x", "y", "z", "-x", "-y", "-z"))
-_UNITS = frozenset(("deg", "mm", "kg/m^3"))
+_UNITS = frozenset(("deg", "rad", "mm", "cm", "m", "in", "kg/m^3"))

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from stepbot.report.joint_words import evidence_words, rival_words
+from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
@@ -13,6 +13,7 @@ from .motion import bound
 
 Json = dict[str, Any]
 
+NO_REVIEWS: Mapping[str, str] = {}
 _WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
@@ -23,12 +24,20 @@ def connection_documents(robot: Robot, evidence: Mapping[str, Json]) -> list[Jso
     return [*joints, *(_closure(closure, evidence) for closure in robot.closures)]
 
 
-def evidence_of_rows(rows: Iterable[JointRow]) -> dict[str, Json]:
-    """The evidence of each row of a joint table: in words, why it is weak, the other lines."""
+def evidence_of_rows(rows: Iterable[JointRow], reviews: Mapping[str, str] = NO_REVIEWS) -> dict[str, Json]:
+    """The evidence of each row of a joint table: in words, why it is weak, the other lines.
+
+    Args:
+        rows: The joint table.
+        reviews: What the sidecar's comments say is to be reviewed of a drafted joint, empty if nothing is. `init` has
+            weighed motors, bearings and contacts, too, so this decides; without it, the doubt of the joint table does.
+    """
     return {
         row.name: {
             "evidence": evidence_words(row.evidence),
-            "doubt": row.evidence.doubt,
+            "doubt": reviews.get(row.name, row.evidence.doubt),
+            "at": "" if row.origin is None else point_words(row.origin),
+            "along": "" if row.axis is None else direction_words(row.axis),
             "others": [rival_words(one) for one in row.evidence.rivals],
         }
         for row in rows

@@ -3,17 +3,20 @@
 The page solves forward kinematics and loops itself, by the methods of :mod:`stepbot.robot`.
 """
 
-from math import isfinite
+from math import dist, isfinite
 from typing import Any
 
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import robot_bounds
 from stepbot.robot.closures import CLOSED_ANGLE, LARGEST_JUMP, LARGEST_STEP, RANK_TOLERANCE, Loops, driven_joints
 from stepbot.robot.kinematics import (
     MOVING,
     advance,
     independent_joints,
+    initial_configuration,
     leader_range,
     mimic_relation,
+    sampling_range,
 )
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
 from stepbot.robot.multi_dof import unfolded
@@ -30,7 +33,7 @@ def motion_document(robot: Robot) -> Json:
         "links": [link.name for link in chain.links],
         "joints": [_joint(chain, joint) for joint in chain.joints],
         "closures": [closure_document(closure) for closure in robot.closures],
-        "driven": [{"name": name, "range": list(leader_range(robot, name))} for name in driven],
+        "driven": [{"name": name, "range": _slider(robot, name)} for name in driven],
         "solver": {
             "closed_distance": loops.closed_distance,
             "closed_angle": CLOSED_ANGLE,
@@ -39,6 +42,21 @@ def motion_document(robot: Robot) -> Json:
             "jump": LARGEST_JUMP,
         },
     }
+
+
+def _slider(robot: Robot, name: str) -> list[float]:
+    """The range of a slider [rad] or [m]; a slide without limits goes as far as its two links are large."""
+    joint = unfolded(robot).joint_by_name[name]
+    low, high = leader_range(robot, name)
+    ends = (joint.limit.lower, joint.limit.upper)
+    if joint.kind is not JointKind.PRISMATIC or all(map(isfinite, ends)) or (low, high) != sampling_range(joint):
+        return [low, high]
+    links = [link for link in (joint.parent, joint.child) if link in robot.link_by_name]
+    box = robot_bounds(robot, initial_configuration(robot), links)
+    size = high if box is None else dist(*box)
+    known = [joint.drawn_position, *filter(isfinite, ends)]
+    lower, upper = ends
+    return [lower if isfinite(lower) else min(known) - size, upper if isfinite(upper) else max(known) + size]
 
 
 def pose_numbers(X: Pose) -> list[float]:

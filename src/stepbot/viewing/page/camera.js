@@ -87,8 +87,13 @@ export class Camera {
     this.target = add(this.target, add(scaled(right, -dx * perPixel), scaled(up, dy * perPixel)));
   }
 
-  zoom(factor) {
-    this.distance = Math.max(0.02 * this.size, Math.min(30 * this.size, this.distance * factor));
+  // Zoom; what is at a place of the canvas, in shares of its size, stays there.
+  zoom(factor, x = 0.5, y = 0.5) {
+    const former = this.distance;
+    this.distance = Math.max(0.02 * this.size, Math.min(30 * this.size, former * factor));
+    const { right, up } = this.axes();
+    const half = Math.tan(FIELD / 2) * (former - this.distance);
+    this.target = add(this.target, add(scaled(right, (2 * x - 1) * half * this.aspect), scaled(up, (1 - 2 * y) * half)));
   }
 }
 
@@ -126,7 +131,8 @@ export function steer(canvas, camera, { changed, clicked }) {
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
-    camera.zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0012)));
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    camera.zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0012)), (event.clientX - left) / width, (event.clientY - top) / height);
     changed();
   }, { passive: false });
 }

@@ -2,18 +2,41 @@
 
 import { copyable, element, pairs } from "./dom.js";
 import { mass, millimetres, short, shown, unitOf, vector } from "./numbers.js";
-import { position } from "./vectors.js";
+import { position, turn } from "./vectors.js";
 
 export function card(state, node, extras = () => []) {
+  // A new scene waits until the pointer is released and what is typed has been entered.
+  let [pressed, typing, waiting] = [false, false, false];
   const update = () => {
+    waiting = false;
     const { selection } = state;
     node.hidden = !selection;
     if (!selection) return;
     const content = selection.connection ? connectionCard(state, selection) : partCard(state, selection);
+    const { scrollTop } = node;
+    const focused = [...(document.activeElement?.attributes ?? [])].find(({ name }) => node.contains(document.activeElement) && name.startsWith("data-"));
     node.replaceChildren(element("button.close", { type: "button", "aria-label": "close", onclick: () => state.select(null) }, "×"), ...content, ...extras(selection));
+    node.scrollTop = scrollTop;
+    if (focused) node.querySelector(`[${focused.name}="${CSS.escape(focused.value)}"]`)?.focus();
   };
+  const leave = () => {
+    if (waiting && !pressed && !typing) update();
+  };
+  node.addEventListener("pointerdown", () => (pressed = true));
+  for (const end of ["pointerup", "pointercancel"]) {
+    addEventListener(end, () => {
+      pressed = false;
+      setTimeout(leave); // after the click
+    });
+  }
+  node.addEventListener("input", ({ target }) => (typing = target.type === "text"));
+  node.addEventListener("focusout", () => {
+    typing = false;
+    setTimeout(leave);
+  });
   state.listen((what) => {
-    if (what === "selection" || what === "scene") update();
+    if (what === "scene" && (pressed || typing) && state.selection) waiting = true;
+    else if (what === "selection" || what === "scene") update();
   });
 }
 
@@ -22,12 +45,13 @@ function partCard(state, selection) {
   const component = state.scene.components.find((one) => one.path === selection.component);
   const { mass: body } = link;
   if (selection.picked?.length > 1) {
-    return [element("h2", {}, `${selection.picked.length} parts`), element("ul.quiet", {}, selection.picked.map((path) => element("li", {}, path)))];
+    const pick = (former) => (path) => state.select({ ...selection, component: path, picked: selection.picked.map((one) => (one === former ? path : one)) });
+    return [element("h2", {}, `${selection.picked.length} parts`), element("ul", {}, selection.picked.map((path) => element("li", {}, path, ancestors(path, pick(path)))))];
   }
   const source = link.sources.find((one) => one.component === selection.component);
   const lines = [element("h2", {}, selection.component || `link ${link.name}`)];
   if (selection.component) {
-    lines.push(ancestors(state, selection), copyable(component?.quoted ?? selection.component, { id: "path" }));
+    lines.push(ancestors(selection.component, (path) => state.select({ link: selection.link, component: path })), copyable(component?.quoted ?? selection.component, { id: "path" }));
     lines.push(pairs([
       ["link", link.name],
       ["product", component?.product],
@@ -49,13 +73,13 @@ function partCard(state, selection) {
 }
 
 // The subassemblies above a part, each to select as a whole.
-function ancestors(state, selection) {
-  const names = selection.component.match(/(?:\\.|[^/\\])+/g) ?? [];
+function ancestors(component, select) {
+  const names = component.match(/(?:\\.|[^/\\])+/g) ?? [];
   const paths = names.slice(0, -1).map((_, i) => names.slice(0, i + 1).join("/"));
   if (!paths.length) return null;
   return element("p.above.quiet", {}, "in ", paths.map((path, i) => [
     i ? " / " : "",
-    element("button", { type: "button", "data-above": path, onclick: () => state.select({ link: selection.link, component: path }) }, names[i]),
+    element("button", { type: "button", "data-above": path, onclick: () => select(path) }, names[i]),
   ]));
 }
 
@@ -67,6 +91,12 @@ function inertia(I) {
   const largest = Math.max(...entries.map(([, value]) => Math.abs(value)));
   const shown = (value) => short(Math.abs(value) < 1e-9 * largest ? 0 : value, 3);
   return element("span.number", {}, `${entries.map(([name, value]) => `${name} ${shown(value)}`).join("  ")} kg m²`);
+}
+
+// A direction as the joint table of `check` writes it: `+z`, or its components.
+function directed(axis) {
+  const main = [0, 1, 2].find((i) => axis.every((value, j) => j === i || Math.abs(value) <= 1e-6));
+  return main === undefined ? `[${axis.map((value) => short(value)).join(", ")}]` : `${axis[main] > 0 ? "+" : "-"}${"xyz"[main]}`;
 }
 
 function connectionCard(state, selection) {
@@ -81,8 +111,8 @@ function connectionCard(state, selection) {
     pairs([
       ["type", one.kind + (one.closes ? " closure" : "")],
       ["links", `${one.parent} → ${one.child}`],
-      ["at", vector(position(state.pose(one.child)))],
-      ["axis", one.axis ? `[${one.axis.map((value) => short(value)).join(", ")}]` : null],
+      ["at", one.at || vector(position(state.pose(one.child)))],
+      ["axis", one.along || (one.axis ? directed(turn(state.pose(one.child), one.axis)) : null)],
       ["range", joints.map(range).join("; ")],
       ["velocity", one.limits?.velocity ? `${short(one.limits.velocity)} ${joints[0]?.turn ? "rad/s" : "m/s"}` : null],
       ["effort", one.limits?.effort ? `${short(one.limits.effort)} ${joints[0]?.turn ? "N m" : "N"}` : null],
@@ -90,6 +120,6 @@ function connectionCard(state, selection) {
       ["found by", one.evidence],
       ["gap", gap],
     ]),
-    ...(one.others.length ? [element("details", {}, element("summary", {}, `${one.others.length} other lines`), element("ul", {}, one.others.map((text) => element("li", {}, text))))] : []),
+    ...(one.others.length ? [element("details.others", {}, element("summary", {}, `${one.others.length} other lines`), element("ul", {}, one.others.map((text) => element("li", {}, text))))] : []),
   ].filter(Boolean);
 }

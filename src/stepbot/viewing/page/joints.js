@@ -1,7 +1,7 @@
 // A slider for every driven joint; every joint and closure with its evidence.
 
 import { element } from "./dom.js";
-import { fine, internal, short, shown, unitOf } from "./numbers.js";
+import { fine, internal, mistyped, parsed, short, shown, unitOf } from "./numbers.js";
 
 export function jointsPanel(state) {
   const section = element("section");
@@ -57,29 +57,35 @@ function slider(state, { name, range }) {
   const joint = state.tree.independent[state.tree.row.get(name)];
   const one = state.scene.connections.find((connection) => connection.coordinates.includes(name));
   const [low, high] = range.map((end) => shown(joint, end));
+  const text = () => `${fine(shown(joint, state.u[state.tree.row.get(name)]))} ${unitOf(joint)}`;
+  let mine = false; // whether the motion comes from this entry
+  const move = (q) => {
+    mine = true;
+    state.drive(name, q);
+    mine = false;
+  };
   const bar = element("input", { type: "range", min: low, max: high, step: "any", "aria-label": name, "data-slider": name,
-    oninput: () => state.drive(name, internal(joint, Number(bar.value))) });
+    oninput: () => move(internal(joint, Number(bar.value))), onchange: () => (bar.value = shown(joint, state.u[state.tree.row.get(name)])) });
   const box = element("input.number", { type: "text", inputmode: "decimal", "aria-label": `${name} [${unitOf(joint)}]`, "data-value": name, onchange: () => {
-    const value = Number.parseFloat(box.value.replace(",", "."));
-    if (Number.isFinite(value)) state.drive(name, internal(joint, Math.min(Math.max(value, low), high)));
-    else node.update();
+    const [typed, q] = [box.value, parsed(joint, box.value)];
+    if (q !== null) move(Math.min(Math.max(q, range[0]), range[1]));
+    box.value = text();
+    bar.value = shown(joint, state.u[state.tree.row.get(name)]);
+    if (q === null) why.textContent = mistyped(joint, typed);
+    else if (q < range[0] || q > range[1]) why.textContent = `${typed} is beyond the limit ${short(q < range[0] ? low : high)} ${unitOf(joint)}. ${state.note}`;
   } });
   const why = element("p.why.warn");
   const title = one.coordinates.length > 1 ? name : one.name;
   const entry = element("div.joint", { "data-joint": one.name }, heading(state, one, title),
     element("div.slider", {}, bar, box),
     element("div.ends.number", {}, element("span", {}, `${short(low)} ${unitOf(joint)}`), element("span", {}, `${short(high)} ${unitOf(joint)}`)), why);
-  let mine = false;
-  bar.addEventListener("input", () => (mine = true));
   const node = {
     name,
     node: entry,
     update() {
-      const value = shown(joint, state.u[state.tree.row.get(name)]);
-      if (document.activeElement !== box) box.value = `${fine(value)} ${unitOf(joint)}`;
-      if (!mine) bar.value = value;
+      if (document.activeElement !== box) box.value = text();
+      if (!mine) bar.value = shown(joint, state.u[state.tree.row.get(name)]);
       why.textContent = mine ? state.note : "";
-      mine = false;
     },
   };
   return node;

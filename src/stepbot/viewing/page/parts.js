@@ -6,14 +6,26 @@ import { css, linkColor } from "./state.js";
 
 export function partsPanel(state) {
   const section = element("section");
-  const update = () => section.replaceChildren(element("h3", {}, "Links"), element("ul", {}, state.scene.links.map((link) => linkEntry(state, link))), ...rest(state));
+  const body = element("div");
+  // What the list shows open, and the text that it is searched for.
+  const list = { opened: new Set(), sought: "" };
+  const update = () => {
+    const { selection } = state;
+    if (selection?.component) list.opened.add(selection.link);
+    body.replaceChildren(element("h3", {}, "Links"), element("ul", {}, state.scene.links.map((link) => linkEntry(state, link, list))), ...rest(state));
+  };
+  const search = element("input", { type: "search", id: "search", placeholder: "search parts", "aria-label": "search parts", oninput: () => {
+    list.sought = search.value.trim().toLowerCase();
+    update();
+  } });
+  section.append(search, body);
   state.listen((what) => {
     if (what !== "motion") update();
   });
   return section;
 }
 
-function linkEntry(state, link) {
+function linkEntry(state, link, list) {
   const { index } = state.link.get(link.name);
   const chosen = state.selection?.link === link.name && !state.selection.component;
   const hidden = state.hidden.has(link.name);
@@ -27,17 +39,29 @@ function linkEntry(state, link) {
         dot, element("span.label", {}, link.name), element("span.value.number", {}, weight)),
       element("button.eye", { type: "button", "aria-pressed": String(hidden), title: hidden ? "show" : "hide", onclick: () => state.toggle(link.name) }, hidden ? "○" : "●"),
     ),
-    link.components.length ? componentList(state, link) : null,
+    link.components.length ? componentList(state, link, list) : null,
   );
 }
 
-function componentList(state, link) {
-  const open = state.selection?.link === link.name && Boolean(state.selection.component);
-  const rows = () => link.components.map((path) => componentRow(state, link.name, path));
+function componentList(state, link, { opened, sought }) {
+  const paths = link.components.filter((path) => path.toLowerCase().includes(sought));
+  const open = sought ? paths.length > 0 : opened.has(link.name);
+  const rows = () => paths.map((path) => componentRow(state, link.name, path));
   const list = element("ul.branch", {}, open ? rows() : []);
-  const label = link.components.length === 1 ? "1 part" : `${link.components.length} parts`;
-  const opened = (event) => event.target.open && !list.children.length && list.append(...rows());
-  return element("details.branch", { open, ontoggle: opened }, element("summary", {}, label), list);
+  const all = link.components.length;
+  const label = sought ? `${paths.length} of ${all} parts` : all === 1 ? "1 part" : `${all} parts`;
+  const toggled = ({ target }) => {
+    if (!sought) opened[target.open ? "add" : "delete"](link.name);
+    if (target.open && !list.children.length) list.append(...rows());
+  };
+  return element("details.branch", { open, ontoggle: toggled }, element("summary", {}, label), list);
+}
+
+const TAIL = 18;
+
+// A name that is cut in its middle where it does not fit, since names of parts differ at their ends.
+function cut(name) {
+  return element("span.label.cut", {}, element("span.start", {}, name.slice(0, -TAIL)), element("span.end", {}, name.slice(-TAIL)));
 }
 
 function componentRow(state, link, path) {
@@ -45,7 +69,7 @@ function componentRow(state, link, path) {
   return element("li", {}, element("button.row" + (chosen ? ".chosen" : ""), {
     type: "button", title: path, "data-component": path,
     onclick: (event) => state.select({ link, component: path, add: event.ctrlKey || event.metaKey }),
-  }, element("span.label", {}, path)));
+  }, cut(path)));
 }
 
 // Components that no link has, frames and sensors.

@@ -25,8 +25,31 @@ export class State {
     this.settle(this.drawn);
     if (same) this.restore(former);
     if (this.wanted && this.find(this.wanted)) [this.selection, this.wanted] = [this.wanted, null];
-    if (this.selection && !this.find(this.selection)) this.selection = null;
+    if (this.selection) this.selection = this.again(this.selection);
     this.tell("scene");
+  }
+
+  // The same selection in a new scene, where a part may be in another link; null if it is gone.
+  again(selection) {
+    const { component } = selection;
+    if (component && !this.scene.components.some((one) => one.path === component)) return null;
+    const found = component ? { ...selection, link: this.linkOf(component) } : selection;
+    return this.find(found) ? found : null;
+  }
+
+  // The link of a part or of the first part below it.
+  linkOf(path) {
+    const { components, links } = this.scene;
+    const owner = components.find((one) => one.link && (one.path === path || one.path.startsWith(`${path}/`)));
+    return owner?.link ?? links[0].name;
+  }
+
+  // A name that no link, joint or frame has.
+  free(name) {
+    const taken = new Set([...this.scene.links, ...this.scene.connections, ...this.scene.frames].map((one) => one.name));
+    let found = name;
+    for (let i = 2; taken.has(found); i++) found = `${name}_${i}`;
+    return found;
   }
 
   restore(former) {

@@ -1,0 +1,70 @@
+"""Answers about axes: those that two parts share, and those that a joint could have."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from stepbot.pipeline.scenes import Shown
+from stepbot.robot.model import JointKind
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin
+from stepbot.step.assembly import Assembly
+from stepbot.step.structure.paths import find_one
+from stepbot.viewing.joining import Wanted, lines_of_origin, shared_lines
+
+from .local_server import Refused
+from .questions import Json, text
+
+
+def axes_between(shown: Shown | None, question: Json) -> Json:
+    """The axes that two components share: ``{a, b}``."""
+    if shown is None or shown.assembly is None:
+        return {"lines": []}
+    assembly = shown.assembly
+    indices = {one.path: one.index for one in assembly.components}
+    a, b = (indices.get(text(question, name)) for name in ("a", "b"))
+    if a is None or b is None:
+        raise Refused("no such part")
+    path = assembly.components[a].path
+    link = next((parts for parts in _links(shown).values() if path in parts), [])
+    found = shared_lines(assembly, a, b, [indices[one] for one in link])
+    return {"lines": [asdict(one) for one in found]}
+
+
+def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json:
+    """The lines that the origin of a joint or closure selects among: ``{joint}``; none for numbers."""
+    name, document = text(question, "joint"), sidecar.document
+    if shown is None or shown.assembly is None:
+        return {"lines": []}
+    assembly = shown.assembly
+    joint, closure = document.joints.get(name), document.closures.get(name)
+    if joint is not None:
+        kind, ends, origin = joint.type, (joint.parent, joint.child), joint.origin
+    elif closure is not None:
+        kind, ends, origin = closure.type, (closure.link_a, closure.link_b), closure.origin
+    else:
+        raise Refused(f"no joint '{name}'")
+    if origin == "auto":
+        origin = AutoOrigin()
+    if not isinstance(origin, AxisOrigin | MateOrigin | AutoOrigin):
+        return {"lines": []}
+    wanted = Wanted(origin.radius, origin.near, direction_only=kind is JointKind.PRISMATIC)
+    b: Sequence[int] | None = None
+    if isinstance(origin, AxisOrigin):
+        a: Sequence[int] = _below(assembly, origin.axis_of)
+    elif isinstance(origin, MateOrigin):
+        a, b = (_below(assembly, path) for path in origin.mate)
+    else:
+        indices, links = {one.path: one.index for one in assembly.components}, _links(shown)
+        a, b = ([indices[path] for path in links.get(link, [])] for link in ends)
+    return {"lines": [asdict(one) for one in lines_of_origin(assembly, a, b, wanted)]}
+
+
+def _below(assembly: Assembly, pattern: str) -> Sequence[int]:
+    """A component and all below it; nothing for a pattern without a component of its own."""
+    found = find_one(assembly, pattern).topmost
+    return list(assembly.subtree(found[0])) if len(found) == 1 else []
+
+
+def _links(shown: Shown) -> dict[str, list[str]]:
+    """Paths of the components with a body of each link."""
+    return {link["name"]: link["components"] for link in (shown.scene or {}).get("links", ())}

@@ -1,0 +1,113 @@
+"""Changes of one joint or closure: its limits, axis and type."""
+
+from typing import Any
+
+from stepbot.robot.model import JointKind
+from stepbot.sidecar.editing import Change, Put, Remove
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.tree import plain_data
+
+from .local_server import Refused
+from .questions import Json, axis, limits, selectors, text
+
+WITH_LIMITS = ("revolute", "prismatic")
+KINDS = (*WITH_LIMITS, "continuous", "fixed")
+_TURNING = ("revolute", "continuous")
+_BOUNDS = ("lower", "upper")
+
+
+def set_limits(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{joint, lower, upper}`` [rad] or [m]."""
+    name = _joint(sidecar, question)
+    joint = sidecar.document.joints[name]
+    new = limits(question, sliding=joint.type is JointKind.PRISMATIC)
+    if joint.limits == "todo":
+        return [Put(("joints", name, "limits"), new)]
+    return [Put(("joints", name, "limits", key), value) for key, value in new.items()]
+
+
+def flip(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{joint}``: the axis of a joint or closure in the other direction; limits and zero keep their physical place."""
+    section, name = _place(sidecar, question)
+    one = sidecar.document.joints.get(name) or sidecar.document.closures[name]
+    changes: list[Change] = [Put((section, name, "axis"), axis([-value + 0.0 for value in one.axis]))]
+    written = _written(sidecar, section, name)
+    bounds = written.get("limits")
+    if isinstance(bounds, dict):
+        mirrored = {
+            other: _negated(bounds[key]) for key, other in zip(_BOUNDS, _BOUNDS[::-1], strict=True) if key in bounds
+        }
+        changes += [Put((section, name, "limits", key), mirrored[key]) for key in _BOUNDS if key in mirrored]
+        changes += [Remove((section, name, "limits", key)) for key in _BOUNDS if key in bounds and key not in mirrored]
+    if "zero" in written:
+        changes.append(Put((section, name, "zero"), _negated(written["zero"])))
+    return changes
+
+
+def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{joint, kind}``; limits that do not fit the new type go, and `todo` takes their place where it needs some."""
+    name, kind = _joint(sidecar, question), text(question, "kind")
+    former = sidecar.document.joints[name].type.value
+    if kind not in KINDS:
+        raise Refused(f"no joints of type '{kind}' here; edit the sidecar")
+    if kind == former:
+        return []
+    place, written = ("joints", name), _written(sidecar, "joints", name)
+    changes: list[Change] = [Put((*place, "type"), kind)]
+    bounds = written.get("limits")
+    others = [key for key in bounds if key not in _BOUNDS] if isinstance(bounds, dict) else []
+    if others and not {kind, former} <= set(_TURNING):
+        raise Refused(f"`{others[0]}` of '{name}' does not fit type {kind}; remove it in the sidecar first")
+    if others and isinstance(bounds, dict):
+        changes += [Remove((*place, "limits", key)) for key in _BOUNDS if key in bounds]
+    elif kind in WITH_LIMITS:
+        changes.append(Put((*place, "limits"), "todo"))
+    elif bounds is not None:
+        changes.append(Remove((*place, "limits")))
+    if kind == "fixed" and "axis" in written:
+        changes.append(Remove((*place, "axis")))
+    return changes
+
+
+def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{joint, radius, near}``: another line of the same parts as axis, by the selectors of its origin."""
+    section, name = _place(sidecar, question)
+    former = _written(sidecar, section, name).get("origin", "auto")
+    kept = {"auto": True} if former == "auto" else former
+    if not isinstance(kept, dict) or not {"mate", "axis_of", "auto", "radius", "near"} & set(kept):
+        raise Refused(f"the origin of '{name}' is not a line of faces; edit the sidecar")
+    kept = {key: value for key, value in kept.items() if key not in ("radius", "near")}
+    if not {"mate", "axis_of"} & set(kept):
+        kept = {"auto": True, **kept}
+    new = {**kept, **selectors(question)}
+    return [Put((section, name, "origin"), "auto" if new == {"auto": True} else new)]
+
+
+def _place(sidecar: Sidecar, question: Json) -> tuple[str, str]:
+    """Section and name of a joint or closure."""
+    name = text(question, "joint")
+    for section, names in (("joints", sidecar.document.joints), ("closures", sidecar.document.closures)):
+        if name in names:
+            return section, name
+    raise Refused(f"no joint '{name}'")
+
+
+def _joint(sidecar: Sidecar, question: Json) -> str:
+    section, name = _place(sidecar, question)
+    if section != "joints":
+        raise Refused(f"'{name}' is a closure")
+    return name
+
+
+def _written(sidecar: Sidecar, section: str, name: str) -> Json:
+    """The values of a joint or closure as the file has them."""
+    found: Json = plain_data(sidecar.root)[section][name]
+    return found
+
+
+def _negated(value: Any) -> Any:
+    """A quantity with the other sign: ``91 deg`` for ``-91 deg``."""
+    if isinstance(value, int | float):
+        return -value + 0
+    quantity = str(value).strip()
+    return quantity[1:].lstrip() if quantity.startswith("-") else f"-{quantity.removeprefix('+')}"

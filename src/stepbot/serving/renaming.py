@@ -1,0 +1,80 @@
+"""A new name for a joint, closure or link, in every place of the sidecar that refers to it."""
+
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
+
+from stepbot.sidecar.document import Document, ExplicitOrigin
+from stepbot.sidecar.editing import Change, Put, Rename
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.origins import Origin
+
+from .local_server import Refused
+from .questions import Json, text
+
+Keys = tuple[str, ...]
+
+
+def rename(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{what, from, to}``; ``what`` is ``joint``, which may be a closure, or ``link``.
+
+    A reference that is not replaced here makes the result one that `check` rejects, and nothing is written.
+    """
+    document = sidecar.document
+    former, new = text(question, "from"), text(question, "to").strip()
+    sections = ("links",) if text(question, "what") == "link" else ("joints", "closures")
+    section = next((one for one in sections if former in getattr(document, one)), None)
+    if section is None:
+        raise Refused(f"no {question['what']} '{former}'")
+    if not new:
+        raise Refused("a name is missing")
+    for other in ("links", "joints", "closures", "frames"):
+        if new in getattr(document, other):
+            raise Refused(f"there is a {other.removesuffix('s')} '{new}' already")
+    changes: list[Change] = []
+    if section == "joints":
+        changes += _patterns(document, former, new)
+    references = _links if section == "links" else _joints
+    changes += [Put(keys, new) for keys, name in references(document) if name == former]
+    return [*changes, Rename((section, former), new)]
+
+
+def _joints(document: Document) -> Iterator[tuple[Keys, str | None]]:
+    """Keys and names of all references to joints."""
+    for name, joint in document.joints.items():
+        if joint.mimic is not None:
+            yield ("joints", name, "mimic", "joint"), joint.mimic.joint
+    yield from ((("actuators", name, "joint"), one.joint) for name, one in document.actuators.items())
+    yield from ((("sensors", name, "joint"), one.joint) for name, one in document.sensors.items())
+
+
+def _links(document: Document) -> Iterator[tuple[Keys, str | None]]:
+    """Keys and names of all references to links."""
+    if document.root is not None:
+        yield ("root", "link"), document.root.link
+        yield from _relative(("root", "frame"), document.root.frame)
+    for name, joint in document.joints.items():
+        yield ("joints", name, "parent"), joint.parent
+        yield ("joints", name, "child"), joint.child
+        yield from _relative(("joints", name, "origin"), joint.origin)
+    for name, closure in document.closures.items():
+        yield ("closures", name, "link_a"), closure.link_a
+        yield ("closures", name, "link_b"), closure.link_b
+        yield from _relative(("closures", name, "origin"), closure.origin)
+    for section, placed in (("frames", document.frames), ("sensors", document.sensors)):
+        for name, one in placed.items():
+            yield (section, name, "link"), one.link
+            yield from _relative((section, name, "origin"), one.origin)
+
+
+def _relative(keys: Keys, origin: Origin | None) -> Iterator[tuple[Keys, str]]:
+    if isinstance(origin, ExplicitOrigin):
+        yield (*keys, "relative_to"), origin.relative_to
+
+
+def _patterns(document: Document, former: str, new: str) -> Iterator[Change]:
+    """A default that is for this joint alone is renamed; one that would win or lose the joint prevents it."""
+    for pattern in document.joint_defaults:
+        if pattern == former:
+            yield Rename(("joint_defaults", pattern), new)
+        elif fnmatchcase(former, pattern) != fnmatchcase(new, pattern):
+            raise Refused(f"`joint_defaults` of '{pattern}' would apply to only one of '{former}' and '{new}'")

@@ -1,0 +1,70 @@
+// Sends edits to the server, which checks each before it is written, and shows what came of them.
+
+import { byId, element } from "./dom.js";
+import { ask, live } from "./live.js";
+import { app } from "./main.js";
+
+const { state } = app;
+const words = element("span");
+const close = element("button.close", { type: "button", "aria-label": "dismiss", onclick: () => say("") }, "×");
+const notice = element("div", { id: "notice", role: "status", hidden: true }, words, close);
+byId("stage").append(notice);
+let steps = null;
+let checking = 0;
+
+// A message over the robot, which moves nothing in the card; tones: bad, good, busy.
+export function say(text, tone = "bad") {
+  notice.hidden = !text;
+  notice.className = tone;
+  words.textContent = text;
+}
+
+export async function send(name, question) {
+  checking += 1;
+  document.body.classList.add("checking");
+  say("checking the change …", "busy");
+  try {
+    steps = await ask(name, question);
+    say("saved", "good");
+    return true;
+  } catch (error) {
+    say(error.message);
+    return false;
+  } finally {
+    checking -= 1;
+    document.body.classList.toggle("checking", checking > 0);
+    showSteps();
+  }
+}
+
+export const edit = (action, question) => send("edit", { action, ...question });
+
+const undo = element("button.chip", { type: "button", id: "undo", title: "Ctrl-Z", onclick: () => send("undo", {}) }, "Undo");
+const redo = element("button.chip", { type: "button", id: "redo", title: "Shift-Ctrl-Z", onclick: () => send("redo", {}) }, "Redo");
+byId("live").before(element("div", { id: "steps" }, undo, redo));
+
+function showSteps() {
+  undo.disabled = !steps?.undo;
+  redo.disabled = !steps?.redo;
+}
+
+live.push((content) => {
+  steps = content.edit ?? steps;
+  showSteps();
+});
+addEventListener("keydown", (event) => {
+  if (event.target instanceof HTMLInputElement || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+  event.preventDefault();
+  send(event.shiftKey ? "redo" : "undo", {});
+});
+
+// What was said about a part or joint does not stay when another one is selected.
+let about = null;
+state.listen((what) => {
+  if (what !== "selection") return;
+  const { selection } = state;
+  const now = selection && (selection.connection ?? JSON.stringify(selection.picked ?? selection.component ?? selection.link));
+  if (now !== about && !checking && notice.className === "bad") say("");
+  about = now;
+});
+showSteps();

@@ -1,0 +1,84 @@
+// A joint between two parts that were picked, or a closure.
+
+import { edit, say } from "./changes.js";
+import { element } from "./dom.js";
+import { button, choice, field, options } from "./form.js";
+import { ask } from "./live.js";
+import { app } from "./main.js";
+import { mistyped, parsed } from "./numbers.js";
+
+const { state } = app;
+const KINDS = { joint: ["revolute", "continuous", "prismatic", "fixed"], closure: ["revolute", "ball", "prismatic", "fixed"] };
+
+// Between the first picked part, on the parent link, and the second. That becomes a link of its own, or the joint
+// closes a loop to the link that it is in.
+export function jointForm([a, b]) {
+  const [parent, other] = [state.linkOf(a), state.linkOf(b)];
+  const isRoot = !state.scene.connections.some((one) => !one.closes && one.child === other);
+  const target = choice([["", "a new link"], ...(other === parent ? [] : [[other, `${other}, closing a loop`]])], isRoot || other === parent ? "" : other, { "data-edit": "target" });
+  const child = element("input", { type: "text", value: state.free(nameOf(b)), "data-edit": "child" });
+  const name = element("input", { type: "text", "data-edit": "name" });
+  const kind = choice([], undefined, { "data-edit": "kind" });
+  const lower = element("input.number", { type: "text", value: "-90", "data-edit": "lower" });
+  const upper = element("input.number", { type: "text", value: "90", "data-edit": "upper" });
+  const unit = element("span.quiet", { "data-edit": "unit" });
+  const range = field("range", element("div.range", {}, lower, " to ", upper, unit));
+  const origin = choice([["", "looking for shared axes"]], "", { "data-edit": "origin" });
+  const title = element("h3");
+  const add = button("", make, "button.small.primary");
+  add.dataset.edit = "add";
+  const childField = field("its name", child);
+  const closes = () => target.value !== "";
+  const isLimited = () => !closes() && ["revolute", "prismatic"].includes(kind.value);
+  let lines = [];
+
+  function retarget() {
+    title.textContent = closes() ? "Close a loop here" : "Joint here";
+    add.textContent = closes() ? "close the loop here" : "joint here";
+    childField.hidden = closes();
+    name.value = state.free(`${closes() ? other : child.value}_joint`);
+    options(kind, KINDS[closes() ? "closure" : "joint"].map((one) => [one, one]), "revolute");
+    retype();
+  }
+  function retype() {
+    range.hidden = !isLimited();
+    unit.textContent = kind.value === "prismatic" ? "mm (a guess)" : "° (a guess)";
+  }
+  function draw() {
+    const line = lines[Number(origin.value)];
+    if (!line || !state.selection?.picked) return;
+    state.selection.line = { component: line.component, point: line.point, direction: line.direction };
+    app.view.request();
+  }
+  async function make() {
+    const joint = { turn: kind.value !== "prismatic" };
+    const [low, high] = [lower, upper].map((box) => parsed(joint, box.value));
+    const wrong = [[lower, low], [upper, high]].find(([, value]) => value === null);
+    if (isLimited() && wrong) return say(mistyped(joint, wrong[0].value));
+    const line = origin.value === "" ? null : lines[Number(origin.value)];
+    const made = await edit(closes() ? "add_closure" : "add_joint", {
+      name: name.value, kind: kind.value, parent, child: closes() ? other : child.value, paths: [b],
+      origin: line ? { ...(line.between_links ? { auto: true } : { mate: [a, b] }), radius: line.radius, near: line.near } : null,
+      lower: low, upper: high,
+    });
+    if (made) state.select({ connection: name.value });
+  }
+
+  target.addEventListener("change", retarget);
+  kind.addEventListener("change", retype);
+  origin.addEventListener("change", draw);
+  ask("between", { a, b }).then((found) => {
+    lines = found.lines;
+    const chosen = lines.findIndex((line) => line.chosen);
+    if (lines.length) options(origin, lines.map((line, i) => [String(i), line.words]), String(Math.max(0, chosen)));
+    else options(origin, [["", "no shared axis: cannot be found by itself"]], "");
+    if (lines.length && chosen < 0) origin.before(element("span.warn", {}, "ambiguous: choose one"));
+    draw();
+  }).catch((error) => say(error.message));
+  retarget();
+  return element("div.form", { id: "joint-form" }, title, element("p.quiet", {}, `from ${parent}`),
+    field("to", target), childField, field("name", name), field("type", kind), element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), range, add);
+}
+
+// The last name of a path, as a name of a link.
+const nameOf = (path) => path.split("/").pop().replace(/[^\w-]+/g, "_").replace(/^_+|_+$/g, "") || "part";
