@@ -54,7 +54,7 @@ def _numbers(verdict: "Verdict") -> str:
         limit = (verdict.bounds or {}).get(one.quantity)
         bound = f" (limit {limit:g})" if limit is not None else ""
         value = one.value if one.value >= _SMALLEST else 0.0
-        words.append(f"{one.quantity}{place} {value:.2g} {UNITS[one.quantity]}".rstrip() + bound)
+        words.append(f"{one.quantity}{place} {value:.3g} {UNITS[one.quantity]}".rstrip() + bound)
     return "; ".join(words)
 
 
