@@ -69,6 +69,8 @@ class Setup:
     """A horizontal plane at z = 0."""
     held: bool = False
     """Whether a floating base is held in the air."""
+    fine: bool = False
+    """Whether energy is measured: an engine whose step is not the file's takes a short one."""
     cube: Cube | None = None
     """Without weight until :meth:`Simulation.let_go`."""
 

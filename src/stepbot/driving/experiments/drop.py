@@ -3,6 +3,7 @@
 Nothing adds energy to a limp robot: what its energy grows by comes from the simulation.
 """
 
+from stepbot.engines.simulation import GRAVITY, Setup
 from stepbot.robot.model import Base
 
 from ..results import Measure, Plot, Result, thinned
@@ -49,7 +50,7 @@ def _fall(stage: Stage) -> Result:
 
 def _limp(stage: Stage) -> Result:
     gaps, times, energies, scale = Gaps(stage), [], [], _potential_scale(stage)
-    with stage.scene() as simulation:
+    with stage.scene(setup=Setup(fine=True)) as simulation:
         simulation.reset(stage.mechanism.home)
         before = sum(simulation.energy())
         for time in run(simulation, _LIMP_SECONDS):
@@ -65,8 +66,6 @@ def _limp(stage: Stage) -> Result:
 
 def stage_weight(stage: Stage) -> float:
     """Weight [N] of the robot."""
-    from stepbot.engines.simulation import GRAVITY
-
     return GRAVITY * sum(link.mass_properties.mass for link in stage.mechanism.robot.links)
 
 
