@@ -74,6 +74,13 @@ package_option = click.option(
     callback=_package,
     help="Write mesh paths of the URDF as package://NAME/meshes/..., for a ROS package with the output as its content.",
 )
+ros2_option = click.option(
+    "--ros2",
+    metavar="NAME",
+    callback=_package,
+    help="Make the output folder the ROS 2 package NAME_description: xacro, launch file, ros2_control, MoveIt; implies "
+    "--package.",
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
@@ -102,6 +109,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @reading_options
 @html_option
 @package_option
+@ros2_option
 @junit_option
 @json_option
 @display_options
@@ -118,6 +126,7 @@ def command(
     require: tuple[str, ...],
     html: bool,
     package: str,
+    ros2: str,
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -129,8 +138,7 @@ def command(
     """
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
-    if package and "urdf" not in format_names(formats):
-        raise click.UsageError("--package needs the format urdf")
+    package = package_of(package, ros2, formats)
     options = replace(
         options,
         output=output or default_output(sidecar),
@@ -142,8 +150,22 @@ def command(
         require=require,
         html=html,
         package=package,
+        ros2=bool(ros2),
     )
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
+
+
+def package_of(package: str, ros2: str, formats: tuple[str, ...]) -> str:
+    """The ROS package of `--package` or `--ros2`; empty for none.
+
+    Raises:
+        click.UsageError: Both are given, or there is no URDF.
+    """
+    if package and ros2:
+        raise click.UsageError("--package and --ros2 cannot be combined")
+    if (package or ros2) and "urdf" not in format_names(formats):
+        raise click.UsageError(f"--{'package' if package else 'ros2'} needs the format urdf")
+    return f"{ros2}_description" if ros2 else package
 
 
 def run_conversion(

@@ -10,7 +10,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
-from .convert import again_format_option, format_names, package_option
+from .convert import again_format_option, format_names, package_of, package_option, ros2_option
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 )
 @again_format_option
 @package_option
+@ros2_option
 @click.option("--exclude", multiple=True, metavar="GLOB", help="Do not compare matching files; may be repeated.")
 @click.option("--strict", is_flag=True, help="Same as for `convert`.")
 @ignore_option
@@ -46,6 +47,7 @@ def command(
     output: str | None,
     formats: tuple[str, ...],
     package: str,
+    ros2: str,
     exclude: tuple[str, ...],
     strict: bool,
     ignore: tuple[str, ...],
@@ -60,7 +62,14 @@ def command(
     from stepbot.jobs.discovery import find_sidecars, robot_name
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
-    options = replace(options, formats=format_names(formats), package=package, strict=strict, ignore=ignore)
+    options = replace(
+        options,
+        formats=format_names(formats),
+        package=package_of(package, ros2, formats),
+        ros2=bool(ros2),
+        strict=strict,
+        ignore=ignore,
+    )
     found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)
     filled = output_folders(Path()) if output is None else {}

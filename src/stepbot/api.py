@@ -58,6 +58,7 @@ def convert(
     cache: AnyPath | bool = True,
     html: bool = False,
     package: str = "",
+    ros2: str = "",
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
@@ -76,6 +77,7 @@ def convert(
         cache: Folder of the cache; True for the user's, False for none.
         html: Whether to write the report as a page, too.
         package: ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file.
+        ros2: Make ``output`` the ROS 2 package ``<ros2>_description``; empty to write robot files alone.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -101,7 +103,8 @@ def convert(
         memory_limit=memory_limit,
         cache=_cache(cache),
         html=html,
-        package=package,
+        package=f"{ros2}_description" if ros2 else package,
+        ros2=bool(ros2),
     )
     return convert_unless_unchanged(path, options)
 

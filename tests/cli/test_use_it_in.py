@@ -83,15 +83,24 @@ def test_launch_file_for_rviz_finds_every_mesh(folder: Path, monkeypatch: pytest
     assert all(mesh.startswith("file:///") and Path(mesh.removeprefix("file://")).is_file() for mesh in meshes)
 
 
-def test_the_command_for_a_ros_package_fills_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The documented command writes what the documented CMake lines install, and `package://` leads to every mesh."""
+@pytest.mark.parametrize(("number", "name"), [(0, "arm_description"), (1, "my_robots")])
+def test_the_commands_for_ros_packages_fill_them(
+    number: int, name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The documented commands write what the page lists and its CMake lines install; `package://` finds every mesh."""
     monkeypatch.chdir(folder)
-    (command,) = block("ROS package", "sh").splitlines()
+    section = PAGE.partition("\n## ROS 2 package\n")[2].partition("\n## ")[0]
+    command = re.findall(r"^```sh\n(.*)\n```$", section, re.MULTILINE)[number]
     assert main([*command.split()[1:], "--no-verify"]) == 0
-    package = folder / "src" / "arm_description"
-    installed = re.findall(r"^install\(\w+ (\S+) DESTINATION share/", block("ROS package", "cmake"), re.MULTILINE)
-    assert all((package / name).exists() for name in installed)
+    package = folder / "src" / name
+    listed = [
+        file for row in re.findall(r"^\| (`.*?) \|", section, re.MULTILINE) for file in re.findall(r"`(.*?)`", row)
+    ]
+    installed = re.findall(r"^install\(\w+ (\S+) DESTINATION share/", section, re.MULTILINE)
+    assert len(listed) > 10
+    for file in installed if number else listed:
+        assert (package / file).exists() or (package / "config" / file).exists(), file
     meshes = [element.attrib["filename"] for element in ET.parse(package / "arm.urdf").getroot().iter("mesh")]
     assert meshes
-    assert all(mesh.startswith("package://arm_description/meshes/") for mesh in meshes)
+    assert all(mesh.startswith(f"package://{name}/meshes/") for mesh in meshes)
     assert all((folder / "src" / mesh.removeprefix("package://")).is_file() for mesh in meshes)

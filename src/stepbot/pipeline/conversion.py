@@ -50,6 +50,8 @@ class Options:
     """Whether to write the report as a page, too."""
     package: str = ""
     """ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file."""
+    ros2: bool = False
+    """Whether to add the files that make the output folder this package, and to search for links that can overlap."""
 
 
 @dataclass(frozen=True)

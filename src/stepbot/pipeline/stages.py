@@ -22,6 +22,7 @@ from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.formats.urdf.package import with_package
+from stepbot.formats.urdf.ros2.package import ros2_package
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Content, Report, WrittenFile
@@ -29,6 +30,7 @@ from stepbot.robot.closures import degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
+from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.step.assembly import Assembly
 
 from .building import build
@@ -113,9 +115,10 @@ def _produce(
         found.raise_if_errors()
         assert built is not None  # a missing robot always has an error
         robot, inputs = built.robot, loading.inputs()
-        if sidecar.document.self_collision is not None:
+        wanted = sidecar.document.self_collision or (SelfCollisionSection() if options.ros2 else None)
+        if wanted is not None:
             progress("self-collision")
-            robot = with_self_collision(robot, sidecar.document.self_collision, options, found)
+            robot = with_self_collision(robot, wanted, options, found)
 
         progress("write")
         lowered = {written.name: lower(robot, written, found) for written in formats}
@@ -124,6 +127,8 @@ def _produce(
         if options.package and URDF.name in by_format:
             urdf = main_file(lowered[URDF.name], URDF)
             by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
+            if options.ros2:
+                by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package))
         built.double_counting.report(options.timeout)
         shapes = built.collisions.result(options.timeout)
         if options.strict:

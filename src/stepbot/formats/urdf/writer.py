@@ -108,19 +108,24 @@ def reserves(name: str) -> bool:
 def render(robot: Robot) -> bytes:
     """The URDF of a lowered robot."""
     top = root("robot", robot.source, name=robot.name)
+    content(top, robot)
+    return document(top)
+
+
+def content(top: Element, robot: Robot) -> None:
+    """Add everything in a URDF's root element to an element."""
     for link in robot.links:
         _link(top, link, robot)
     for joint in robot.joints:
         _joint(top, joint)
     extensions(top, robot)
-    return document(top)
 
 
 def companions(robot: Robot) -> tuple[Companion, ...]:
     """An SRDF, if it is known which links can overlap."""
     if robot.self_collision is None:
         return ()
-    return (Companion(f"{robot.name}.srdf", "", robot, srdf(robot.name, robot.self_collision, robot.source)),)
+    return (Companion(f"{robot.name}.srdf", "", robot, srdf(robot.name, robot.self_collision, robot.source, robot)),)
 
 
 def scenes(_robot: Robot) -> dict[str, bytes]:

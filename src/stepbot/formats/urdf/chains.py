@@ -1,0 +1,46 @@
+"""The serial chains of a robot's tree: what MoveIt plans for."""
+
+from dataclasses import dataclass
+
+from stepbot.robot.model import Joint, JointKind, Robot
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain of links without branches, with joints that move on their own."""
+
+    name: str
+    """That of its tip."""
+    base: str
+    """The parent link of its first moving joint."""
+    tip: str
+    """The last link: of several fixed to it, such as frames of tools, the last in the file."""
+    joints: tuple[Joint, ...]
+    """The joints on it that move on their own, from the base on."""
+
+
+def chains(robot: Robot) -> tuple[Chain, ...]:
+    """The chains from the root or a branching on to the next branching or the end, in the order of the joints.
+
+    Links fixed to each other count as one. A chain all of whose joints mimic others has nothing to plan.
+    """
+    body = {robot.root.name: robot.root.name}
+    for joint in robot.joints:
+        body[joint.child] = body[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    moving: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        if joint.kind is not JointKind.FIXED:
+            moving.setdefault(body[joint.parent], []).append(joint)
+    last = {body[link.name]: link.name for link in robot.links}  # parents come before their children
+    found = []
+    starts = [joint for at, joints in moving.items() if at == robot.root.name or len(joints) > 1 for joint in joints]
+    for start in starts:
+        along = [start]
+        while len(after := moving.get(along[-1].child, [])) == 1:
+            along += after
+        end = along[-1].child
+        tip = last[end]
+        independent = tuple(joint for joint in along if joint.mimic is None)
+        if independent:
+            found.append(Chain(tip, start.parent, tip, independent))
+    return tuple(found)

@@ -1,0 +1,43 @@
+"""``package.xml`` and ``CMakeLists.txt``: https://www.ros.org/reps/rep-0149.html."""
+
+from stepbot.robot.model import Robot
+
+from ...rendering import used_meshes
+from ...xml import document, element, root
+
+_RUN = ("robot_state_publisher", "joint_state_publisher_gui", "rviz2", "xacro")
+
+
+def package_xml(robot: Robot, package: str) -> str:
+    """The manifest; maintainer and licence are the user's to fill in."""
+    top = root("package", robot.source, format="3")
+    element(top, "name", package)
+    element(top, "version", "0.0.0")
+    element(top, "description", f"Description of {robot.name}")
+    element(top, "maintainer", "unknown", email="unknown@example.com")
+    element(top, "license", "unknown")
+    element(top, "buildtool_depend", "ament_cmake")
+    for name in _RUN:
+        element(top, "exec_depend", name)
+    element(element(top, "export"), "build_type", "ament_cmake")
+    return document(top).decode()
+
+
+def cmake_lists(robot: Robot, package: str) -> str:
+    """Installs the URDF, its SRDF, and all folders."""
+    name = _quoted(robot.name)
+    files = " ".join(f'"{name}.{suffix}"' for suffix in ("urdf", "srdf"))
+    folders = " ".join(["config", "launch", *(["meshes"] if used_meshes(robot) else []), "rviz", "urdf"])
+    return f"""\
+cmake_minimum_required(VERSION 3.8)
+project({package})
+find_package(ament_cmake REQUIRED)
+install(FILES {files} DESTINATION share/${{PROJECT_NAME}})
+install(DIRECTORY {folders} DESTINATION share/${{PROJECT_NAME}})
+ament_package()
+"""
+
+
+def _quoted(name: str) -> str:
+    """A name inside a quoted argument of CMake."""
+    return name.replace("\\", "\\\\").replace("$", "\\$").replace(";", "\\;")

@@ -1,0 +1,112 @@
+"""The robot as a xacro macro, with a prefix for all names, to be mounted on a link: https://wiki.ros.org/xacro."""
+
+import re
+from dataclasses import replace
+
+from stepbot.robot.model import Actuator, Collision, Joint, Link, Mimic, Robot, Visual
+from stepbot.robot.sensors import Sensor
+
+from ...xml import Element, document, element, root
+from ..package import with_package
+
+_XACRO = "http://www.ros.org/wiki/xacro"
+_PREFIX = "${prefix}"
+_PLACE = {"parent": "''", "xyz": "'0 0 0'", "rpy": "'0 0 0'"}
+
+
+def macro_name(robot: Robot) -> str:
+    """The robot's name as the name of an XML element."""
+    return re.sub(r"\W", "_", robot.name, flags=re.ASCII)
+
+
+def macro_xacro(robot: Robot, package: str) -> bytes:
+    """The file that defines the macro."""
+    from ..writer import content
+
+    top = _top(robot.source)
+    parameters = " ".join([f"{name}:={value}" for name, value in {"prefix": "''", **_PLACE}.items()])
+    macro = element(top, _tag("macro"), name=macro_name(robot), params=parameters)
+    mounted = element(macro, _tag("if"), value="${parent != ''}")
+    joint = element(mounted, "joint", name=f"{_PREFIX}mount", type="fixed")
+    element(joint, "origin", xyz="${xyz}", rpy="${rpy}")
+    element(joint, "parent", link="${parent}")
+    element(joint, "child", link=_prefixed(robot.root.name))
+    content(macro, with_prefix(robot))
+    return with_package(document(top), package)
+
+
+def instance_xacro(robot: Robot) -> bytes:
+    """The file of one robot, which takes the parameters of the macro as arguments; `parent:=world` adds that link."""
+    top = _top(robot.source, name=_escaped(robot.name))
+    element(top, _tag("include"), filename=f"{_escaped(robot.name)}.macro.xacro")
+    for name, value in {"prefix": "", **{name: value.strip("'") for name, value in _PLACE.items()}}.items():
+        element(top, _tag("arg"), name=name, default=value)
+    parameters = {name: f"$(arg {name})" for name in ("prefix", *_PLACE)}
+    world = element(top, _tag("if"), value="${'$(arg parent)' == 'world'}")
+    element(world, "link", name="world")
+    element(top, _tag(macro_name(robot)), **parameters)
+    return document(top)
+
+
+def with_prefix(robot: Robot) -> Robot:
+    """The robot with the prefix before all names of links, joints, shapes, actuators and sensors."""
+    return replace(
+        robot,
+        links=tuple(_link(link) for link in robot.links),
+        joints=tuple(_joint(joint) for joint in robot.joints),
+        actuators=tuple(_actuator(actuator) for actuator in robot.actuators),
+        sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
+        name=_prefixed(robot.name),
+    )
+
+
+def _link(link: Link) -> Link:
+    def named(shape: Visual) -> Visual:
+        return replace(shape, name=_prefixed(shape.name))
+
+    def collision(shape: Collision) -> Collision:
+        return replace(shape, name=_prefixed(shape.name))
+
+    return replace(
+        link,
+        name=_prefixed(link.name),
+        visuals=tuple(map(named, link.visuals)),
+        collisions=tuple(map(collision, link.collisions)),
+    )
+
+
+def _joint(joint: Joint) -> Joint:
+    mimic = joint.mimic
+    return replace(
+        joint,
+        name=_prefixed(joint.name),
+        parent=_prefixed(joint.parent),
+        child=_prefixed(joint.child),
+        mimic=None if mimic is None else Mimic(_prefixed(mimic.joint), mimic.multiplier, mimic.offset),
+    )
+
+
+def _actuator(actuator: Actuator) -> Actuator:
+    return replace(actuator, name=_prefixed(actuator.name), joint=_prefixed(actuator.joint))
+
+
+def _sensor(sensor: Sensor) -> Sensor:
+    link, joint = (_prefixed(name) if name else name for name in (sensor.link, sensor.joint))
+    return replace(sensor, name=_prefixed(sensor.name), link=link, joint=joint)
+
+
+def _prefixed(name: str) -> str:
+    return _PREFIX + _escaped(name)
+
+
+def _escaped(text: str) -> str:
+    """A name that xacro evaluates to itself: dollars, which begin expressions, are written by their code."""
+    return re.sub(r"\$+", lambda dollars: "${'" + r"\x24" * len(dollars[0]) + "'}", text)
+
+
+def _tag(name: str) -> str:
+    return f"{{{_XACRO}}}{name}"
+
+
+def _top(source: str, **attributes: str) -> Element:
+    return root("robot", source, {"xacro": _XACRO}, **attributes)

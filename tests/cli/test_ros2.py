@@ -1,0 +1,230 @@
+"""``stepbot convert --ros2``: a ROS 2 package, read by xacro, by the URDF parser of ROS and by engines."""
+
+import runpy
+import shutil
+import subprocess
+import sys
+import types
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+import yourdfpy
+from ruamel.yaml import YAML
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.formats import format_named
+from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import main_file
+from stepbot.formats.urdf.chains import chains
+from stepbot.formats.urdf.ros2.package import ros2_package
+from stepbot.formats.urdf.writer import render
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Robot
+from tests.devices import equipped
+from tests.robots import floating_biped, gripper_with_mimic, odd_names, pendulum, tree, two_link_arm
+
+from .conftest import Stepbot
+
+PACKAGE = "arm2_description"
+URDF = format_named("urdf")
+MADE = (two_link_arm, gripper_with_mimic, tree, equipped, odd_names, floating_biped)
+
+
+@pytest.fixture
+def package(stepbot: Stepbot, arm: Path) -> Path:
+    """The package of the arm, in a workspace."""
+    folder = arm / "src" / PACKAGE
+    run = stepbot("convert", "arm2.robot.yaml", "-o", str(folder), "--ros2", "arm2", "-f", "urdf", "--no-verify")
+    assert run.code == 0, run.err
+    return folder
+
+
+def xacro(file: Path, **arguments: str) -> ET.Element:
+    """The URDF that xacro makes of a file."""
+    program = "import xml.parsers.expat, xacro; xacro.main()"  # 2.1.1 forgets to import what it catches
+    command = [sys.executable, "-c", program, str(file), *(f"{name}:={value}" for name, value in arguments.items())]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == 0, run.stderr
+    return ET.fromstring(run.stdout)
+
+
+def plain(element: ET.Element) -> Any:
+    """Tag, attributes, text and children of an element."""
+    return element.tag, element.attrib, (element.text or "").strip(), [plain(child) for child in element]
+
+
+def written(robot: Robot, folder: Path) -> tuple[Robot, ET.Element]:
+    """The robot as URDF has it, and its URDF; the files of the package are in the folder."""
+    lowered = lower(robot, URDF, Diagnostics())
+    for path, data in ros2_package(lowered, "the_package").items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_bytes(data)
+    urdf = render(lowered).decode().replace('filename="meshes/', 'filename="package://the_package/meshes/')
+    return lowered, ET.fromstring(urdf)
+
+
+@pytest.mark.parametrize("make", MADE, ids=lambda make: make.__name__)
+def test_xacro_without_arguments_is_the_urdf(make: Any, tmp_path: Path) -> None:
+    """Without arguments xacro gives the URDF itself, element by element, whatever the names are."""
+    robot, urdf = written(make(), tmp_path)
+    made = xacro(tmp_path / "urdf" / f"{robot.name}.urdf.xacro")
+    assert made.attrib["name"] == robot.name
+    assert [plain(child) for child in made] == [plain(child) for child in urdf]
+
+
+def test_names_that_xacro_would_evaluate(tmp_path: Path) -> None:
+    """Names with `${` and `$(` are written as they are."""
+    robot = pendulum()
+    names = {"bob": "a ${1 + 1} $(arg x) $$ b"}
+    links = tuple(replace(link, name=names.get(link.name, link.name)) for link in robot.links)
+    joints = tuple(replace(joint, child=names.get(joint.child, joint.child)) for joint in robot.joints)
+    _, urdf = written(replace(robot, links=links, joints=joints), tmp_path)
+    made = xacro(tmp_path / "urdf" / f"{robot.name}.urdf.xacro")
+    assert [plain(child) for child in made] == [plain(child) for child in urdf]
+
+
+def test_two_robots_with_prefixes_on_one_stand(package: Path) -> None:
+    """The macro twice, with prefixes, on one link: one tree with all names once, and the links where they belong."""
+    both = package / "urdf" / "both.xacro"
+    both.write_text(
+        '<robot name="both" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:include filename="arm2.macro.xacro"/><link name="stand"/>'
+        '<xacro:arm2 prefix="left_" parent="stand" xyz="0 0.5 1" rpy="0 0 1.5"/>'
+        '<xacro:arm2 prefix="right_" parent="stand" xyz="0 -0.5 1"/></robot>',
+        encoding="utf-8",
+    )
+    urdf = xacro(both)
+    one = ET.parse(package / "arm2.urdf").getroot()
+    names = {link.attrib["name"] for link in one.iter("link")}
+    made = [link.attrib["name"] for link in urdf.iter("link")]
+    assert sorted(made) == sorted(["stand", *(f"{side}{name}" for side in ("left_", "right_") for name in names)])
+    file = package / "both.urdf"
+    file.write_bytes(ET.tostring(urdf))
+    robots = [yourdfpy.URDF.load(str(path), load_meshes=False) for path in (package / "arm2.urdf", file)]
+    for side, y, yaw in (("left_", 0.5, 1.5), ("right_", -0.5, 0.0)):
+        X_WB = Pose.from_xyz_rpy((0, y, 1), (0, 0, yaw)).matrix
+        for name in names:
+            np.testing.assert_allclose(
+                robots[1].get_transform(f"{side}{name}", "stand"),
+                X_WB @ robots[0].get_transform(name, robots[0].base_link),
+                atol=1e-12,
+            )
+    if shutil.which("check_urdf") is not None:
+        run = subprocess.run(["check_urdf", str(file)], capture_output=True, text=True, check=False, timeout=60)
+        assert run.returncode == 0, run.stderr
+        assert "root Link: stand has 2 child(ren)" in run.stdout
+
+
+def test_mounted_on_the_world(package: Path) -> None:
+    """With the arguments of the file, the robot has a prefix and stands on the link `world`."""
+    urdf = xacro(package / "urdf" / "arm2.urdf.xacro", prefix="a_", parent="world", xyz="1 2 3")
+    (mount,) = [joint for joint in urdf.iter("joint") if joint.attrib["name"] == "a_mount"]
+    ends = [mount.find(tag) for tag in ("parent", "child", "origin")]
+    assert [dict(end.attrib) for end in ends if end is not None] == [
+        {"link": "world"},
+        {"link": "a_base"},
+        {"xyz": "1 2 3", "rpy": "0 0 0"},
+    ]
+
+
+def test_the_package_is_complete(package: Path) -> None:
+    """The manifest names the package, CMake installs folders that exist, and YAML files name joints of the URDF."""
+    manifest = ET.parse(package / "package.xml").getroot()
+    assert (manifest.findtext("name"), manifest.findtext("export/build_type")) == (PACKAGE, "ament_cmake")
+    lines = (package / "CMakeLists.txt").read_text(encoding="utf-8").splitlines()
+    installed = [line.partition("(")[2].split(" DESTINATION")[0].split()[1:] for line in lines if "install(" in line]
+    names = [name.strip('"') for group in installed for name in group]
+    assert {"arm2.urdf", "arm2.srdf", "meshes", "urdf", "launch"} <= set(names)
+    assert all((package / name).exists() for name in names)
+    urdf = ET.parse(package / "arm2.urdf").getroot()
+    moving = {one.attrib["name"] for one in urdf.findall("joint") if one.attrib["type"] != "fixed"}
+    settings = {path.name: YAML(typ="safe").load(path) for path in (package / "config").glob("*.yaml")}
+    manager = settings["controllers.yaml"]["controller_manager"]["ros__parameters"]
+    controller = settings["controllers.yaml"]["position_controller"]["ros__parameters"]
+    assert manager["position_controller"]["type"] == "joint_trajectory_controller/JointTrajectoryController"
+    assert set(controller["joints"]) <= moving
+    assert set(settings["joint_limits.yaml"]["joint_limits"]) <= moving
+    limits = {one.attrib["name"]: one.find("limit") for one in urdf.findall("joint")}
+    for name, limit in settings["joint_limits.yaml"]["joint_limits"].items():
+        element = limits[name]
+        assert element is not None
+        assert limit["max_velocity"] == float(element.attrib["velocity"])
+
+
+def test_moveit_groups_are_chains_of_the_urdf(package: Path) -> None:
+    """Each group is a chain from its base to its tip, has a solver and the drawn pose, and pairs are links."""
+    urdf = ET.parse(package / "arm2.urdf").getroot()
+    links = {link.attrib["name"] for link in urdf.iter("link")}
+    above = {j.find("child").attrib["link"]: j for j in urdf.findall("joint")}  # type: ignore[union-attr]
+    srdf = ET.parse(package / "arm2.srdf").getroot()
+    solvers = YAML(typ="safe").load(package / "config" / "kinematics.yaml")
+    states = {state.attrib["group"]: state for state in srdf.findall("group_state")}
+    groups = srdf.findall("group")
+    assert {group.attrib["name"] for group in groups} == set(solvers) == set(states)
+    for group in groups:
+        (chain,) = group
+        at, joints = chain.attrib["tip_link"], []
+        while at != chain.attrib["base_link"]:
+            joints.append(above[at].attrib["name"])
+            at = above[at].find("parent").attrib["link"]  # type: ignore[union-attr]
+        drawn = {one.attrib["name"]: float(one.attrib["value"]) for one in states[group.attrib["name"]]}
+        assert drawn
+        assert set(drawn) <= set(joints)
+        if "elbow" in drawn:
+            assert drawn["elbow"] == pytest.approx(np.pi / 6)
+    for pair in srdf.findall("disable_collisions"):
+        assert {pair.attrib["link1"], pair.attrib["link2"]} <= links
+
+
+def test_chains_of_trees() -> None:
+    """Chains end where the tree branches; links fixed to each other are one; followers alone are no chain."""
+    lowered = lower(tree(), URDF, Diagnostics())
+    found = {chain.name: (chain.base, [joint.name for joint in chain.joints]) for chain in chains(lowered)}
+    joints = [joint for _, names in found.values() for joint in names]
+    independent = [j.name for j in lowered.joints if j.kind.value != "fixed" and j.mimic is None]
+    assert sorted(joints) == sorted(independent)
+    assert len(found) >= 2
+    jaws = lower(gripper_with_mimic(), URDF, Diagnostics())
+    assert all(joint.mimic is None for chain in chains(jaws) for joint in chain.joints)
+
+
+def test_the_launch_file_starts_three_nodes(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With stand-ins for ROS, the launch file runs xacro on the installed file and shows it in RViz."""
+    share = {"get_package_share_directory": lambda name: str(package) if name == PACKAGE else ""}
+    modules = {
+        "ament_index_python.packages": share,
+        "launch": {"LaunchDescription": list},
+        "launch.actions": {"DeclareLaunchArgument": lambda name, default_value: (name, default_value)},
+        "launch.substitutions": {"Command": list, "LaunchConfiguration": lambda name: f"<{name}>"},
+        "launch_ros.actions": {"Node": dict},
+        "launch_ros.parameter_descriptions": {"ParameterValue": lambda value, value_type: value},
+    }
+    for name, content in modules.items():
+        for part in (name.partition(".")[0], name):
+            monkeypatch.setitem(sys.modules, part, sys.modules.get(part) or types.ModuleType(part))
+        vars(sys.modules[name]).update(content)
+    described = runpy.run_path(str(package / "launch" / "view.launch.py"))["generate_launch_description"]()
+    nodes = [one for one in described if isinstance(one, dict)]
+    assert [node["package"] for node in nodes] == ["robot_state_publisher", "joint_state_publisher_gui", "rviz2"]
+    command = "".join(nodes[0]["parameters"][0]["robot_description"])
+    file = package / "urdf" / "arm2.urdf.xacro"
+    assert command == f"xacro '{file}' prefix:='<prefix>' parent:='<parent>' xyz:='<xyz>' rpy:='<rpy>'"
+    assert file.is_file()
+    assert Path(nodes[2]["arguments"][1]).is_file()
+    view = YAML(typ="safe").load(Path(nodes[2]["arguments"][1]))
+    assert view["Visualization Manager"]["Global Options"]["Fixed Frame"] == "base"
+
+
+def test_engines_prove_the_urdf_of_the_package(stepbot: Stepbot, arm: Path) -> None:
+    """The conversion of a package is verified like any other; `--package` and other formats do not fit."""
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf")
+    assert run.code == 0, run.err
+    assert any(line.split()[:3] == ["urdf", "arm2.urdf", "passed"] for line in run.out.splitlines())
+    assert stepbot("uptodate", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf").code == 0
+    assert stepbot("convert", "arm2.robot.yaml", "--ros2", "arm2", "--package", "arm2_x").code == 2
+    assert stepbot("convert", "arm2.robot.yaml", "--ros2", "arm2", "-f", "mjcf").code == 2
+    assert main_file(pendulum(), URDF) == "pendulum.urdf"
