@@ -42,6 +42,7 @@ class Feature(StrEnum):
     CLOSURE = "revolute, ball or fixed closure"
     SLIDING_CLOSURE = "prismatic closure"
     STUCK_CLOSURE = "prismatic closure of a loop without an unlimited passive pin"
+    FOLLOWER = "joint that a loop makes follow another one linearly"
     LOOP_ZERO = "loop closed at a pose other than q = 0"
     INITIAL_POSE = "drawn pose other than q = 0"
     FRAME = "frame"

@@ -6,6 +6,7 @@ from typing import Any
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Robot
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.sensors import SEEING, Sensor
@@ -39,6 +40,16 @@ def robot_document(report: Report, robot: Robot) -> Json:
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint) for joint in robot.joints],
         "closures": [_closure(closure) for closure in robot.closures],
+        "followers": [
+            {
+                "joint": follower.joint,
+                "leader": follower.mimic.joint,
+                "multiplier": follower.mimic.multiplier,
+                "offset": follower.mimic.offset,
+                "deviation": follower.deviation,
+            }
+            for follower in loop_followers(robot)
+        ],
         "pybullet": [_loop_constraint(constraint) for constraint in loop_constraints(robot)],
         "frames": [
             {"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF), "source": frame.source}

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stepbot.engines.observation import Request
 from stepbot.robot.closures import driven_joints, held_by_a_point, loop_ways
-from stepbot.robot.kinematics import configurations, initial_configuration, rates
+from stepbot.robot.kinematics import complete, configurations, independent_joints, initial_configuration, rates
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
 
@@ -35,6 +35,10 @@ def mechanism(robot: Robot, lowered: Robot) -> Robot:
     return replace(lowered, closures=closures, actuators=actuators)
 
 
+Ways = tuple[tuple[Mapping[str, float], ...], ...]
+"""Paths of closed configurations."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Solved:
     """The loops of a robot, solved."""
@@ -42,7 +46,29 @@ class _Solved:
     robot: Robot
     driven: tuple[str, ...]
     held_by_a_point: tuple[str, ...]
-    ways: tuple[tuple[Mapping[str, float], ...], ...]
+    ways: Ways
+
+
+def _free_followers(robot: Robot, written: Robot) -> Robot:
+    """The mechanism without mimics that stand for its loops, which the closures contain already."""
+    plain = {joint.child for joint in robot.joints if joint.mimic is None}
+    kinds = {joint.child: joint.kind for joint in robot.joints}
+    freed = tuple(
+        replace(joint, mimic=None)
+        if joint.mimic is not None and joint.child in plain and joint.kind is kinds[joint.child]
+        else joint
+        for joint in written.joints
+    )
+    return written if not written.closures or freed == written.joints else replace(written, joints=freed)
+
+
+def _followed(written: Robot, ways: Ways) -> Ways:
+    """Closed configurations with the followers where the mimics of the file have them."""
+    leaders = {joint.name for joint in independent_joints(written)}
+    return tuple(
+        tuple(complete(written, {name: value for name, value in q.items() if name in leaders}) for q in way)
+        for way in ways
+    )
 
 
 def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Path]) -> dict[str, Request]:
@@ -59,7 +85,8 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
     solved: list[_Solved] = []
     asked = {}
     for name, file in files.items():
-        moved = mechanism(robot, lowered[name])
+        written = mechanism(robot, lowered[name])
+        moved = _free_followers(robot, written)
         # Most formats have the same joints and loops: their range is computed once.
         known = [one for one in solved if one.robot.joints == moved.joints and one.robot.closures == moved.closures]
         if not known:
@@ -69,13 +96,13 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
         asked[name] = Request(
             file=str(file.resolve()),
             format=name,
-            configurations=configurations(moved, CONFIGURATIONS, SEED),
+            configurations=configurations(written, CONFIGURATIONS, SEED),
             rates=rates(moved, CONFIGURATIONS, SEED),
             initial=initial_configuration(moved),
             simulate=SECONDS,
             floating=moved.base is Base.FLOATING,
             closures=moved.closures,
-            ways=loops.ways,
+            ways=_followed(written, loops.ways) if moved is not written else loops.ways,
             held_by_a_point=loops.held_by_a_point,
             driven=loops.driven,
             balls=ball_coordinates(moved),

@@ -227,6 +227,16 @@ CODES: tuple[Code, ...] = (
         "Set them after loading the file, such as `pybullet.setTimeStep`, or use MJCF.",
     ),
     Code(
+        "SB731",
+        "note",
+        "loop written as mimics",
+        "The format can only represent a tree. Passive joints of a loop that follow a driven joint along a straight line "
+        "are written as mimics of it, with the largest deviation over the range that the loop allows.",
+        "Programs that read mimics, such as RViz, move the mechanism as the loop does. Programs that simulate do not get "
+        "the forces of the loop.",
+        "No action is needed. `robot.followers` in `report.json` has the lines.",
+    ),
+    Code(
         "SB740",
         "note",
         "excluded contacts in a separate file",

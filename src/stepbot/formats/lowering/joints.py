@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import inf, isinf
 
 from stepbot.robot.kinematics import displacement, mimic_relation
+from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Mimic, Robot
 from stepbot.robot.unique_names import free_name
 
@@ -116,6 +117,24 @@ def describe_closures(condition: Callable[[LoopClosure], bool]) -> Callable[[Rob
         for closure in robot.closures
         if condition(closure)
     ]
+
+
+def describe_followers(robot: Robot) -> list[str]:
+    """The joints that follow a driven one through a loop, with their lines and deviations."""
+    found = []
+    for follower in loop_followers(robot):
+        prismatic = robot.joint_by_name[follower.joint].kind is JointKind.PRISMATIC
+        mimic, unit = follower.mimic, "m" if prismatic else "rad"
+        line = f"{mimic.multiplier:g} x '{mimic.joint}'" + (f" {mimic.offset:+g}" if mimic.offset else "")
+        deviation = max(round(follower.deviation, 9), 1e-9)
+        found.append(f"'{follower.joint}' = {line}, within {deviation:.2g} {unit}")
+    return found
+
+
+def mimic_followers(robot: Robot) -> Robot:
+    """The robot with a mimic in each joint that follows a driven one through a loop."""
+    mimics = {follower.joint: follower.mimic for follower in loop_followers(robot)}
+    return each_joint(lambda joint: replace(joint, mimic=mimics.get(joint.name, joint.mimic)))(robot)
 
 
 def drop_closures(robot: Robot) -> Robot:

@@ -84,6 +84,7 @@ EXPRESSES = {
     Feature.STUCK_CLOSURE: refused(
         "SB713", "no equality constraint allows sliding, and the loop has no unlimited passive pin"
     ),
+    Feature.FOLLOWER: exact("held by the closure"),
     Feature.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
     Feature.INITIAL_POSE: exact("keyframe `home`"),
     Feature.FRAME: exact("`<site>`"),

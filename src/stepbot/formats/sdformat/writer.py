@@ -81,6 +81,7 @@ EXPRESSES = {
     Feature.CLOSURE: exact("a second joint to the child; `drake:ball_constraint` in `<robot>.drake.sdf`"),
     Feature.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
     Feature.STUCK_CLOSURE: exact("a second joint to the child; no file for Drake is written"),
+    Feature.FOLLOWER: exact("held by the closure"),
     Feature.LOOP_ZERO: lowered("SB711", "loops must close at q = 0, so zeros are moved to the drawn pose"),
     Feature.INITIAL_POSE: reported("SB706", "the drawn pose of these joints is omitted"),
     Feature.FRAME: exact("`<frame>` attached to its link"),

@@ -72,6 +72,7 @@ EXPRESSES = {
     Feature.CLOSURE: reported("SB701", "URDF is a tree; closures are omitted"),
     Feature.SLIDING_CLOSURE: reported("SB701", "URDF is a tree; closures are omitted"),
     Feature.STUCK_CLOSURE: reported("SB701", "URDF is a tree; closures are omitted"),
+    Feature.FOLLOWER: lowered("SB731", "joints that follow a driven one through a loop are written with `<mimic>`"),
     Feature.LOOP_ZERO: exact("only the tree is written"),
     Feature.INITIAL_POSE: reported("SB706", "the drawn pose of these joints is omitted"),
     Feature.FRAME: lowered("SB708", "frames are massless links on fixed joints"),
