@@ -88,3 +88,32 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[Path
     yield serve
     for session in running:
         session.close()
+
+
+@pytest.fixture
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Geometry that is read once for all tests; what an edit gives is computed each time."""
+    return tmp_path_factory.getbasetemp() / "browser_cache"
+
+
+@pytest.fixture
+def edited(robot_library: Path, tmp_path: Path, cache: Path, page: Page) -> Iterator[Callable[[str], Session]]:
+    """Serves the four-bar linkage with another sidecar, for editing; errors of refused edits are expected."""
+    running: list[Session] = []
+    page.expected_errors = ["400 (Bad Request)"]
+
+    def serve(text: str) -> Session:
+        shutil.copy(robot_library / "stepbot_four_bar" / "four_bar.step", tmp_path)
+        sidecar = tmp_path / "four_bar.robot.yaml"
+        sidecar.write_text(text, encoding="utf-8", newline="")
+        session = Session(sidecar, Options(output=Path(), cache=Cache(cache)), edits=True)
+        running.append(session)
+        session.load()
+        session.server.start()
+        page.open(session.server.url)
+        page.wait("return document.querySelector('#live').textContent === 'live'")
+        return session
+
+    yield serve
+    for session in running:
+        session.close()

@@ -7,7 +7,7 @@ _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: 
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
 _SCORE = re.compile(r" *# score \d")
-_ENTRY = re.compile(r"  (\S.*?): *(#.*)?$")
+_ENTRY = re.compile(r"  (\S.*?):(?: .*)?$")
 
 
 def above(lines: Sequence[str], entry: int) -> tuple[int, ...]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -24,9 +25,12 @@ from stepbot.step.features.axes import (
 _WORDS = {Basis.FIT: "shaft in bore", Basis.FLANGE: "equal bores", Basis.TOUCH: "faces touch", Basis.APART: "apart"}
 
 
+Form = Literal["mate", "auto", "axis_of"]
+
+
 @dataclass(frozen=True)
 class SharedLine:
-    """A line with cylindrical faces of both components."""
+    """A line with cylindrical faces that a joint can turn about."""
 
     words: str
     """``shaft in bore, radius 8 mm, +z through [0, 12.5, 3] mm``."""
@@ -41,8 +45,12 @@ class SharedLine:
     point: Vector3
     """[m]."""
     direction: Vector3
-    between_links: bool = False
-    """Whether it has no faces of the first component, but of others of its link."""
+    form: Form = "mate"
+    """How an origin refers to it: by both components, by the links of both, or by the first component alone."""
+
+
+MOST_LINES = 40
+"""Maximum number of lines to choose among."""
 
 
 @dataclass(frozen=True)
@@ -64,19 +72,20 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
         assembly: The assembly.
         a: Index of a component.
         b: Index of another one.
-        link: Components of the first one's link; if ``a`` and ``b`` share no line, those of the link and ``b``.
+        link: Components of the first one's link; if ``a`` and ``b`` share no line, those of the link and ``b``, or
+            else those of ``a`` alone.
     """
     below = assembly.subtree(b)
-    faces = axis_faces(assembly, below)
-    found = mates(axis_faces(assembly, assembly.subtree(a)), faces)
-    others = [index for index in link if index not in set(below)]
-    between_links = not found and bool(others)
-    if between_links:
-        found = mates(axis_faces(assembly, others), faces)
+    of_a, of_b = axis_faces(assembly, assembly.subtree(a)), axis_faces(assembly, below)
+    form: Form = "mate"
+    found = mates(of_a, of_b)
+    if not found:
+        form, found = "auto", mates(axis_faces(assembly, [index for index in link if index not in set(below)]), of_b)
+    if not found:
+        form, found = "axis_of", lines(of_a)
     chosen, offered = choose(found).line, selectors(found)
-    return tuple(
-        _shared(assembly, a, line, line is chosen, one, between_links) for line, one in zip(found, offered, strict=True)
-    )
+    pairs = list(zip(found, offered, strict=True))[:MOST_LINES]
+    return tuple(_shared(assembly, a, line, line is chosen, one, form) for line, one in pairs)
 
 
 def lines_of_origin(
@@ -101,7 +110,7 @@ def lines_of_origin(
     made = []
     for line in found:
         one = Selector() if line is plain else selector(line, found)
-        made.append(_shared(assembly, a[0], line, line is chosen, one, False))
+        made.append(_shared(assembly, a[0], line, line is chosen, one, "mate"))
     return tuple(made)
 
 
@@ -109,9 +118,7 @@ def _has_radius(line: AxisLine, radius: float) -> bool:
     return bool(np.abs(np.array(line.radii) - radius).min() <= DISTANCE_TOLERANCE)
 
 
-def _shared(
-    assembly: Assembly, a: int, line: AxisLine, chosen: bool, offered: Selector, between_links: bool
-) -> SharedLine:
+def _shared(assembly: Assembly, a: int, line: AxisLine, chosen: bool, offered: Selector, form: Form) -> SharedLine:
     shown = next((i for i in assembly.subtree(a) if assembly.components[i].body >= 0), a)
     X_CW = assembly.components[shown].X_WC.inverse()
     return SharedLine(
@@ -122,7 +129,7 @@ def _shared(
         assembly.components[shown].path,
         vector3(X_CW.apply(line.point)),
         vector3(X_CW.turn(line.direction)),
-        between_links,
+        form,
     )
 
 

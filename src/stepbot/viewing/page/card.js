@@ -45,7 +45,7 @@ function partCard(state, selection) {
   const component = state.scene.components.find((one) => one.path === selection.component);
   const { mass: body } = link;
   if (selection.picked?.length > 1) {
-    const pick = (former) => (path) => state.select({ ...selection, component: path, picked: selection.picked.map((one) => (one === former ? path : one)) });
+    const pick = (former) => (path) => state.select({ ...selection, add: false, component: path, picked: selection.picked.map((one) => (one === former ? path : one)) });
     return [element("h2", {}, `${selection.picked.length} parts`), element("ul", {}, selection.picked.map((path) => element("li", {}, path, ancestors(path, pick(path)))))];
   }
   const source = link.sources.find((one) => one.component === selection.component);

@@ -10,6 +10,8 @@ import { mistyped, parsed } from "./numbers.js";
 const { state } = app;
 const KINDS = { joint: ["revolute", "continuous", "prismatic", "fixed"], closure: ["revolute", "ball", "prismatic", "fixed"] };
 
+const FORMS = { mate: (a, b) => ({ mate: [a, b] }), auto: () => ({ auto: true }), axis_of: (a) => ({ axis_of: a }) };
+
 // Between the first picked part, on the parent link, and the second. That becomes a link of its own, or the joint
 // closes a loop to the link that it is in.
 export function jointForm([a, b]) {
@@ -58,7 +60,7 @@ export function jointForm([a, b]) {
     const line = origin.value === "" ? null : lines[Number(origin.value)];
     const made = await edit(closes() ? "add_closure" : "add_joint", {
       name: name.value, kind: kind.value, parent, child: closes() ? other : child.value, paths: [b],
-      origin: line ? { ...(line.between_links ? { auto: true } : { mate: [a, b] }), radius: line.radius, near: line.near } : null,
+      origin: line ? { ...FORMS[line.form](a, b), radius: line.radius, near: line.near } : null,
       lower: low, upper: high,
     });
     if (made) state.select({ connection: name.value });
@@ -70,8 +72,8 @@ export function jointForm([a, b]) {
   ask("between", { a, b }).then((found) => {
     lines = found.lines;
     const chosen = lines.findIndex((line) => line.chosen);
-    if (lines.length) options(origin, lines.map((line, i) => [String(i), line.words]), String(Math.max(0, chosen)));
-    else options(origin, [["", "no shared axis: cannot be found by itself"]], "");
+    if (lines.length) options(origin, lines.map((line, i) => [String(i), line.form === "axis_of" ? `of ${nameOf(a)} alone, ${line.words}` : line.words]), String(Math.max(0, chosen)));
+    else options(origin, [["", "no axis: neither part has a round face"]], "");
     if (lines.length && chosen < 0) origin.before(element("span.warn", {}, "ambiguous: choose one"));
     draw();
   }).catch((error) => say(error.message));

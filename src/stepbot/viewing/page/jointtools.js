@@ -64,6 +64,7 @@ function lineField(one) {
     if (!(await edit("origin", { joint: one.name, radius, near }))) select.value = current;
   } });
   const made = field("axis", select);
+  made.hidden = true; // until there is a choice
   ask("lines", { joint: one.name }).then((found) => {
     lines = found.lines;
     current = String(lines.findIndex((line) => line.chosen));
