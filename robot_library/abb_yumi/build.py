@@ -14,7 +14,7 @@ import build123d as bd
 
 from ..description import load_description
 from ..drawing import Body, draw_described
-from ..shapes import ALUMINIUM, BLACK, DARK, at, block, cylinder, flange, housing, hull_plate, lathe, loft, on_circle
+from ..shapes import ALUMINIUM, BLACK, DARK, at, block, cylinder, housing, hull_plate, lathe, loft, on_circle
 
 SHELL = "#dcdddb"
 """Light grey of the soft shells."""
@@ -26,12 +26,13 @@ GAP = 2.0
 
 TORSO = (
     (0.0, 399.0, 497.0, -30.0),
-    (70.0, 392.0, 488.0, -30.0),
-    (140.0, 300.0, 350.0, -40.0),
-    (260.0, 240.0, 300.0, -45.0),
-    (400.0, 220.0, 300.0, -40.0),
-    (490.0, 170.0, 230.0, -50.0),
-    (535.0, 90.0, 130.0, -60.0),
+    (26.0, 384.0, 478.0, -30.0),
+    (120.0, 295.0, 345.0, -40.0),
+    (200.0, 262.0, 305.0, -46.0),
+    (400.0, 230.0, 290.0, -48.0),
+    (470.0, 190.0, 235.0, -54.0),
+    (515.0, 135.0, 165.0, -60.0),
+    (540.0, 70.0, 85.0, -64.0),
 )
 """Sections: height, depth, width, and distance of the centre in front of the origin."""
 SHOULDER, SHOULDER_DEPTH = 60.0, 120.0
@@ -82,11 +83,12 @@ FINGER_SIDE, FINGER_LENGTH = 6.5, 48.0
 def torso() -> list[Body]:
     """x forward, z up, on the table."""
     sections = (
-        bd.Plane(origin=(x, 0, z)) * bd.RectangleRounded(depth, width, 0.36 * depth) for z, depth, width, x in TORSO[1:]
+        bd.Plane(origin=(x, 0, z)) * bd.RectangleRounded(depth, width, 0.47 * depth) for z, depth, width, x in TORSO[1:]
     )
     body = loft(*sections)
-    plinth = at(block(*TORSO[0][1:3], TORSO[1][0], 60, only="z"), (TORSO[0][3], 0, 0))
-    for x, y in ((150, 200), (150, -200), (-150, 200), (-150, -200)):
+    plinth = at(block(*TORSO[0][1:3], TORSO[1][0], 120, only="z"), (TORSO[0][3], 0, 0))
+    plinth = bd.fillet(plinth.edges().group_by(bd.Axis.Z)[-1], 8)
+    for x, y in ((120, 205), (120, -205), (-120, 205), (-120, -205)):
         plinth -= at(cylinder(5.5, 30), (x + TORSO[0][3], y, 0))
     joints = load_description(Path(__file__).parent / "expected.json").joints
     bodies = []
@@ -109,15 +111,16 @@ def torso() -> list[Body]:
 def rolling_link(s: Roll, fork: float, collar: float) -> list[Body]:
     """A tube, and the tongue that the next link's fork embraces."""
     half = TONGUE * fork
-    tube = at(housing(s.radius, s.end - GAP, 0.35 * s.radius, 3), (0, 0, GAP))
-    plan = [((0, s.end), 0.5 * s.radius), ((s.x, s.z), s.drum)]
+    tube = at(housing(s.radius, s.end - GAP, 0.35 * s.radius, 0), (0, 0, GAP))
+    plan = [((0, s.end - 0.2 * s.radius), 0.7 * s.radius), ((s.x, s.z), s.drum)]
     tongue = at(hull_plate(plan, 2 * half), (0, half, 0), (90, 0, 0))
+    below = at(block(400, 400, 200), (0, 0, s.end / 2 - 200))
     ring = at(cylinder(collar, GAP - 0.2), (0, 0, 0.2))
-    return [Body("shell", tube, SHELL), Body("tongue", tongue - tube, GREY), Body("ring", ring, DARK)]
+    return [Body("shell", tube, SHELL), Body("tongue", tongue - tube - below, GREY), Body("ring", ring, DARK)]
 
 
-def bending_link(s: Bend) -> list[Body]:
-    """A fork with caps on its cheeks, and a tube."""
+def bending_link(s: Bend, drum: float) -> list[Body]:
+    """A fork with caps on its cheeks around a tongue of radius ``drum``, and a tube."""
     r, half, slot = s.fork, CHEEK * s.fork, TONGUE * s.fork + 1
     end = s.y - GAP
     body = hull_plate([((0, 0), r), ((0.8 * s.x, 0.55 * end), 0.9 * s.radius)], 2 * half)
@@ -127,7 +130,8 @@ def bending_link(s: Bend) -> list[Body]:
     body &= at(block(8 * r, 8 * r, 2 * half), (0, seam - 4 * r, -half))
     body += at(housing(s.radius, end - seam, 2, 0.25 * r), (s.x, seam, 0), (-90, 0, 0))
     # The slot comes last: two cheeks without the tube would be two solids, and the kernel gives them in any order.
-    body -= at(block(6 * r, 4 * r, 2 * slot), (0, min(0.94 * r, seam) - 2 * r, -slot))
+    body -= at(cylinder(drum + GAP, 2 * slot), (0, 0, -slot))
+    body -= at(block(6 * r, 4 * r, 2 * slot), (0, -2 * r, -slot))
     caps = [at(housing(0.55 * r, 4, 2, 0), (0, 0, side * half), (0 if side > 0 else 180, 0, 0)) for side in (-1, 1)]
     return [Body("shell", body, SHELL), *(Body("cap", cap, GREY) for cap in caps)]
 
@@ -143,7 +147,7 @@ def last_link() -> list[Body]:
 def gripper_base() -> list[Body]:
     """The servo gripper: z away from the arm, the fingers slide along x."""
     x, y, z = GRIPPER
-    mount = flange(30, 12, on_circle(4, 40, 45), 1.6)
+    mount = cylinder(30, 12)
     body = at(block(x, y, z - 12 - 10, 14, only="z"), (0, 0, 12))
     body = bd.chamfer(body.edges().group_by(bd.Axis.Z)[-1], 6)
     camera = at(cylinder(7, 3), (0, y / 2, 52), (-90, 0, 0))
@@ -164,7 +168,7 @@ def finger() -> list[Body]:
     blade = at(block(7, 10, FINGER_LENGTH - 9), (-3.5 - 0.2, FINGER_SIDE, 9.3))
     blade = bd.chamfer(blade.edges().filter_by(bd.Axis.Y).group_by(bd.Axis.Z)[-1].sort_by(bd.Axis.X)[:1], 4)
     bridge = at(block(7, 3.5, 9), (-3.7, 5 + 1.75, 0.3))
-    return [Body("carriage", carriage, DARK), Body("bridge", bridge, DARK), Body("blade", blade, ALUMINIUM)]
+    return [Body("carriage", carriage + bridge, DARK), Body("blade", blade, ALUMINIUM)]
 
 
 def links() -> dict[str, list[Body]]:
@@ -172,9 +176,11 @@ def links() -> dict[str, list[Body]]:
     found = {"yumi_body": torso()}
     for side in "rl":
         shapes = [part for roll, bend in zip(ROLLS, BENDS, strict=True) for part in ((roll, bend), (bend,))]
+        drum = 0.0
         for number, (first, *rest) in enumerate(shapes, 1):
-            bodies = rolling_link(first, rest[0].fork, first.radius - 6) if rest else bending_link(first)
+            bodies = rolling_link(first, rest[0].fork, first.radius - 6) if rest else bending_link(first, drum)
             found[f"yumi_link_{number}_{side}"] = bodies
+            drum = first.drum if rest else 0.0
         found[f"yumi_link_7_{side}"] = last_link()
         found[f"gripper_{side}_base"] = gripper_base()
         for which in "rl":

@@ -14,74 +14,71 @@ from pathlib import Path
 import build123d as bd
 
 from ..drawing import Body, draw_described
-from ..shapes import ALUMINIUM, BLACK, DARK, STEEL, WHITE, at, block, cylinder, flange, on_circle, rod
+from ..shapes import ALUMINIUM, BLACK, DARK, STEEL, WHITE, at, cylinder, flange, on_circle, rod, screw
 
 WIDTH, DEPTH, TOP = 204.0, 63.0, 65.8
 SLOT = 23.0
 """Width of the rail's opening: the fingers' 22 mm [C] and their clearance."""
+SECTIONS = (
+    (6.0, DEPTH, DEPTH + 2),
+    (14.0, DEPTH, 72),
+    (24.0, 58, 100),
+    (33.0, 53, 160),
+    (42.0, 50, 194),
+    (52.0, 48, 203),
+    (TOP, 47, WIDTH),
+)
+"""Height, depth and width of sections of the housing [E]."""
 RAIL = 58.4
 """Height of the fingers' origin over the flange [T]."""
 
 
 def body() -> list[Body]:
-    """The housing: the intersection of its outlines from the front, from the side and from above."""
-    shell = _front() & _side() & at(bd.extrude(bd.RectangleRounded(DEPTH, WIDTH, 26), TOP), (0, 0, 0))
-    shell = bd.fillet(shell.edges().filter_by(lambda edge: edge.center().Z > 20 and edge.length > 60), 5)
-    slot = at(block(SLOT + 3, 181, 20), (0, 0, RAIL - 1.2))
-    channel = at(block(SLOT + 3, 181, TOP - RAIL + 0.7), (0, 0, RAIL - 1.2)) - at(
-        block(SLOT, 178, 20), (0, 0, RAIL - 0.4)
-    )
+    """The housing, a loft from the round neck to the wide rail, with flange, rail and connector."""
+    shell = bd.loft([_level(*section) for section in SECTIONS])
+    shell = bd.fillet(shell.edges().filter_by(lambda edge: abs(edge.center().Z - TOP) < 0.1), 3)
+    slot = at(bd.extrude(bd.RectangleRounded(SLOT + 3, 180, 8), 20), (0, 0, RAIL - 1.2))
+    channel = bd.extrude(bd.RectangleRounded(SLOT + 2.8, 179.8, 7.9), 5.5)
+    channel -= at(bd.extrude(bd.RectangleRounded(SLOT, 176, 6.5), 20), (0, 0, 0.8))
+    guides = [rod((x, -86, RAIL + 1.4), (x, 86, RAIL + 1.4), 1.4) for x in (-7.0, 7.0)]
     plate = flange(31.5, 6, on_circle(4, 50, 45), 3.3)  # [F]
-    plug = rod((0, -40, 21), (0, -66, 21), 7.5)
-    nut = rod((0, -56, 21), (0, -62, 21), 9.5) - plug
+    socket = at(cylinder(13, 30), (0, -58, 20), (90, 0, 0))
+    plug = rod((0, -30, 20), (0, -66, 20), 7.5)
+    nut = bd.fillet(rod((0, -54, 20), (0, -63, 20), 9.5).edges(), 0.8) - plug
     return [
         Body("flange", plate, ALUMINIUM),
-        Body("housing", shell - at(cylinder(40, 6)) - slot - plug, WHITE),
-        Body("channel", channel, DARK),
+        Body("housing", shell - at(cylinder(40, 6)) - slot - plug - socket, WHITE),
+        Body("channel", at(channel, (0, 0, RAIL - 1.2)), DARK),
+        *(Body("guide", guide, STEEL) for guide in guides),
         Body("plug", plug, BLACK),
         Body("nut", nut, STEEL),
     ]
 
 
-def _front() -> bd.Part:
-    """The outline in y and z: a neck as wide as the flange, flanks that swing out, and upright ends."""
-    flank = bd.Spline((32, 6), (38, 18), (62, 30.5), (97, 39.5), tangents=[(0.1, 1), (1, 0.2)])
-    outline = [
-        flank.edge(),
-        bd.ThreePointArc((97, 39.5), (100.6, 41.8), (102, 46)).edge(),
-        bd.Line((102, 46), (102, TOP)).edge(),
-        bd.Line((102, TOP), (0, TOP)).edge(),
-        bd.Line((0, TOP), (0, 6)).edge(),
-        bd.Line((0, 6), (32, 6)).edge(),
-    ]
-    plane = bd.Plane(origin=(-DEPTH / 2, 0, 0), x_dir=(0, 1, 0), z_dir=(1, 0, 0))
-    half = bd.extrude(plane * bd.make_face(bd.Wire(outline)), amount=DEPTH)
-    return half + half.mirror(bd.Plane.XZ)
-
-
-def _side() -> bd.Part:
-    """The outline in x and z: as deep as the flange below, less above."""
-    profile = bd.Polygon(
-        (-31.5, 6), (31.5, 6), (31.5, 20), (25, 40), (23, TOP), (-23, TOP), (-25, 40), (-31.5, 20), align=None
-    )
-    return bd.extrude(bd.Plane(origin=(0, WIDTH / 2, 0), x_dir=(1, 0, 0), z_dir=(0, -1, 0)) * profile, amount=WIDTH)
+def _level(z: float, depth: float, width: float) -> bd.Face:
+    """A section of the housing at a height: a rectangle in x and y with round ends."""
+    return (bd.Pos(0, 0, z) * bd.RectangleRounded(depth, width, depth / 2 - 0.1)).face()
 
 
 def finger() -> list[Body]:
     """A finger in its own frame: y points outwards, the pad touches y = 0 [C]."""
     carriage = bd.Polygon(
-        (2.4, 0.3), (11.2, 0.3), (11.2, 1), (26, 1), (26, 20.5), (11, 20.5), (11, 4.1), (2.4, 4.1), align=None
+        (2.4, 0.3), (11.2, 0.3), (11.2, 1), (26, 1), (26, 21), (11, 21), (11, 4.1), (2.4, 4.1), align=None
     )
-    arm = bd.Polygon((16, 20), (24.6, 20), (15.2, 36.4), (15.2, 53.8), (2, 53.8), (2, 36.4), (7.2, 36.4), align=None)
-    # The profiles lie in the plane of y and z; a tip leans back a little at its end.
-    lower = _thick(carriage, 22)
-    upper = _thick(arm, 17.5)
-    pad = at(bd.Box(17.5, 2, 17.4), (0, 1, 45.1))
-    screws = [rod((x, 26, 11), (x, 27.5, 11), 2.7) for x in (-6.0, 6.0)]
+    carriage = bd.fillet(carriage.vertices().filter_by(lambda v: v.Y > 20), 2)
+    # The diagonal leans by 30 degrees from the screw mount to the tip.
+    arm = bd.Polygon((13.5, 18), (24, 18), (15.2, 35.5), (15.2, 54.5), (2.2, 54.5), (2.2, 36), (6.5, 34), align=None)
+    arm = bd.fillet(arm.vertices().filter_by(lambda v: v.X > 14 and v.Y > 30), 3)
+    body = _thick(carriage, 22) + bd.fillet(_thick(arm, 17.5).edges().filter_by(bd.Axis.Z), 1)
+    body -= _thick(bd.Rectangle(8, 6).moved(bd.Location((14.5, 10))), 12)
+    pad = bd.fillet(at(bd.Box(17.5, 2.2, 18.5), (0, 1.1, 45.25)).edges().filter_by(bd.Axis.Y), 2)
+    for groove in range(5):
+        pad -= at(bd.Box(17.5, 0.8, 1), (0, 0.4, 38.9 + 3.2 * groove))
+    screws = [at(screw(4), (x, 26, 11), (-90, 0, 0)) for x in (-6.0, 6.0)]
     return [
-        Body("finger", lower + upper, ALUMINIUM),
+        Body("finger", body, ALUMINIUM),
         Body("pad", pad, BLACK),
-        *(Body("screw", screw, STEEL) for screw in screws),
+        *(Body("screw", head, STEEL) for head in screws),
     ]
 
 

@@ -2,4 +2,4 @@
 
 from robot_library.preview import View
 
-VIEW = View(azimuth=20, elevation=13, zoom=1.1)
+VIEW = View(azimuth=24, elevation=16, zoom=1.12)

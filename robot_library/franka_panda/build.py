@@ -18,7 +18,22 @@ from pathlib import Path
 import build123d as bd
 
 from ..drawing import Body, draw_described
-from ..shapes import ALUMINIUM, BLACK, BLUE, DARK, LIGHT, WHITE, at, cylinder, flange, housing, on_circle, rod, tube
+from ..shapes import (
+    ALUMINIUM,
+    BLACK,
+    BLUE,
+    DARK,
+    LIGHT,
+    WHITE,
+    at,
+    cylinder,
+    flange,
+    housing,
+    hull_plate,
+    on_circle,
+    rod,
+    tube,
+)
 
 ARM, BARREL = 54.0, 58.0
 """Radii of necks and of the barrels of shoulder and elbow: 60 mm less their clearance [C]."""
@@ -26,10 +41,21 @@ SIDE = 118.0
 """Half length of a barrel [C]: the two links that meet there have one half each."""
 WRIST, HAND = 47.0, 42.0
 """Radii of the barrels of joints 6 and 7 [C]."""
-BOW = 80.0
-"""Distance of the forearm's bow from the axis of joint 5 [C]."""
 ELBOW, REACH = 82.5, 88.0
 """Offsets of elbow and flange, as in expected.json."""
+FOREARM = (
+    (-225.0, 0.0, 2 * ARM - 1, 2 * ARM - 1, ARM - 2),
+    (-195.0, 6.0, 104.0, 100.0, 46.0),
+    (-160.0, 27.0, 95.0, 82.0, 37.0),
+    (-120.0, 54.0, 86.0, 62.0, 28.0),
+    (-75.0, 74.0, 84.0, 50.0, 23.0),
+    (-30.0, 82.0, 88.0, 44.0, 20.0),
+    (0.0, 83.0, 92.0, 42.0, 19.0),
+)
+"""Sections of the forearm: height, distance from the axis of joint 5, width, depth and rounding. Its bow is the maker's
+80 mm beside the axis [C]."""
+NECK = ((0.0, -10.0, 84.0, 88.0, 34.0), (40.0, -5.0, 82.0, 80.0, 36.0), (REACH, 0.0, 80.0, 72.0, 33.0))
+"""Sections of link 6: distance from joint 6, height along its axis, width, height and rounding [E]."""
 GAP, SEAM = 0.75, 2.5
 """Half of the slit between two links, and the thickness of the black rings in some of them [E]."""
 
@@ -44,10 +70,10 @@ def knee(reach: float, shift: float = 0.0) -> list[Body]:
     lean = bd.loft(
         [
             _across(0, start, SIDE / 2 + GAP, 2 * BARREL - 5, SIDE - 3, 34),
-            _across(shift, end, 0, 2 * ARM, 2 * ARM, ARM - 0.1),
+            _across(shift, end, 0, 2 * ARM - 1, 2 * ARM - 1, ARM - 2),
         ]
     )
-    neck = rod((shift, end - 0.5, 0), (shift, reach, 0), ARM)
+    neck = rod((shift, end - 4, 0), (shift, reach, 0), ARM)  # it encloses the end of the loft
     return [
         Body("shell", barrel + lean + neck, WHITE),
         Body("ring", at(tube(BARREL - 9, BARREL - 12, 1.0), (0, 0, SIDE)), LIGHT),
@@ -66,6 +92,12 @@ def _level(x: float, y: float, z: float, width: float, depth: float, edge: float
     return (bd.Pos(x, y, z) * bd.RectangleRounded(width, depth, edge)).face()
 
 
+def _forward(x: float, z: float, width: float, height: float, edge: float) -> bd.Face:
+    """A rounded rectangle across the x axis, ``width`` along y and ``height`` along z."""
+    plane = bd.Plane(origin=(x, 0, z), x_dir=(0, 1, 0), z_dir=(1, 0, 0))
+    return (plane * bd.RectangleRounded(width, height, edge)).face()
+
+
 def _moved(bodies: list[Body], xyz: tuple[float, float, float], rpy: tuple[float, float, float]) -> list[Body]:
     return [Body(body.name, at(body.shape, xyz, rpy), body.color) for body in bodies]
 
@@ -73,8 +105,8 @@ def _moved(bodies: list[Body], xyz: tuple[float, float, float], rpy: tuple[float
 def base() -> list[Body]:
     """The foot with its four screws, the column of joint 1, the plugs at its back and the light around it [E]."""
     foot = bd.loft([_level(-38, 0, 0, 186, 190, 46), _level(-34, 0, 78, 150, 118, 40)])
-    neck = bd.loft([_level(-34, 0, 77.5, 150, 118, 40), _level(0, 0, 122, 2 * ARM + 2, 2 * ARM + 2, ARM + 0.9)])
-    body = foot + neck + at(cylinder(ARM + 1, 141 - 121.5 - GAP), (0, 0, 121.5))
+    neck = bd.loft([_level(-34, 0, 70, 148, 116, 39), _level(0, 0, 122, 2 * ARM + 1, 2 * ARM + 1, ARM - 1)])
+    body = foot + neck + at(cylinder(ARM + 1, 141 - 118 - GAP), (0, 0, 118))
     for x in (40.0, -112.0):
         for y in (68.0, -68.0):
             body -= at(cylinder(3.3, 40), (x, y, -1)) + at(cylinder(8, 70), (x, y, 14))
@@ -112,42 +144,46 @@ def link_4() -> list[Body]:
 
 def link_5() -> list[Body]:
     """The forearm: from joint 5 down, in a bow beside the axis, to joint 6."""
-    top = rod((0, 0, -260 + GAP), (0, 0, -221.8), ARM)
-    bow = bd.loft([_level(0, 0, -222, 2 * ARM, 2 * ARM, ARM - 0.1), _level(0, BOW - 18, -118, 78, 58, 26)])
-    arm = bd.loft([_level(0, BOW - 18, -118.2, 78, 58, 26), _level(0, BOW + 2, -20, 88, 44, 20)])
-    foot = bd.loft([_level(0, BOW + 2, -20.2, 88, 44, 20), _level(0, BOW + 2, 0, 88, 44, 20)])
-    joint = rod((0, 62, 0), (0, 104, 0), WRIST)
+    top = rod((0, 0, -260 + GAP), (0, 0, -221), ARM)
+    forearm = bd.loft([_level(0, y, z, width, depth, edge) for z, y, width, depth, edge in FOREARM])
+    joint = at(housing(WRIST, 42, 3, 0), (0, 62, 0), (-90, 0, 0))
     return [
-        Body("shell", top + bow + arm + foot + joint, WHITE),
-        Body("lid", at(housing(WRIST - 8, 4, 2.5, 0), (0, 104, 0), (-90, 0, 0)), WHITE),
+        Body("shell", top + forearm + joint, WHITE),
+        Body("ring", at(tube(WRIST - 7, WRIST - 9, 1), (0, 104, 0), (-90, 0, 0)), LIGHT),
+        Body("lid", at(housing(WRIST - 9, 3, 2, 0), (0, 104, 0), (-90, 0, 0)), WHITE),
         Body("seam", rod((0, 62, 0), (0, 62 - SEAM, 0), WRIST - 2), BLACK),
     ]
 
 
 def link_6() -> list[Body]:
     """Between the wrist axes: the barrel of joint 6, that of joint 7 in front of it, the disc of the pilot."""
-    barrel = at(housing(WRIST, 62 + 40 - SEAM - GAP, 8, 0), (0, 0, -62 + SEAM + GAP))
-    arm = at(bd.Box(80, 78, 64), (46, 0, 4))
-    arm = bd.fillet(arm.edges().filter_by(bd.Axis.X), 20)
-    head = at(housing(HAND, 96, 9, 3), (REACH, -50, 0), (-90, 0, 0))
+    barrel = at(housing(WRIST, 62 + 40 - SEAM - GAP, 9, 0), (0, 0, -62 + SEAM + GAP))
+    arm = bd.loft([_forward(x, z, width, height, edge) for x, z, width, height, edge in NECK])
+    head = at(housing(HAND, 100, 8, 12), (REACH, -50, 0), (-90, 0, 0))
     return [
         Body("shell", barrel + arm + head, WHITE),
-        Body("lid", at(housing(WRIST - 10, 3, 2, 0), (0, 0, 40)), WHITE),
-        Body("pilot", at(housing(27, 6, 3, 0), (REACH, 46, 0), (-90, 0, 0)), LIGHT),
+        Body("ring", at(tube(WRIST - 9, WRIST - 11, 1), (0, 0, 40)), LIGHT),
+        Body("lid", at(housing(WRIST - 11, 3, 2, 0), (0, 0, 40)), WHITE),
+        Body("pilot", at(housing(30, 4, 2, 0), (REACH, 50, 0), (-90, 0, 0)), LIGHT),
+        Body("button", at(housing(9, 2, 1, 0), (REACH, 54, 0), (-90, 0, 0)), BLUE),
         Body("seam", rod((REACH, -50, 0), (REACH, -50 - SEAM, 0), HAND - 3), BLACK),
     ]
 
 
 def link_7() -> list[Body]:
     """The tool flange, and the connector beside it."""
-    collar = at(housing(HAND, 34, 2, 5), (0, 0, 50 + SEAM + GAP)) + at(cylinder(36, 9), (0, 0, 86))
+    collar = at(housing(HAND, 38, 6, 3), (0, 0, 50 + SEAM + GAP)) + at(cylinder(34, 9), (0, 0, 86))
     plate = flange(31.5, 12, on_circle(4, 50, 45), 2.5) - at(cylinder(15.75, 6.2), (0, 0, 5.8))  # [F]
     plate -= at(cylinder(3, 6), (0, 25, 6))
-    plug = at(bd.Box(34, 26, 24), (48, 0, 72), (0, 0, 0)) - cylinder(HAND, 120)  # [C] 60 mm beside the axis
+    nose = bd.fillet(hull_plate([((0, 0), 28), ((62, 0), 22)], 30).edges(), 5)  # [C] 60 mm beside the axis
+    sockets = [at(rod((80, y, 15), (85.5, y, 15), 7), (0, 0, 59), (0, 0, 45)) for y in (-8.5, 8.5)]
+    nose = at(nose, (0, 0, 59), (0, 0, 45))
+    for socket in sockets:
+        nose -= socket
     return [
-        Body("collar", collar, WHITE),
+        Body("collar", collar + nose, WHITE),
         Body("flange", at(plate, (0, 0, 95)), ALUMINIUM),
-        Body("plug", at(plug, (0, 0, 0), (0, 0, 45)), DARK),
+        *(Body("socket", socket, DARK) for socket in sockets),
     ]
 
 
