@@ -61,13 +61,14 @@ class Commands(Group):
     cls=Commands,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Example: stepbot convert arm.robot.yaml -o arm\n\n"
-    "Exit codes: 0 clean, 1 findings, 2 could not run (bad option, missing file, missing package).",
+    "Exit codes: 0 clean, 1 findings, 2 could not run (bad option, missing file, missing package), 130 interrupted.",
 )
 @click.version_option(stepbot.__version__, prog_name="stepbot")
 def application() -> None:
     """Convert a STEP assembly and a YAML sidecar to URDF, SDFormat and MJCF, and verify the files.
 
-    Results are written to standard output, diagnostics and progress to standard error.
+    Results are written to standard output, diagnostics and progress to standard error. The results of `check` are
+    diagnostics.
     """
 
 

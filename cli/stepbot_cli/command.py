@@ -89,8 +89,8 @@ def display_options(command: Callable[..., int]) -> Callable[..., int]:
 
     options = (
         click.option("-v", "--verbose", is_flag=True, help="Print full output instead of a summary."),
-        click.option("-q", "--quiet", is_flag=True, help="Print errors and warnings only."),
-        click.option("--concise", is_flag=True, help="Print one line per diagnostic, without code frame and help."),
+        click.option("-q", "--quiet", is_flag=True, help="Print errors and warnings only, no results."),
+        click.option("--concise", is_flag=True, help="Print one line per diagnostic, and nothing else."),
     )
     decorated: Callable[..., int] = with_display
     for option in reversed(options):

@@ -35,7 +35,12 @@ def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int =
 
 
 def screen(
-    diagnostics: Sequence[Diagnostic], *, ignored: int = 0, color: bool = False, width: int | None = None
+    diagnostics: Sequence[Diagnostic],
+    *,
+    ignored: int = 0,
+    color: bool = False,
+    width: int | None = None,
+    counts: bool = True,
 ) -> str:
     """The default output: errors and warnings in full, one line for all notes of a code, and the counts.
 
@@ -44,11 +49,14 @@ def screen(
         ignored: Number of suppressed diagnostics.
         color: Whether to use the terminal's colours.
         width: Width of the screen; None if unknown, for lines that are not truncated.
+        counts: Whether to end with the number of each severity.
     """
     in_full, folded = _sorted_out(diagnostics)
     lines = [full(in_full, color=color, width=width or FRAME_WIDTH), ""] if in_full else []
     lines += [_fold(of_code, in_full, color, width) for of_code in folded]
-    return "\n".join([*lines, summary(diagnostics, all_shown=not folded, ignored=ignored)])
+    if counts:
+        lines.append(summary(diagnostics, all_shown=not folded, ignored=ignored))
+    return "\n".join(lines).rstrip()
 
 
 def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[list[Diagnostic]]]:

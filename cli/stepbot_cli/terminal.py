@@ -88,12 +88,12 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), 
     if display.concise:
         _write(stream, diagnostic_text.concise(diagnostics, color=color))
         return
-    if display.verbose or display.quiet:
+    if display.verbose:
         text = diagnostic_text.full(diagnostics, color=color, width=width or diagnostic_text.FRAME_WIDTH)
-        counts = "" if display.quiet else diagnostic_text.summary(diagnostics, ignored=ignored)
-        _write(stream, "\n\n".join(filter(None, (text, counts))))
-    else:
-        _write(stream, diagnostic_text.screen(diagnostics, ignored=ignored, color=color, width=width))
+        _write(stream, "\n\n".join(filter(None, (text, diagnostic_text.summary(diagnostics, ignored=ignored)))))
+        return
+    counts = not display.quiet
+    _write(stream, diagnostic_text.screen(diagnostics, ignored=ignored, color=color, width=width, counts=counts))
 
 
 def _write(stream: TextIO, text: str) -> None:

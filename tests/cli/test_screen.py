@@ -9,6 +9,7 @@ from stepbot.report.record import Check, Report, Status
 from stepbot_cli import diagnostic_text
 from stepbot_cli.columns import cells
 from stepbot_cli.proof import proof_lines
+from stepbot_cli.terminal import Display, show_diagnostics
 
 from .conftest import Stepbot
 
@@ -79,6 +80,18 @@ def test_repeated_warnings_are_counted() -> None:
     assert text.count("error[SB130]: subject") == 9
     assert "\nwarning[SB305]: 2 more x path depends on sibling order\n" in text
     assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v shows all)")
+
+
+def test_quiet_folds_as_the_default_does(capsys: pytest.CaptureFixture[str]) -> None:
+    """With -q there is never more than without it: notes and counts are left out, and warnings stay folded."""
+    found = [*(finding("warning", "SB504", number) for number in range(9)), finding("note", "SB505", 1)]
+    show_diagnostics(found)
+    usual = capsys.readouterr().err.splitlines()
+    show_diagnostics(found, Display(quiet=True))
+    quiet = capsys.readouterr().err.splitlines()
+    assert set(quiet) < set(usual)
+    assert any(line.startswith("warning[SB504]: ") and " more" in line for line in quiet)
+    assert not any("SB505" in line for line in quiet)
 
 
 def test_folded_notes_are_cut_at_the_screen() -> None:

@@ -9,7 +9,7 @@ CODES = (
         "file not found",
         "A named file does not exist or cannot be read.",
         "stepbot needs every input file to convert a robot.",
-        "Correct the path. The `step` path of a sidecar is relative to the sidecar's folder.",
+        "Correct the path. If it is the `step` of a sidecar, it is relative to the sidecar's folder.",
         could_not_run=True,
     ),
     Code(
@@ -36,7 +36,7 @@ CODES = (
         "output not writable",
         "The output folder, or a file in it, cannot be written.",
         "Nothing was changed: stepbot writes all files or none.",
-        "Choose another folder with `-o`, or grant write permission.",
+        "Grant write permission, or choose another folder, with `-o` where the command has it.",
         could_not_run=True,
     ),
     Code(
