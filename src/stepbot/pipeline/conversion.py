@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
 from stepbot.robot.joint_table import JointRow
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.output import discard, failed_output, write_atomically
+from stepbot.runtime.output import discard, failed_output, other_robots, write_atomically
 from stepbot.runtime.worker import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
@@ -91,6 +91,8 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     if not conversion.files:
         return conversion
     found, failed = conversion.diagnostics, failed_output(output)
+    if not found.has_errors:
+        _report_replaced(conversion.files, output, found)
     try:
         write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found)
     except StepbotError as error:
@@ -99,3 +101,17 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     if not found.has_errors:
         discard(failed)
     return conversion
+
+
+def _report_replaced(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
+    """Warn where robots share a folder, which has one report (SB022)."""
+    others = other_robots(files, output)
+    if not others or REPORT not in files or not (output / REPORT).exists():
+        return
+    names = ", ".join(f"'{name}'" for name in others)
+    found.add(
+        "SB022",
+        f"the folder has files of {names}, too, and {REPORT} is of one robot",
+        Span((output / REPORT).as_posix()),
+        help=("convert each robot into a folder of its own: `-o FOLDER`",),
+    )

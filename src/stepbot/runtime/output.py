@@ -131,6 +131,11 @@ def sidecars_of(folder: Path) -> dict[str, str]:
         return {}
 
 
+def other_robots(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
+    """Robots whose files an earlier run wrote into a folder, other than that of ``files``, sorted."""
+    return tuple(sorted({_robot_of(name) for name in _of_others(files, _read_manifest(folder), folder)}))
+
+
 def stamp(folder: Path) -> None:
     """Touch the list of an output folder after a run without changes, so that it is newer than all input.
 
@@ -338,21 +343,30 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
 
 def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> None:
     """Two robots may share a folder and identical meshes, but must not change files that the other refers to."""
-    digests = _manifest_of(files)
-    ours = {_robot_of(name) for name in digests}
-    changed = {path: digest for needs in digests.values() for path, digest in needs.items() if "/" in path}
-    descriptions = {name: needs for name, needs in before.items() if not name.endswith(".json")}
-    for name, needs in descriptions.items():
+    changed = {path: digest for needs in _manifest_of(files).values() for path, digest in needs.items() if "/" in path}
+    for name, needs in _of_others(files, before, folder).items():
         lost = [path for path, digest in needs.items() if changed.get(path, digest) != digest]
-        if lost and _robot_of(name) not in ours and (folder / name).exists():
+        if lost:
             message = f"mesh '{lost[0]}' would overwrite a different mesh of '{name}'"
             _refuse(folder, message, f"give each robot its own folder with -o, or remove '{name}'")
+
+
+def _of_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> Manifest:
+    """The part of a manifest that is about robots other than that of ``files``."""
+    ours = {_robot_of(name) for name in _manifest_of(files)}
+    return {
+        name: needs
+        for name, needs in before.items()
+        if not name.endswith(".json") and _robot_of(name) not in ours and (folder / name).exists()
+    }
 
 
 def _robot_of(name: str) -> str:
     """The robot that a file at the top is named after; suffixes of formats may have two parts."""
     stem, _, _ = name.rpartition(".")
-    return stem.removesuffix(".drake")
+    for part in (".drake", ".world", ".scene"):
+        stem = stem.removesuffix(part)
+    return stem
 
 
 def _refuse(

@@ -187,4 +187,13 @@ CODES = (
         "Install it with `pip install stepbot[view]`. `stepbot view` shows a robot without it.",
         could_not_run=True,
     ),
+    Code(
+        "SB022",
+        "warning",
+        "report of another robot replaced",
+        "The output folder has the files of another robot, and its `report.json` was replaced by that of this one.",
+        "The other robot's files have no report any more. `stepbot drive` and `stepbot.close_loops` read closures and "
+        "actuators from it.",
+        "Convert each robot into a folder of its own.",
+    ),
 )
