@@ -135,6 +135,7 @@ def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
     """Files of another robot in the same folder are not obsolete; its report is replaced with a warning."""
     text = Path("arm2.robot.yaml").read_text(encoding="utf-8")
     Path("arm3.robot.yaml").write_text(text.replace("robot: arm2", "robot: arm3"), encoding="utf-8")
+    (written / "report.json").touch()
     first = stepbot("convert", "arm3.robot.yaml", "-o", "out/arm2", "--no-verify", "--concise")
     assert first.code == 0
     expected = (
