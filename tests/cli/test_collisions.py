@@ -65,7 +65,8 @@ def disabled(srdf: Path) -> set[tuple[str, str, str]]:
     """Pairs of an SRDF, with their reasons."""
     top = ET.parse(srdf).getroot()
     assert (top.tag, top.get("name")) == ("robot", "plates")
-    return {(one.attrib["link1"], one.attrib["link2"], one.attrib["reason"]) for one in top}
+    pairs = top.iter("disable_collisions")
+    return {(one.attrib["link1"], one.attrib["link2"], one.attrib["reason"]) for one in pairs}
 
 
 def excludes(mjcf: Path) -> set[frozenset[str]]:
