@@ -28,7 +28,7 @@ class Writer(Protocol):
         """Additional files of a lowered robot, for readers that cannot use the main file alone."""
 
     def scenes(self, robot: "Robot") -> "Mapping[str, bytes]":
-        """Files to open in a simulator, by name: a lowered robot with floor, light and camera."""
+        """The file with :attr:`Format.scene`, if there is one: a lowered robot with floor, light and camera."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +47,8 @@ class Format:
     """Root element of its files, by which ``stepbot verify`` recognizes them."""
     order: int
     """Lowest for the format that is listed and written first."""
+    scene: str = ""
+    """Suffix of its scene: the robot with floor and light; empty without one."""
     aliases: tuple[str, ...] = ()
     """Further names in commands, in lower case."""
     default: bool = True

@@ -9,6 +9,7 @@ from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
+from stepbot.formats import FORMATS
 from stepbot.revisions.differences import Difference, robot_differences, step_differences
 from stepbot.revisions.snapshot import Snapshot, snapshot
 from stepbot.step.assembly import ReadOptions
@@ -21,7 +22,7 @@ from .sidecars import load, named_step, what_to_read
 
 _MODEL = "urdf"
 """The format whose conventions both models are described by."""
-_BESIDE = (".drake.sdf", ".world.sdf", ".scene.xml")
+_BESIDE = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
 """Ends of the names of files that contain the robot of a main file once more."""
 
 

@@ -7,7 +7,7 @@ r"""The conversion pipeline: sidecar and STEP file to verified robot files.
 This module prints nothing. The result contains the diagnostics, which the command line shows.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,7 +17,7 @@ from stepbot.assemble import link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.diagnostics.source_lines import source_lines
 from stepbot.engines.workers import check_required
-from stepbot.formats import Format, default_formats, format_named
+from stepbot.formats import default_formats, format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.urdf import FORMAT as URDF
@@ -124,6 +124,7 @@ def _produce(
         lowered = {written.name: lower(robot, written, found) for written in formats}
         found.raise_if_errors()
         by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
+        listed = _listed(by_format)
         if options.package and URDF.name in by_format:
             urdf = main_file(lowered[URDF.name], URDF)
             by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
@@ -139,7 +140,7 @@ def _produce(
         report = _unproven(robot) if proof is None else proof.report(robot, lowered, by_format, found)
     _report_unused(found, _JUDGED_BY_BUILD + _judged_by_files(options))
     names = {asset.path: asset.source for asset in robot.meshes}
-    report = replace(report, files=_listed(lowered, formats))
+    report = replace(report, files=listed)
     report = replace(report, inputs=inputs, names=names, bodies=built.bodies, joint_table=built.joint_table)
     report = replace(report, collision_shapes=shapes)
     if options.strict:
@@ -152,15 +153,16 @@ def _produce(
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
 
 
-def _listed(lowered: Mapping[str, Robot], formats: Sequence[Format]) -> tuple[WrittenFile, ...]:
+def _listed(by_format: Mapping[str, Mapping[str, bytes]]) -> tuple[WrittenFile, ...]:
     """The written files, for the report."""
     listed = []
-    for written in formats:
-        robot = lowered[written.name]
-        listed.append(WrittenFile(main_file(robot, written), written.name, Content.ROBOT))
-        variants = (beside.path for beside in written.writer.companions(robot))
-        listed += [WrittenFile(path, written.name, Content.VARIANT) for path in variants]
-        listed += [WrittenFile(path, written.name, Content.SCENE) for path in written.writer.scenes(robot)]
+    for name, files in by_format.items():
+        main, *others = [path for path in files if "/" not in path]
+        scene = format_named(name).scene
+        listed.append(WrittenFile(main, name, Content.ROBOT))
+        for path in others:
+            content = Content.SCENE if scene and path.endswith(scene) else Content.VARIANT
+            listed.append(WrittenFile(path, name, content))
     return tuple(listed)
 
 

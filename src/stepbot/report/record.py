@@ -91,7 +91,7 @@ class Content(StrEnum):
     ROBOT = "robot"
     """The robot in its format."""
     VARIANT = "variant"
-    """The robot for a reader that cannot use the format's main file."""
+    """A file for readers that need more than the format's main file, or another one."""
     SCENE = "scene"
     """The robot with floor and light, to be opened in a simulator."""
 

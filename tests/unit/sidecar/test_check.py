@@ -230,3 +230,46 @@ def test_large_robots_are_checked_quickly() -> None:
     start = time.process_time()
     assert codes(text) == []
     assert time.process_time() - start < 15
+
+
+@pytest.mark.parametrize(
+    ("actuator", "message"),
+    [
+        ("kind: position, gains: auto", ""),
+        ("kind: position, gains: {bandwidth: 8 Hz, damping_ratio: 0.7}", ""),
+        ("kind: velocity, gains: {bandwidth: 8 Hz}", ""),
+        ("gains: auto", "SB137: actuator 'motor': 'gains' is not valid for kind motor"),
+        ("kind: position, gains: auto, kv: 3", "SB137: actuator 'motor': both 'gains' and 'kv'"),
+        (
+            "kind: velocity, gains: {damping_ratio: 1}",
+            "SB137: actuator 'motor': 'gains.damping_ratio' is not valid for kind velocity",
+        ),
+        ("kind: position", "SB121: actuator 'motor': missing key 'kp', required for kind position"),
+        ("kind: position, gains: {bandwidth: 0 Hz}", "SB125: actuator 'motor': gains.bandwidth: "),
+        ("kind: position, gains: {bandwidth: 3 s}", "SB124: actuator 'motor': gains.bandwidth: "),
+        ("kind: position, gains: automatic", "SB123: actuator 'motor': gains: "),
+    ],
+)
+def test_computed_gains(actuator: str, message: str) -> None:
+    """`gains` computes the gains of position and velocity actuators; other uses are reported."""
+    joints = "joints:\n  turn: {type: continuous, parent: l0, child: l1}\n"
+    found = checked(robot(2, [], f"{joints}actuators:\n  motor: {{joint: turn, {actuator}}}\n"))
+    assert [f"{one.code}: {one.message}"[: len(message)] for one in found] == ([message] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("simulation", "message"),
+    [
+        ("{timestep: 1 ms, integrator: rk4, closure_stiffness: 50 %}", ""),
+        ("{timestep: 0}", "SB125: simulation.timestep: "),
+        ("{timestep: 1}", "SB125: simulation.timestep: "),
+        ("{timestep: 1 mm}", "SB124: simulation.timestep: "),
+        ("{integrator: runge_kutta}", "SB123: simulation.integrator: "),
+        ("{closure_stiffness: 2}", "SB125: simulation.closure_stiffness: "),
+        ("{gravity: 1}", "SB120: simulation: "),
+    ],
+)
+def test_settings_of_a_simulation(simulation: str, message: str) -> None:
+    """Time step, integrator and stiffness are checked; other settings are unknown keys."""
+    found = checked(robot(2, [(0, 1)], f"simulation: {simulation}\n"))
+    assert [f"{one.code}: {one.message}"[: len(message)] for one in found] == ([message] if message else [])

@@ -2,4 +2,6 @@
 
 from ..format import Format
 
-FORMAT = Format(__name__, "mjcf", "MJCF", suffix=".xml", root="mujoco", order=30, aliases=("mujoco",))
+FORMAT = Format(
+    __name__, "mjcf", "MJCF", suffix=".xml", root="mujoco", order=30, scene=".scene.xml", aliases=("mujoco",)
+)

@@ -12,7 +12,6 @@ from stepbot.robot.standing import extent, floor_height
 from ..lowering import free_name
 from ..xml import Element, document, element, root
 
-SUFFIX = ".scene.xml"
 _FLOOR, _CAMERA = "floor", "overview"
 _AZIMUTH, _ELEVATION = radians(35.0), radians(25.0)
 """Direction from the robot to the camera: in front of it, on its left side, above it."""

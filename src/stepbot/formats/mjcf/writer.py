@@ -40,7 +40,7 @@ from ..xml import Element, Value, document, element, root
 from . import FORMAT, constraints, devices
 from .devices import MARK, mjcf_pose
 from .keyframe import keyframe
-from .scene import SUFFIX, scene
+from .scene import scene
 
 EXPRESSES = {
     Feature.FIXED_BASE: exact("child body of the world without a joint"),
@@ -169,7 +169,7 @@ def companions(_robot: Robot) -> tuple[Companion, ...]:
 
 def scenes(robot: Robot) -> dict[str, bytes]:
     """A scene with floor, light, sky and camera, which includes the robot."""
-    return {f"{robot.name}{SUFFIX}": scene(robot, f"{robot.name}{FORMAT.suffix}")}
+    return {f"{robot.name}{FORMAT.scene}": scene(robot, f"{robot.name}{FORMAT.suffix}")}
 
 
 def _defaults(top: Element, robot: Robot) -> None:

@@ -2,4 +2,6 @@
 
 from ..format import Format
 
-FORMAT = Format(__name__, "sdf", "SDFormat", suffix=".sdf", root="sdf", order=20, aliases=("sdformat",))
+FORMAT = Format(
+    __name__, "sdf", "SDFormat", suffix=".sdf", root="sdf", order=20, scene=".world.sdf", aliases=("sdformat",)
+)

@@ -12,7 +12,6 @@ from stepbot.robot.standing import extent, floor_height
 from ..lowering import free_name
 from ..xml import Element, element
 
-SUFFIX = ".world.sdf"
 _FLOOR_SIZE = 20.0
 """Edge [m] of the floor as drawn; as a collision shape it has no edge."""
 _SYSTEMS = (

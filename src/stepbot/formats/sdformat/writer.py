@@ -37,7 +37,7 @@ from . import FORMAT
 from . import drake as _drake
 from .gz_plugins import plugins
 from .sensors import sdf_pose, sensors_on_joint, sensors_on_link
-from .world import SUFFIX, world_around
+from .world import world_around
 
 VERSION = "1.9"
 MIMIC_VERSION = "1.11"
@@ -152,7 +152,7 @@ def scenes(robot: Robot) -> dict[str, bytes]:
     if height:
         sdf_pose(model, Pose.of(position=(0.0, 0.0, height)))
         model.insert(0, model[-1])
-    return {f"{robot.name}{SUFFIX}": document(top)}
+    return {f"{robot.name}{FORMAT.scene}": document(top)}
 
 
 def _tree(top: Element, robot: Robot) -> Element:
