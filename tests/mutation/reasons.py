@@ -47,6 +47,9 @@ _SDFORMAT = (
     (r"dynamics/friction", "Drake has no joint friction"),
 )
 _MJCF = (
+    (r"mujoco/option(@.*)?", "settings of the simulation, not of the robot"),
+    (r"default/(equality|site)(@.*)?", "stiffness of closures, and the group of sites that viewers do not draw"),
+    (r"(body|replicate)/site@class|equality/.*@class", "its settings alone: group or stiffness"),
     (r"actuator/\w+@name", "an actuator without a name is matched by its joint"),
     (r"body/freejoint@name", "the free joint of the base is not a joint of the robot"),
     (r"body/geom@pos", "at the link's origin, except for rounding of a product of poses"),
@@ -81,6 +84,11 @@ def reason_for(format_: str, kind: str, *, core: bool) -> str:
 
 _CHANGES = {
     "mjcf": (
+        (r"mujoco/option@.*", "settings of the simulation, which MJCF alone has"),
+        (r"default/(equality|site)@.*", "stiffness of closures, and the group of sites, which MJCF alone has"),
+        (r"default/geom@(solref|solimp)", "stiffness of contacts, which MJCF alone has"),
+        (r"sensor/.*@nsample", "the buffer of a sensor: any length keeps its last reading"),
+        (r"worldbody/body@pos", "the height at which a floating base stands in its world"),
         (r"body/site@quat", "how the site of a point is turned, which holds nothing"),
         (r"default/geom@(group|contype|conaffinity)", "groups of shapes, which MJCF alone has"),
         (r"body/joint@armature", "armature, which MJCF alone has: there is nothing to compare it with"),
