@@ -1,0 +1,28 @@
+"""Every robot of the library passes its drive tests, with its files as they were written."""
+
+import json
+
+import pytest
+
+from stepbot_cli import main
+from tests.library.conftest import LIBRARY, ROBOTS, Converted
+
+QUICK = ("franka_hand", "stepbot_four_bar")
+"""Robots whose tests take seconds."""
+
+
+@pytest.mark.pybullet
+@pytest.mark.parametrize(
+    "robot", [pytest.param(robot, marks=pytest.mark.slow if robot in QUICK else pytest.mark.long) for robot in ROBOTS]
+)
+def test_robot_passes_its_drive_tests(robot: str, converted: Converted, capsys: pytest.CaptureFixture[str]) -> None:
+    """In both engines; the numbers and limits of a failure are in the message."""
+    folder = converted(robot).folder
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    code = main(["drive", str(folder), "--limits", str(LIBRARY / robot / "expected.json"), "--json"])
+    document = json.loads(capsys.readouterr().out)
+    assert [one["message"] for one in document["diagnostics"]] == []
+    assert code == 0
+    assert {one["engine"] for one in document["tests"]} == {"mujoco", "pybullet"}
+    assert all(one["status"] == "passed" for one in document["tests"])
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
