@@ -354,3 +354,12 @@ def test_one_rule_for_all_kinds(kind: str, tmp_path: Path, found: ReadDiagnostic
     extra = ", limits: {lower: -1, upper: 1}" if kind == "revolute" else ""
     assert build(_two(guides, guides), tmp_path, _joint("auto", kind, extra), found) is None
     assert found.codes() == ["SB402"]
+
+
+def test_two_shafts_of_one_radius_are_named(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Shafts of equal radius that meet end to end are weak evidence because no shaft is in a bore."""
+    base, arm = axis((0, 0, 0), radius=17.5, length=4, bore=False), axis((0, 0, 4), radius=17.5, length=4, bore=False)
+    build(_two([base], [arm]), tmp_path, _joint("auto"), found)
+    (doubt,) = found
+    words = "two shafts of radius 17.5 mm meet end to end, and no shaft is in a bore"
+    assert doubt.message == f"joint 'j': weak evidence for its axis: {words}"

@@ -32,6 +32,7 @@ export function jointForm([a, b]) {
   const childField = field("its name", child);
   const closes = () => target.value !== "";
   const isLimited = () => !closes() && ["revolute", "prismatic"].includes(kind.value);
+  const words = element("p.quiet.hint");
   let lines = [];
 
   function retarget() {
@@ -48,6 +49,7 @@ export function jointForm([a, b]) {
   }
   function draw() {
     const line = lines[Number(origin.value)];
+    words.textContent = line?.words ?? "";
     if (!line || !state.selection?.picked) return;
     state.selection.line = { component: line.component, point: line.point, direction: line.direction };
     app.view.request();
@@ -73,13 +75,13 @@ export function jointForm([a, b]) {
     lines = found.lines;
     const chosen = lines.findIndex((line) => line.chosen);
     if (lines.length) options(origin, lines.map((line, i) => [String(i), line.form === "axis_of" ? `of ${nameOf(a)} alone, ${line.words}` : line.words]), String(Math.max(0, chosen)));
-    else options(origin, [["", "no axis: neither part has a round face"]], "");
+    else options(origin, [["", `no axis: ${nameOf(a)} has no round face`]], "");
     if (lines.length && chosen < 0) origin.before(element("span.warn", {}, "ambiguous: choose one"));
     draw();
   }).catch((error) => say(error.message));
   retarget();
   return element("div.form", { id: "joint-form" }, title, element("p.quiet", {}, `from ${parent}`),
-    field("to", target), childField, field("name", name), field("type", kind), element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), range, add);
+    field("to", target), childField, field("name", name), field("type", kind), element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), words, range, add);
 }
 
 // The last name of a path, as a name of a link.

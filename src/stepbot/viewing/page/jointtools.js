@@ -63,12 +63,13 @@ function lineField(one) {
     const { radius, near } = lines[Number(select.value)];
     if (!(await edit("origin", { joint: one.name, radius, near }))) select.value = current;
   } });
-  const made = field("axis", select);
-  made.hidden = true; // until there is a choice
+  const words = element("p.quiet.hint");
+  const made = element("div.form", { hidden: true }, field("axis", select), words); // shown if there is a choice
   ask("lines", { joint: one.name }).then((found) => {
     lines = found.lines;
     current = String(lines.findIndex((line) => line.chosen));
     options(select, lines.map((line, i) => [String(i), line.words]), current);
+    words.textContent = lines[Number(current)]?.words ?? "";
     made.hidden = lines.length < 2;
   }).catch((error) => say(error.message));
   return [made];
