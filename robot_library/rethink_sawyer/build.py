@@ -2,10 +2,12 @@
 
 Writes sawyer.step beside this file; every run gives the same bytes. Each link is drawn in its own frame [mm].
 
-Distances between joints come from the joint table in expected.json. Radii of barrels and tubes, the controller's box,
-the footprint and the height of the pedestal are those of the collision shapes in the same description
-(sawyer_description/urdf). Width and height of the head are those of its mesh, those of the display those of its
-visual. Transitions between barrels, the roundings, the bolts, the face and the colours are drawn from photographs.
+Distances between joints come from the joint table in expected.json. The controller's box, the footprint and the height
+of the pedestal are those of the collision shapes in the same description (sawyer_description/urdf). Radii and lengths
+of barrels and tubes are those of the capsules around the maker's meshes in MuJoCo Menagerie, rethink_robotics_sawyer;
+the maker's own collision shapes are wider than its links, by 5 to 15 mm. Width and height of the head are those of its
+mesh, those of the display those of its visual. Transitions between barrels, the roundings, the bolts, the face and the
+colours are drawn from photographs.
 """
 
 from dataclasses import dataclass
@@ -38,7 +40,7 @@ GREY = "#55585d"
 GAP = 1.5
 """Clearance between turning and fixed shells."""
 
-TURRET, TURRET_START = 80.0, 80.0
+TURRET, TURRET_START = 74.0, 80.0
 SHOULDER, SHOULDER_PLACE, NECK, HEAD = 70.0, (81.0, 50.0, 237.0), 42.0, 296.5
 FLOOR = -914.9
 COLUMN, COLUMN_X, PLINTH = 130.0, -20.0, 110.0
@@ -64,12 +66,12 @@ class Segment:
     """From the bending joint's axis to the end of the boss."""
 
 
-UPPER = Segment(barrel=70, start=-33, boss=58, height=142.5, boss_end=72)
-MIDDLE = Segment(barrel=60, start=-GAP, boss=45, height=-126.5, boss_end=84)
-LOWER = Segment(barrel=55, start=GAP, boss=46, height=105.3, boss_end=70)
+UPPER = Segment(barrel=67, start=-33, boss=56, height=142.5, boss_end=72)
+MIDDLE = Segment(barrel=54, start=-GAP, boss=45, height=-126.5, boss_end=84)
+LOWER = Segment(barrel=46, start=GAP, boss=43, height=105.3, boss_end=70)
 
-UPPER_ARM = (58.0, 50.0, 140.0, 260.0, 42.0)
-FOREARM = (45.0, 40.0, 125.0, 275.0, -31.0)
+UPPER_ARM = (54.0, 48.0, 140.0, 260.0, 42.0)
+FOREARM = (44.0, 39.0, 125.0, 275.0, -31.0)
 """Of a tube: radius at its start, in its middle; from its joint back to the bending joint's axis, forth to the next
 one, and from the tube's axis to the plane of that joint, across."""
 FLANGE_END, FLANGE_RADIUS, FLANGE_BOLTS, FLANGE_BOLT = 24.5, 38.0, 63.0, 3.0
@@ -114,13 +116,13 @@ def right_l0() -> list[Body]:
     """z up: the turret, the drum of the shoulder, which faces +y, and the neck."""
     x, y, z = SHOULDER_PLACE
     inner, outer = -92.0, y + UPPER.start - GAP
-    turret = lathe([(TURRET, 0), (TURRET, 60), (74, 110), (60, 150)])
+    turret = lathe([(TURRET, 0), (TURRET, 60), (70, 110), (60, 150)])
     leaning = across(hull_plate([((0, 95), 62), ((x, z), SHOULDER - 6)], outer - inner - 40), outer - 20)
     drum = across(housing(SHOULDER, outer - inner, 20, 0), outer, x, z)
     neck = at(lathe([(62, 0), (56, 60), (NECK, 110), (NECK, HEAD - 130 - GAP)]), (0, 0, 130))
     cap = across(housing(48, 8, 4, 0), inner, x, z)
     shell = turret + leaning + drum + neck
-    band = at(tube(TURRET + 3, TURRET, 22), (0, 0, 18))
+    band = at(tube(TURRET + 2, TURRET, 22), (0, 0, 18))
     return [Body("shell", shell, RED), Body("cap", cap, GREY), Body("band", band, BLACK)]
 
 
@@ -161,12 +163,12 @@ def screen() -> list[Body]:
 
 def bending_link(s: Segment) -> list[Body]:
     """A link that turns about its barrel, z, and carries the next joint on a boss along -y."""
-    far = s.height + (0.9 if s.height > 0 else -0.9) * s.barrel
+    far = s.height + (0.8 if s.height > 0 else -0.8) * s.barrel
     low, high = sorted((s.start, far))
     rims = (0.42 * s.barrel, 2.0) if s.height > 0 else (2.0, 0.42 * s.barrel)
     barrel = at(housing(s.barrel, high - low, *rims), (0, 0, low))
     boss = across(cylinder(s.boss, s.boss_end), 0, z=s.height)
-    ring = across(tube(s.boss + 2, s.boss - 10, 12), -s.boss_end, z=s.height)
+    ring = across(tube(s.boss + 1, s.boss - 10, 12), -s.boss_end, z=s.height)
     end = high if s.height > 0 else low
     cap = at(housing(0.5 * s.barrel, 6, 3, 0), (0, 0, end), (0 if s.height > 0 else 180, 0, 0))
     return [Body("shell", barrel + boss, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
@@ -182,23 +184,23 @@ def turning_link(before: Segment, bend: Segment, numbers: tuple[float, ...]) -> 
     drum = at(housing(bend.barrel - 2, depth + 0.95 * bend.barrel, 0.4 * bend.barrel, 2), (0, 0, 0), (-90 * side, 0, 0))
     drum = at(drum, (0, -side * depth, reach))
     cap = at(housing(0.5 * bend.barrel, 6, 3, 0), (0, side * 0.95 * bend.barrel, reach), (-90 * side, 0, 0))
-    ring = at(tube(start + 2, start, 12), (0, 0, first))
+    ring = at(tube(start + 1.5, start, 12), (0, 0, first))
     return [Body("shell", stem + drum, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
 
 
 def right_l5() -> list[Body]:
     """The wrist: as the other bending links, with the camera of the hand."""
     bodies = bending_link(LOWER)
-    camera = at(cylinder(8, 16), (39.552, -33, 69.5), (0, 90, 0)) - bodies[0].shape
+    camera = at(cylinder(8, 10), (37, -33, 69.5), (0, 90, 0)) - bodies[0].shape
     return [*bodies, Body("camera", camera, BLACK)]
 
 
 def right_l6() -> list[Body]:
     """The last link, with the cuff for hand guiding: z out of the flange."""
     start = LOWER.boss_end + 12 + GAP - 110
-    body = at(lathe([(48, 0), (48, 26), (FLANGE_RADIUS, 34), (FLANGE_RADIUS, FLANGE_END - 6 - start)]), (0, 0, start))
+    body = at(lathe([(45, 0), (45, 26), (FLANGE_RADIUS, 34), (FLANGE_RADIUS, FLANGE_END - 6 - start)]), (0, 0, start))
     plate = at(flange(FLANGE_RADIUS + 2, 6, on_circle(4, FLANGE_BOLTS, 45), FLANGE_BOLT, 12), (0, 0, FLANGE_END - 6))
-    button = at(housing(9, 5, 2, 0), (0, 47, start + 13), (-90, 0, 0)) - body
+    button = at(housing(9, 5, 2, 0), (0, 44, start + 13), (-90, 0, 0)) - body
     return [Body("cuff", body, DARK), Body("flange", plate, ALUMINIUM), Body("button", button, "#58c26a")]
 
 

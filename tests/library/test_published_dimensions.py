@@ -13,6 +13,8 @@ from tests.library.conftest import Converted
 TOLERANCE = 0.010
 """[m]"""
 FRANKA = "franka_description, robots/common/franka_arm.xacro and end_effectors/common/franka_hand.xacro"
+MENAGERIE = "mujoco_menagerie, rethink_robotics_sawyer/sawyer.xml: capsules around the maker's meshes"
+SAWYER = "sawyer_description/urdf/sawyer_base.urdf.xacro: collision shapes and visuals"
 ABB = "data sheet IRB 14000: footprint"
 
 # Lowest and highest coordinate [m] in the link's frame; infinite where nothing is published.
@@ -23,6 +25,15 @@ PUBLISHED = (
     ("franka_panda", "fer_link5", (-0.060, -0.060, -FREE), (0.060, 0.105, FREE), FRANKA),
     ("franka_panda", "fer_link6", (-0.050, -0.050, -FREE), (FREE, 0.050, FREE), FRANKA),
     ("franka_panda", "fer_link7", (-0.040, -0.040, -FREE), (0.076, 0.076, 0.107), FRANKA),
+    ("rethink_sawyer", "right_l1", (-0.068, -FREE, -FREE), (0.068, 0.068, 0.198), MENAGERIE),
+    ("rethink_sawyer", "right_l2", (-0.055, -0.055, -FREE), (0.055, 0.055, 0.315), MENAGERIE),
+    ("rethink_sawyer", "right_l3", (-0.055, -FREE, -0.170), (0.055, 0.055, FREE), MENAGERIE),
+    ("rethink_sawyer", "right_l4", (-0.045, -0.045, -FREE), (0.045, 0.045, 0.315), MENAGERIE),
+    ("rethink_sawyer", "right_l5", (-0.045, -FREE, -FREE), (0.045, 0.045, 0.145), MENAGERIE),
+    ("rethink_sawyer", "right_l6", (-0.045, -0.045, -0.020), (0.045, 0.045, 0.020), MENAGERIE),
+    ("rethink_sawyer", "head", (-FREE, -0.130, -FREE), (FREE, 0.130, FREE), MENAGERIE),
+    ("rethink_sawyer", "screen", (-0.120, -0.070, -FREE), (0.120, 0.070, FREE), SAWYER),
+    ("rethink_sawyer", "pedestal", (-0.5075, -0.350, -0.913), (0.2625, 0.350, FREE), SAWYER),
     ("abb_yumi", "yumi_body", (-0.2295, -0.2485, 0.0), (0.1695, 0.2485, FREE), ABB),
 )
 
