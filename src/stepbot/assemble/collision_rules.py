@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from stepbot.geometry.solids.collision_sets import MAX_HULLS, MAX_VERTICES
+from stepbot.geometry.solids.collision_sets import CLOSE, FEW, MAX_HULLS, MAX_VERTICES
 from stepbot.sidecar.document import CollisionSettings, CollisionShape, Derived, Document, MergedCollision
 
 DECOMPOSED = (CollisionShape.AUTO, CollisionShape.DECOMPOSE)
@@ -18,6 +18,11 @@ class CollisionRule:
     """Only for :data:`DECOMPOSED`."""
     max_vertices: int | None = None
     """Of each hull; None for no limit."""
+
+    @property
+    def filled(self) -> float:
+        """Share of the total volume of its shapes that a link has to fill."""
+        return CLOSE if self.shape is CollisionShape.DECOMPOSE else FEW
 
     @property
     def is_decomposed(self) -> bool:

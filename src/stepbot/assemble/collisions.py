@@ -15,7 +15,6 @@ import numpy as np
 from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.collision_sets import CollisionSet
-from stepbot.geometry.solids.convex_pieces import FILLED
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Sphere
 from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
@@ -133,7 +132,7 @@ class Collisions:
         if joined is not None:
             made = self._fitted.of(joined)
             solids = tuple(index for i, index in enumerate(joined.components) if i not in made.left_out)
-            if len(made.shapes) >= rule.max_hulls > 1 and made.filled < FILLED:
+            if len(made.shapes) >= rule.max_hulls > 1 and made.filled < rule.filled:
                 pieces = f"{len(made.shapes)} pieces"
                 self._coarse.append(f"link '{link}': its solids fill {made.filled:.2f} of {pieces}")
             first = next(part for part in parts if part.index == joined.components[0])

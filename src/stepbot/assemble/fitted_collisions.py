@@ -166,6 +166,7 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody]) 
         tuple(Shaft(np.array(face.point), np.array(face.direction), face.radius) for face in shafts[:_SHAFTS]),
         tuple(Bore(np.array(face.point), np.array(face.direction), face.radius) for face in faces if face.bore),
         rule.shape is CollisionShape.AUTO,
+        rule.filled,
         rule.max_hulls,
         rule.max_vertices,
     )

@@ -22,6 +22,8 @@ SCHEMA_FILE = "robot-1.schema.json"
 """Name of the schema in the first line, for editors."""
 _DEFAULT_DENSITY = 1000.0
 """[kg/m^3]; between plastics and light metals, and easy to recognize as a placeholder."""
+_COLLISION = "collision: auto"
+"""Sidecars without this key keep their meaning, a hull for each component; new ones get fitted shapes."""
 _OFFERED = 12
 """Maximum number of axes that were found but not drafted."""
 
@@ -45,7 +47,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}"]
     lines += [*([f"step_encoding: {scalar(encoding)}"] if encoding else [])]
     lines += [*_stand(draft, names), ""]
-    lines += _densities(draft)
+    lines += _defaults(draft)
     lines += ["links:"]
     for link in draft.links:
         lines += _link(link, names, is_root=link.name == draft.root)
@@ -98,8 +100,8 @@ def _frames(draft: Draft, names: DraftNames) -> list[str]:
     return lines
 
 
-def _densities(draft: Draft) -> list[str]:
-    """Densities that the STEP lacks: typical ones by name, and a placeholder for the rest."""
+def _defaults(draft: Draft) -> list[str]:
+    """Densities that the STEP lacks, typical ones by name and a placeholder for the rest; and collision geometry."""
     lines: list[str] = []
     if draft.equal_density:
         text = (
@@ -118,8 +120,10 @@ def _densities(draft: Draft) -> list[str]:
         lines += comment(f"REVIEW: materials without a known density, which use `defaults`: {', '.join(unknown)}")
     if unknown or "" in draft.without_density:
         reason = "placeholder for parts without a density: weigh one, or use their material's"
-        lines += [f"defaults: {{density: {number(_DEFAULT_DENSITY)} kg/m^3}}  # REVIEW: {reason}"]
-    return [*lines, ""] if lines else []
+        lines += [f"defaults: {{density: {number(_DEFAULT_DENSITY)} kg/m^3, {_COLLISION}}}  # REVIEW: {reason}"]
+    else:
+        lines += [f"defaults: {{{_COLLISION}}}"]
+    return [*lines, ""]
 
 
 def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:

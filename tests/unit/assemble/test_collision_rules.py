@@ -105,7 +105,8 @@ def test_budgets(tmp_path: Path) -> None:
     for i in range(6):
         shop.box(f"tooth {i}", (5, 20, 30), at(20 * i, 0, 17.5))
     found = ReadDiagnostics()
-    robot = build(shop, tmp_path, _auto(), found)
+    many = "    links: {base: {rest: true, collision: decompose}}\n"
+    robot = build(shop, tmp_path, "    defaults: {density: 1000}\n" + many, found)
     assert robot is not None
     assert len(_geometries(robot)) == 7
     few = "    links: {base: {rest: true, collision: {shape: auto, max_hulls: 3}}}\n"

@@ -111,6 +111,8 @@ def test_text_is_the_smallest_that_says_all() -> None:
         "robot: test\n"
         "step: cad/robot.step\n"
         "\n"
+        "defaults: {collision: auto}\n"
+        "\n"
         "links:\n"
         "  base:  # root: no joint moves it\n"
         "    rest: true  # everything that no other link claims\n"
@@ -248,7 +250,7 @@ def test_materials_get_typical_densities_and_the_rest_a_placeholder(tmp_path: Pa
     text = sidecar_text(draft, "robot.step")
     assert '  "ABS Plastic, black": {density: 1050 kg/m^3}  # REVIEW: typical of ABS' in text
     assert "Unobtainium: #7" in text
-    assert "defaults: {density: 1000 kg/m^3}  # REVIEW" in text
+    assert "defaults: {density: 1000 kg/m^3, collision: auto}  # REVIEW" in text
     robot, _ = built(draft, tmp_path, made)
     assert [link.mass_properties.mass for link in robot.links] == pytest.approx([1e-3, 1.05e-3])
 

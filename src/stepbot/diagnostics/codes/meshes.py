@@ -78,7 +78,7 @@ CODES = (
         "SB609",
         "note",
         "coarse collision geometry",
-        "A link has as many convex pieces as `max_hulls` allows, and its solids fill less than 0.95 of them.",
+        "A link has as many convex pieces as `max_hulls` allows, and its solids fill less than 0.9 of them (0.95 with `decompose`).",
         "The shapes enclose the link, but reach into hollows: contacts may occur where the parts do not touch.",
         "Raise `max_hulls`, or accept the shapes. `report.json` has how far they reach beyond the solids.",
     ),

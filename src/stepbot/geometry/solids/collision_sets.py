@@ -14,12 +14,14 @@ from ..mesh import TriMesh
 from ..primitives import Box, Capsule, Cylinder, Sphere
 from ..spatial import IDENTITY, Array, Pose
 from .bounded_hulls import bounded_hull
-from .convex_pieces import FILLED, Bore, convex_pieces, main_axes
+from .convex_pieces import Bore, convex_pieces, main_axes
 from .manifolds import convex_hull, hull_volume, joined_solid, mesh_arrays
 from .primitive_fits import Shaft, fitted_primitive
 
 MAX_HULLS, MAX_VERTICES = 16, 64
 """Default budgets; PhysX and MJX take at most 64 vertices a hull."""
+FEW, CLOSE = 0.9, 0.95
+"""Share of the total volume of its shapes that a solid has to fill: for few shapes, and for close ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +42,9 @@ class Wanted:
     shafts: tuple[Shaft, ...]
     bores: tuple[Bore, ...]
     primitives: bool
-    """Whether one primitive, one hull, or pieces that are primitives will do; otherwise pieces are hulls."""
+    """Whether a primitive may stand for the solids or for a piece; otherwise all shapes are hulls."""
+    filled: float
+    """Share of the total volume of the pieces' hulls that the solids have to fill."""
     max_hulls: int
     max_vertices: int
 
@@ -81,7 +85,7 @@ def _collision_set(wanted: Wanted) -> CollisionSet:
         fit = fitted_primitive(corners, volume + wanted.missing, axes, wanted.shafts)
         if fit is not None:
             return CollisionSet((FittedShape(fit.shape, fit.X_AG),), 1.0, left_out)
-    pieces = convex_pieces(solid, wanted.bores, wanted.max_hulls)
+    pieces = convex_pieces(solid, wanted.bores, wanted.filled, wanted.max_hulls)
     shapes = tuple(shape for piece in pieces for shape in _piece(piece, wanted, axes))
     return CollisionSet(shapes, round(volume / sum(map(hull_volume, pieces)), 6), left_out)
 
@@ -93,7 +97,7 @@ def _piece(points: Array, wanted: Wanted, axes: Array) -> list[FittedShape]:
         return []
     if wanted.primitives:
         fit = fitted_primitive(hull.vertices, hull_volume(hull.vertices), axes, wanted.shafts)
-        if fit is not None and fit.filled >= FILLED:
+        if fit is not None and fit.filled >= CLOSE:
             return [FittedShape(fit.shape, fit.X_AG)]
     return [FittedShape(bounded_hull(hull, wanted.max_vertices), IDENTITY)]
 

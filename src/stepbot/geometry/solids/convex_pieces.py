@@ -3,7 +3,7 @@
 Machined and printed parts are joined and hollowed at planes of their faces: an L-bracket cut at one of them is two
 boxes, exactly. So the candidates are the largest planes of the faces, planes through the axes of bores, and a few
 planes across the solid for free-form shapes. Each step makes the cut that reduces the total volume of the hulls most,
-until the solid fills :data:`FILLED` of it. Then pieces whose common hull fills nearly as much are merged.
+until the solid fills the wanted share of it. Then pieces whose common hull fills nearly as much are merged.
 
 Candidates are compared on a simplified mesh, and the cuts are made on the exact one. The result is the same in every
 run: gains are compared to nine digits, in a fixed order. CoACD, which searches for its planes at random, takes about
@@ -19,8 +19,6 @@ import numpy as np
 from ..spatial import Array
 from .manifolds import hull_points, hull_volume, mesh_arrays
 
-FILLED = 0.95
-"""Share of the total volume of its pieces' hulls that a solid has to fill."""
 _COARSE = (1e-3, 2e-3, 4e-3)
 """Tolerances of the simplified mesh, as shares of the diagonal: the first that leaves :data:`_FEW` triangles."""
 _FEW = 1500
@@ -32,7 +30,7 @@ _NARROWEST = 0.05
 """Radius of a bore, as a share of the diagonal, from which planes through its axis are tried."""
 _THINNEST = 2e-3
 """Thickness of a piece, as a share of the solid's diagonal."""
-_LEAST_GAIN = 2e-3
+_LEAST_GAIN = 3e-4
 """Share of the hulls' total volume from which a cut is a gain."""
 _BLIND_CUTS = 4
 """Number of cuts without a gain that may prepare one: a ring has to be quartered first."""
@@ -117,12 +115,13 @@ class _Piece:
         return self.hull - self.volume
 
 
-def convex_pieces(solid: Any, bores: Sequence[Bore], max_pieces: int) -> list[Array]:
+def convex_pieces(solid: Any, bores: Sequence[Bore], filled: float, max_pieces: int) -> list[Array]:
     """Points (n, 3) [m] of each convex piece; their hulls together enclose the solid.
 
     Args:
         solid: A manifold without voids.
         bores: Axes of its bores.
+        filled: Share of the total volume of its pieces' hulls that the solid has to fill.
         max_pieces: Maximum number of pieces.
     """
     points, faces = mesh_arrays(solid)
@@ -133,7 +132,7 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], max_pieces: int) -> list[Ar
     blind = 0
     while len(pieces) < max_pieces:
         total = sum(piece.hull for piece in pieces)
-        if sum(piece.volume for piece in pieces) >= FILLED * total:
+        if sum(piece.volume for piece in pieces) >= filled * total:
             break
         for piece in pieces:
             if not piece.is_tried:
@@ -149,7 +148,7 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], max_pieces: int) -> list[Ar
         else:
             blind = 0
         pieces[best : best + 1] = _halves(pieces[best], cut.plane)
-    return _merged(pieces)
+    return _merged(pieces, filled)
 
 
 def _simplified(solid: Any, diagonal: float) -> Any:
@@ -224,7 +223,7 @@ def _middle_cut(piece: _Piece) -> _Cut:
     return _Cut(0.0, _Plane(np.eye(3)[axis], float(0.5 * (low + high)[axis])))
 
 
-def _merged(pieces: list[_Piece]) -> list[Array]:
+def _merged(pieces: list[_Piece], filled: float) -> list[Array]:
     """The points of the pieces, merged while the solid fills enough of the hulls' volume."""
     points = [hull_points(piece.exact.points) for piece in pieces]
     hulls = [hull_volume(of) for of in points]
@@ -234,7 +233,7 @@ def _merged(pieces: list[_Piece]) -> list[Array]:
     while costs:
         total = sum(hulls[i] for i in left)
         (i, j), cost = min(costs.items(), key=lambda item: (_digits(item[1], total), item[0]))
-        if solid < FILLED * (total + cost) and cost > 1e-6 * total:
+        if solid < filled * (total + cost) and cost > 1e-6 * total:
             break
         points.append(np.vstack([points[i], points[j]]))
         hulls.append(hulls[i] + hulls[j] + cost)

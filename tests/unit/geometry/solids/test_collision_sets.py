@@ -34,7 +34,7 @@ def _of(
     max_hulls: int = 16,
     max_vertices: int = 64,
 ) -> CollisionSet:
-    (made,) = collision_sets([Wanted(solids, missing, shafts, (), primitives, max_hulls, max_vertices)])
+    (made,) = collision_sets([Wanted(solids, missing, shafts, (), primitives, 0.95, max_hulls, max_vertices)])
     return made
 
 
