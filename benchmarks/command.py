@@ -8,19 +8,28 @@ python -m benchmarks cores SIDECAR...                   the bare script twice, i
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks report                             tables in docs/performance.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
+python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
+python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
 It runs on Linux and macOS, memory is measured on Linux alone, and nothing else should run meanwhile.
 """
 
 import argparse
+import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from stepbot.diagnostics import Diagnostics
+from stepbot.pipeline.stages import Options, convert
+from stepbot.step.assembly import ReadOptions
+from stepbot.step.reader import read_assembly
+
 from . import contenders as who
 from .assemblies import ASSEMBLIES, Assembly, generate
+from .collision import compare_pieces, compare_steps, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .inference import corpus_folder, measure
@@ -29,6 +38,7 @@ from .results import keep, table
 
 _STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE)
 _PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
+_DEFAULT_SHAPE = re.compile(r",? *collision: \w+")
 _LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.]+|\"[^\"]+\"):", re.MULTILINE)
 SCALES = {
     "definitions": [Assembly(definitions=count) for count in (125, 250, 500, 1000)],
@@ -67,6 +77,12 @@ def _parser() -> argparse.ArgumentParser:
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
     drafted.set_defaults(run=_inference)
+    pieces = commands.add_parser("collision", help="convex pieces of solids, by stepbot and by CoACD")
+    pieces.add_argument("step", type=Path)
+    pieces.set_defaults(run=_collision)
+    stepped = commands.add_parser("steps", help="MuJoCo's steps per second with hulls of parts and with `auto`")
+    stepped.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
+    stepped.set_defaults(run=_steps)
     commands.add_parser("smoke", help="run everything once on something small").set_defaults(run=_smoke)
     return parser
 
@@ -104,6 +120,33 @@ def _cores(options: argparse.Namespace, folder: Path) -> None:
 def _compare_sidecars(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> None:
     for sidecar in options.sidecars:
         _compare(options, case_of(sidecar, options.step, folder), contenders)
+
+
+def _collision(options: argparse.Namespace, _: Path) -> None:
+    assembly = read_assembly(options.step, ReadOptions(), Diagnostics())
+    assert assembly is not None
+    counts = [sum(component.body == body for component in assembly.components) for body in range(len(assembly.bodies))]
+    print(compare_pieces(list(assembly.bodies), counts))
+
+
+def _steps(options: argparse.Namespace, folder: Path) -> None:
+    for sidecar in options.sidecars:
+        files = []
+        for shape in ("hull", "auto"):
+            text = sidecar.read_text(encoding="utf-8")
+            made = folder / f"{sidecar.stem}.{shape}.robot.yaml"
+            named = _STEP.search(text)
+            assert named is not None
+            text = _STEP.sub(f"step: {json.dumps(str((sidecar.parent / named[1].strip()).resolve()))}", text)
+            document = _DEFAULT_SHAPE.sub("", text).replace("defaults: {", f"defaults: {{collision: {shape}, ", 1)
+            made.write_text(document, encoding="utf-8")
+            output = folder / f"{sidecar.stem}-{shape}"
+            report = convert(made, Options(output, formats=("mjcf",), verify=False))
+            assert not report.diagnostics.has_errors, [str(one) for one in report.diagnostics]
+            (mjcf,) = (path for path in output.glob("*.xml") if not path.name.endswith(".scene.xml"))
+            files.append(mjcf)
+            print(f"{sidecar.name}, {shape}: {shapes_of(output / 'report.json')}")
+        print(f"{sidecar.name}: {compare_steps(*files)}")
 
 
 def _batch(options: argparse.Namespace, folder: Path) -> None:

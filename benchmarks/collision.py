@@ -1,0 +1,128 @@
+"""Collision geometry: pieces against CoACD's on the same solids, time and memory of a set, and steps per second.
+
+Each solid of a STEP file is decomposed by stepbot, to 0.975 of its pieces' hulls in at most 256 pieces, and by CoACD
+with its defaults; both in processes of their own, one after the other. The robots of the library are converted with a
+hull for each part and with ``auto``, and both are stepped in turn in MuJoCo.
+"""
+
+import json
+import multiprocessing
+import resource
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.solids.collision_scores import PlacedShape, Unscored, collision_scores
+from stepbot.geometry.solids.collision_sets import FittedShape, PlacedSolid, Wanted, collision_sets
+from stepbot.geometry.solids.convex_pieces import Bore
+from stepbot.geometry.solids.manifolds import convex_hull
+from stepbot.geometry.spatial import IDENTITY
+from stepbot.step.assembly import Body
+
+CLOSE, MANY = 0.975, 256
+"""Share of the hulls that a solid has to fill, and maximum number of pieces, in the comparison."""
+_PATIENCE = 1800.0
+"""Time limit [s] of one solid."""
+
+
+def compare_pieces(bodies: list[Body], counts: list[int]) -> str:
+    """A table of pieces, intersection over union and time of both on every closed solid that is not convex."""
+    lines = [
+        "| solid | triangles | stepbot: pieces | IoU | s | MB | CoACD: pieces | IoU | s | MB |",
+        "| --- " * 10 + "|",
+    ]
+    totals: list[tuple[float, ...]] = []
+    for index, (body, count) in enumerate(zip(bodies, counts, strict=True)):
+        if not body.watertight or not len(body.mesh.faces) or not count:
+            continue
+        ours, theirs = _isolated(_stepbot, body), _isolated(_coacd, body)
+        if ours is None or theirs is None:
+            lines.append(f"| {index} | {len(body.mesh.faces)} | no result in {_PATIENCE:g} s |")
+            continue
+        totals.append((*ours, *theirs))
+        cells = [f"{one[0]:.0f} | {one[1]:.3f} | {one[2]:.2f} | {one[3]:.0f}" for one in (ours, theirs)]
+        lines.append(f"| {index} | {len(body.mesh.faces)} | {' | '.join(cells)} |")
+    sums = np.array(totals)
+    for name, k in (("stepbot", 0), ("CoACD", 4)):
+        mean, pieces, seconds = sums[:, k + 1].mean(), sums[:, k].sum(), sums[:, k + 2].sum()
+        lines.append(f"{name}: mean IoU {mean:.4f}, {pieces:.0f} pieces, {seconds:.1f} s")
+    return "\n".join(lines)
+
+
+def _stepbot(body: Body) -> list[TriMesh]:
+    bores = [Bore(np.array(f.point), np.array(f.direction), f.radius) for f in body.axis_faces if f.bore and not f.cone]
+    wanted = Wanted((PlacedSolid(body.mesh, IDENTITY),), 0.0, (), tuple(bores), False, CLOSE, MANY, 10_000)
+    (made,) = collision_sets([wanted])
+    return [shape.geometry for shape in made.shapes if isinstance(shape.geometry, TriMesh)]
+
+
+def _coacd(body: Body) -> list[TriMesh]:
+    import coacd
+
+    coacd.set_log_level("off")
+    pieces = coacd.run_coacd(coacd.Mesh(body.mesh.vertices, body.mesh.faces))
+    return [hull for vertices, _ in pieces if (hull := convex_hull(np.array(vertices))) is not None]
+
+
+Result = tuple[float, float, float, float]
+"""Pieces, intersection over union, time [s], peak memory [MB]."""
+
+
+def _isolated(decompose: Callable[[Body], list[TriMesh]], body: Body) -> Result | None:
+    """The result in a new process; None if it takes too long or dies."""
+    context = multiprocessing.get_context("spawn")
+    answers: Any = context.SimpleQueue()
+    process = context.Process(target=_measured, args=(decompose, body, answers))
+    process.start()
+    process.join(_PATIENCE)
+    if process.is_alive():
+        process.kill()
+        process.join()
+    if process.exitcode != 0 or answers.empty():
+        return None
+    result: Result = answers.get()
+    return result
+
+
+def _measured(decompose: Callable[[Body], list[TriMesh]], body: Body, answers: Any) -> None:
+    start = time.perf_counter()
+    pieces = decompose(body)
+    seconds = time.perf_counter() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    shapes = tuple(PlacedShape(shape.geometry, shape.X_AG) for shape in (FittedShape(m, IDENTITY) for m in pieces))
+    (score,) = collision_scores([Unscored((PlacedSolid(body.mesh, IDENTITY),), 0.0, shapes)])
+    answers.put((float(len(pieces)), score.iou or 0.0, seconds, peak))
+
+
+def compare_steps(first: Path, second: Path, rounds: int = 7, steps: int = 2000) -> str:
+    """Steps per second of two MJCF files of one robot under random torques, in turn; the median of their ratios."""
+    import mujoco
+
+    models = [mujoco.MjModel.from_xml_path(str(path)) for path in (first, second)]
+    rates = [[_rate(mujoco, model, steps, seed) for model in models] for seed in range(rounds)]
+    before, after = (statistics.median(rate[k] for rate in rates) for k in (0, 1))
+    ratio = statistics.median(rate[1] / rate[0] for rate in rates)
+    return f"{before:,.0f} and {after:,.0f} steps/s: {ratio:.2f} x"
+
+
+def _rate(mujoco: Any, model: Any, steps: int, seed: int) -> float:
+    data, random = mujoco.MjData(model), np.random.default_rng(seed)
+    start = time.process_time()
+    for step in range(steps):
+        if step % 50 == 0:
+            data.qfrc_applied[:] = random.uniform(-10.0, 10.0, model.nv)
+        mujoco.mj_step(model, data)
+    return steps / (time.process_time() - start)
+
+
+def shapes_of(report: Path) -> str:
+    """The collision shapes in a ``report.json``, in words."""
+    links = json.loads(report.read_text(encoding="utf-8"))["collision_shapes"]
+    shapes = sum(sum(link["shapes"].values()) for link in links)
+    least = min((link["iou"] for link in links if link["iou"] is not None), default=None)
+    return f"{shapes} shapes, {sum(link['vertices'] for link in links)} vertices, IoU at least {least}"
