@@ -8,11 +8,11 @@ from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.tuning import BANDWIDTH, DAMPING_RATIO
 
+from .counts import Count, Resolution
 from .motion import LimitsSection
 from .origins import Origin
 from .quantities import (
     Bandwidth,
-    Count,
     DampingRatio,
     DistanceRange,
     FieldOfView,
@@ -21,7 +21,6 @@ from .quantities import (
     JointStiffness,
     JointValue,
     Number,
-    Resolution,
 )
 from .section import Name, Section
 

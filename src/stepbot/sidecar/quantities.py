@@ -216,16 +216,12 @@ def _tolerance(value: Any) -> ToleranceValue:
     return ToleranceValue(0.0, _finite(units.LENGTH, above=0.0)(value))
 
 
-def _count(value: Any) -> int:
-    """A whole number of at least one."""
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise fault("SB122", f"expected an integer, not {described(value)}")
-    if value < 1:
-        raise fault("SB125", f"{value} is out of range: must be at least 1")
-    return value
+def two(value: Any) -> Any:
+    """The value, if it is a list of two.
 
-
-def _two(value: Any) -> Any:
+    Raises:
+        PydanticCustomError: It is not.
+    """
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise fault("SB122", f"expected two values [first, second], not {described(value)}")
     if len(value) != 2:
@@ -310,10 +306,8 @@ StepShare = Annotated[
     BeforeValidator(_finite(units.RATIO, above=0.0, high=1.0)),
     _json(units.RATIO, exclusiveMinimum=0, maximum=1),
 ]
-Count = Annotated[int, BeforeValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
-Resolution = Annotated[tuple[Count, Count], BeforeValidator(_two)]
 _Distance = Annotated[float, BeforeValidator(_distance), _json(units.LENGTH, minimum=0)]
-DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(_two)]
+DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(two)]
 Mass = Annotated[float, BeforeValidator(_finite(units.MASS, above=0.0)), _json(units.MASS, exclusiveMinimum=0)]
 Density = Annotated[float, BeforeValidator(_finite(units.DENSITY, above=0.0)), _json(units.DENSITY, exclusiveMinimum=0)]
 Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), _json(units.INERTIA)]

@@ -7,7 +7,8 @@ from pydantic import AfterValidator, WithJsonSchema
 
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
-from .quantities import Count, fault
+from .counts import Count
+from .quantities import fault
 from .section import Section
 
 
