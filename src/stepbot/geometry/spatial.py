@@ -94,13 +94,15 @@ class Pose:
 
     @property
     def rpy(self) -> Vector3:
-        """Fixed-axis roll, pitch, yaw [rad]."""
-        return rpy_from_rotation(self.R)
+        """Fixed-axis roll, pitch, yaw [rad], without numeric residue."""
+        roll, pitch, yaw = map(_without_residue, rpy_from_rotation(self.R))
+        return (roll, pitch, yaw)
 
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
-        """Unit quaternion (w, x, y, z) with w >= 0."""
-        return quaternion_from_rotation(self.R)
+        """Unit quaternion (w, x, y, z) with w >= 0, without numeric residue."""
+        w, x, y, z = map(_without_residue, quaternion_from_rotation(self.R))
+        return (w, x, y, z)
 
     @property
     def is_identity(self) -> bool:
@@ -158,7 +160,7 @@ def rotation_from_rpy(rpy: ArrayLike) -> Array:
 
 
 def rpy_from_rotation(R: Array) -> Vector3:
-    """Roll, pitch, yaw [rad] of a rotation matrix, accurate through the gimbal pole; angles below 1e-12 are 0.
+    """Roll, pitch, yaw [rad] of a rotation matrix, accurate through the gimbal pole.
 
     Pitch comes from ``atan2``, not ``asin``, which loses half the digits near +-90 degrees. Close to the pole, yaw is
     taken from the first column and roll is solved from the remainder, so that the result always reproduces the
@@ -169,7 +171,7 @@ def rpy_from_rotation(R: Array) -> Vector3:
     cy, sy = math.cos(yaw), math.sin(yaw)
     # Undo the yaw: the second and third column of Rz(-yaw) R hold cos(roll) and sin(roll) in their y component.
     roll = math.atan2(sy * R[0, 2] - cy * R[1, 2], cy * R[1, 1] - sy * R[0, 1])
-    return (_without_residue(roll), _without_residue(pitch), _without_residue(yaw))
+    return (roll, pitch, yaw)
 
 
 def _without_residue(value: float) -> float:
@@ -204,7 +206,7 @@ def quaternion_from_rotation(R: Array) -> tuple[float, float, float, float]:
         q[1 + j] = R[j, i] + R[i, j]
         q[1 + k] = R[k, i] + R[i, k]
     q /= np.linalg.norm(q)
-    w, x, y, z = map(_without_residue, (q if q[0] >= 0 else -q).tolist())
+    w, x, y, z = (q if q[0] >= 0 else -q).tolist()
     return (w, x, y, z)
 
 

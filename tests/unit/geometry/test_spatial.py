@@ -199,7 +199,7 @@ def test_tidy_leaves_no_noise() -> None:
 def test_angles_and_quaternions_have_no_residue(axis: tuple[float, float, float], angle: float) -> None:
     """Components below 1e-12 are 0, larger ones are kept, and the rotation is the same to 1e-12."""
     R = rotation_about(axis, angle)
-    rpy, quaternion = rpy_from_rotation(R), quaternion_from_rotation(R)
+    rpy, quaternion = Pose.of(R).rpy, Pose.of(R).quaternion
     assert [value for value in (*rpy, *quaternion) if 0.0 < abs(value) < 1e-12] == []
     np.testing.assert_allclose(rotation_from_rpy(rpy), R, atol=1e-12)
     np.testing.assert_allclose(rotation_from_quaternion(quaternion), R, atol=1e-12)
