@@ -7,7 +7,7 @@ until the solid fills the wanted share of it. Then pieces whose common hull fill
 
 Candidates are compared on a simplified mesh, and the cuts are made on the exact one. The result is the same in every
 run: gains are compared to nine digits, in a fixed order. CoACD, which searches for its planes at random, takes about
-a hundred times as long (``docs/decisions/0029-convex-decomposition-by-planes.md``).
+a hundred times as long (``docs/decisions/0028-convex-decomposition-by-planes.md``).
 """
 
 from collections.abc import Sequence
