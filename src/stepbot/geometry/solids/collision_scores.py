@@ -27,7 +27,7 @@ _SIDES = 256
 """Number of sides of a prism in place of a cylinder."""
 _ACCURACY = 4e-3
 """Accuracy of the overshoot, as a share of the diagonal of the solids."""
-_MOST_POINTS = 20_000
+_MOST_POINTS = 4_000
 """Maximum number of distances for one overshoot."""
 _DECIMALS = 6
 
