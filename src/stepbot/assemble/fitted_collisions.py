@@ -15,6 +15,7 @@ from stepbot.geometry.solids.collision_sets import CollisionSet, PlacedSolid, Wa
 from stepbot.geometry.solids.convex_pieces import Bore
 from stepbot.geometry.solids.primitive_fits import Shaft
 from stepbot.geometry.spatial import IDENTITY, tidy
+from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
@@ -105,7 +106,9 @@ def closed_parts(assembly: Assembly, indices: Sequence[int]) -> tuple[int, ...]:
 def missing_volume(components: Sequence[Component], bodies: Sequence[MeasuredBody]) -> float:
     """Exact volume [m^3] of components, minus that of their meshes."""
     measured = [bodies[component.body] for component in components]
-    return sum(body.used.mass - body.mesh.mass for body in measured if body.used is not None and body.mesh is not None)
+    return exact_sum(
+        body.used.mass - body.mesh.mass for body in measured if body.used is not None and body.mesh is not None
+    )
 
 
 def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule) -> Joined | None:

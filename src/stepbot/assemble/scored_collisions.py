@@ -107,7 +107,7 @@ class ScoredCollisions:
             link.name,
             rule,
             dict(sorted(counts.items())),
-            sum(vertices),
+            sum(len(mesh.vertices) for mesh in meshes),
             max(vertices, default=0),
             score.iou,
             score.overshoot,

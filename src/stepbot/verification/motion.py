@@ -100,7 +100,7 @@ def compare_closures(deviations: Deviations, reference: Observation, observed: O
     for name in theirs:  # MuJoCo constrains the axis of a closure by a second constraint, <closure>/axis
         if name.split("/")[0] not in known:
             deviations.equal(False, f"closure '{name}' is not in the robot")
-    gap = sum(closure.residual or 0.0 for closure in observed.closures)
+    gap = exact_sum(closure.residual or 0.0 for closure in observed.closures)
     for ours in reference.closures:
         if ours.name not in theirs:
             deviations.equal(False, f"closure '{ours.name}' is missing")

@@ -8,7 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.geometry.mesh_files import read_mesh
+from stepbot.geometry.mesh import TriMesh
+from stepbot.runtime.worker import Worker
+
+# Other tests import trimesh without packages that its readers need.
+pytestmark = pytest.mark.usefixtures("cold_processes")
 
 _CORNERS = np.array([[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 20.0]])
 """Corners of a tetrahedron, in the file's unit."""
@@ -67,8 +71,15 @@ def _gltf() -> tuple[dict[str, object], bytes]:
     return content, points + faces
 
 
+def _read(path: Path) -> TriMesh | None:
+    """The mesh of a file, read as for a robot description, in a process of its own."""
+    with Worker("stepbot.geometry.mesh_files:read_mesh") as worker:
+        mesh: TriMesh | None = worker.submit(path).result(60)
+    return mesh
+
+
 def _corners(path: Path) -> set[tuple[float, ...]]:
-    mesh = read_mesh(path)
+    mesh = _read(path)
     assert mesh is not None
     assert len(mesh.faces) == len(_FACES)
     return {tuple(point) for point in np.round(mesh.vertices, 9).tolist()}
@@ -112,4 +123,4 @@ def test_files_named_by_a_gltf_are_not_opened(tmp_path: Path) -> None:
     (tmp_path / "part.bin").write_bytes(buffer)
     path = tmp_path / "part.gltf"
     path.write_text(json.dumps({**content, "buffers": [{"byteLength": len(buffer), "uri": "part.bin"}]}))
-    assert read_mesh(path) is None
+    assert _read(path) is None

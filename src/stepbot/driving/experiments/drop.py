@@ -4,6 +4,7 @@ Nothing adds energy to a limp robot: what its energy grows by comes from the sim
 """
 
 from stepbot.engines.simulation import GRAVITY, Setup
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import Base
 
 from ..results import Measure, Plot, Result, thinned
@@ -28,12 +29,12 @@ def _fall(stage: Stage) -> Result:
     with stage.scene(floor=True) as simulation:
         stand(simulation, stage, _HEIGHT)
         simulation.command(stage.home)
-        before = sum(simulation.energy())
+        before = exact_sum(simulation.energy())
         for time in run(simulation, _SECONDS):
             gaps.measure(simulation)
             times.append(time)
             heights.append(MM * simulation.pose(root).position[2])
-            energies.append(sum(simulation.energy()) - before)
+            energies.append(exact_sum(simulation.energy()) - before)
             if time > _SECONDS - _LAST:
                 depth = max(depth, MM * simulation.penetration())
     rest = [height for time, height in zip(times, heights, strict=True) if time > _SECONDS - _LAST]
@@ -52,7 +53,7 @@ def _limp(stage: Stage) -> Result:
     gaps, times, energies, scale = Gaps(stage), [], [], _potential_scale(stage)
     with stage.scene(setup=Setup(fine=True)) as simulation:
         simulation.reset(stage.mechanism.home)
-        before = sum(simulation.energy())
+        before = exact_sum(simulation.energy())
         for time in run(simulation, _LIMP_SECONDS):
             gaps.measure(simulation)
             times.append(time)
@@ -66,7 +67,7 @@ def _limp(stage: Stage) -> Result:
 
 def stage_weight(stage: Stage) -> float:
     """Weight [N] of the robot."""
-    return GRAVITY * sum(link.mass_properties.mass for link in stage.mechanism.robot.links)
+    return GRAVITY * exact_sum(link.mass_properties.mass for link in stage.mechanism.robot.links)
 
 
 def _potential_scale(stage: Stage) -> float:

@@ -1,6 +1,7 @@
 """Step: each motor gets a new target, one after the other."""
 
 from stepbot.engines.simulation import Motor, Simulation
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import ActuatorKind
 
 from ..results import Measure, Plot, Result, Series, largest, thinned
@@ -64,7 +65,7 @@ class _Drive:
             q.append(simulation.positions()[motor.joint])
         size = end - self._stage.mechanism.home[motor.joint]
         last = [value for time, value in zip(times, q, strict=True) if time > _SECONDS - _LAST]
-        final = sum(last) / len(last)
+        final = exact_sum(last) / len(last)
         beyond = max((value - final) / size for value in q)
         return 100.0 * max(0.0, beyond), abs(final - end), thinned(times, [(value - start) / size for value in q])
 
@@ -80,7 +81,7 @@ class _Drive:
             times.append(time)
             speeds.append(simulation.speeds()[motor.joint])
         last = [speed for time, speed in zip(times, speeds, strict=True) if time > 0.5 * _SECONDS]
-        final = sum(last) / len(last)
+        final = exact_sum(last) / len(last)
         beyond = max(speed - final for speed in speeds) / abs(goal)
         error = abs(final - goal) / abs(goal)
         return 100.0 * max(0.0, beyond), 100.0 * error, thinned(times, [speed / goal for speed in speeds])

@@ -13,6 +13,7 @@ import numpy as np
 from ..mesh import TriMesh
 from ..primitives import Box, Capsule, Cylinder, Sphere
 from ..spatial import IDENTITY, Array, Pose
+from ..sums import exact_sum
 from .bounded_hulls import bounded_hull
 from .convex_pieces import Bore, convex_pieces, main_axes
 from .manifolds import convex_hull, hull_volume, joined_solid, mesh_arrays
@@ -87,7 +88,7 @@ def _collision_set(wanted: Wanted) -> CollisionSet:
             return CollisionSet((FittedShape(fit.shape, fit.X_AG),), 1.0, left_out)
     pieces = convex_pieces(solid, wanted.bores, wanted.filled, wanted.max_hulls)
     shapes = tuple(shape for piece in pieces for shape in _piece(piece, wanted, axes))
-    return CollisionSet(shapes, round(volume / sum(map(hull_volume, pieces)), 6), left_out)
+    return CollisionSet(shapes, round(volume / exact_sum(map(hull_volume, pieces)), 6), left_out)
 
 
 def _piece(points: Array, wanted: Wanted, axes: Array) -> list[FittedShape]:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..spatial import Array
+from ..sums import exact_sum
 from .manifolds import hull_points, hull_volume, mesh_arrays
 
 _COARSE = (1e-3, 2e-3, 4e-3)
@@ -131,8 +132,8 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], filled: float, max_pieces: 
     normals, offsets = _candidates(points, faces, bores, diagonal)
     blind = 0
     while len(pieces) < max_pieces:
-        total = sum(piece.hull for piece in pieces)
-        if sum(piece.volume for piece in pieces) >= filled * total:
+        total = exact_sum(piece.hull for piece in pieces)
+        if exact_sum(piece.volume for piece in pieces) >= filled * total:
             break
         for piece in pieces:
             if not piece.is_tried:
@@ -227,11 +228,11 @@ def _merged(pieces: list[_Piece], filled: float) -> list[Array]:
     """The points of the pieces, merged while the solid fills enough of the hulls' volume."""
     points = [hull_points(piece.exact.points) for piece in pieces]
     hulls = [hull_volume(of) for of in points]
-    solid = sum(piece.volume for piece in pieces)
+    solid = exact_sum(piece.volume for piece in pieces)
     costs = {(i, j): _cost(points, hulls, i, j) for j in range(len(points)) for i in range(j)}
     left = list(range(len(points)))
     while costs:
-        total = sum(hulls[i] for i in left)
+        total = exact_sum(hulls[i] for i in left)
         (i, j), cost = min(costs.items(), key=lambda item: (_digits(item[1], total), item[0]))
         if solid < filled * (total + cost) and cost > 1e-6 * total:
             break
