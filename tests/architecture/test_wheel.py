@@ -48,9 +48,10 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
 
 
 def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile) -> None:
-    """The wheel has drawing, sidecar and page of each robot, no scripts, no pictures, and is below its size limit."""
+    """The wheel has drawing, sidecar and page of each robot, and the notices; no scripts, no pictures; and is small."""
     library = ROOT / "robot_library"
     kept = [file for kind in ("*.step", "*.robot.yaml", "README.md") for file in library.glob(f"*/{kind}")]
+    kept.append(library / "NOTICES.md")
     content = {name for name in wheel.namelist() if name.startswith("stepbot/robots/")}
     assert content == {f"stepbot/robots/{file.relative_to(library).as_posix()}" for file in kept}
     robots = sum(file.compress_size for file in wheel.infolist() if file.filename in content)
