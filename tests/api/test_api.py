@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^## (.*?)\n.*?^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 PRINTED = {
-    "Convert": r"\['arm2.urdf', 'arm2.xml', 'report.json'\]\nshoulder revolute base -> upper_arm\n",
+    "Convert": r"\['arm2.scene.xml', 'arm2.urdf', 'arm2.xml', 'report.json'\]\nshoulder revolute base -> upper_arm\n",
     "Check": r"5 links, 4 joints\n",
     "Inspect": r"(?m)^forearm/\S+ \(",
     "Verify": r"^0 failed$",

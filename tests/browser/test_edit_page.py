@@ -63,7 +63,7 @@ def test_messages(page: Page, opened: Session) -> None:
     assert not page.element("#hint").is_displayed()
     before = page.element("#card").rect
     press(page, "remove")
-    assert page.text("#notice").startswith("checking")
+    assert page.text("#notice").startswith(("checking", "'coupler_turn' needs"))  # an answer may be faster
     page.wait("return document.querySelector('#notice').className === 'bad'")
     assert "needs link 'crank'" in page.text("#notice")
     assert page.element("#card").rect == before

@@ -166,7 +166,7 @@ def test_slider_by_keyboard(page: Page, tmp_path: Path, scenes: Mapping[str, tup
     upper = scene["motion"]["driven"][0]["range"][1]
     assert page.positions()[name] == pytest.approx(upper)
     box = page.element(f"[data-value='{name}']")
-    box.clear()
+    box.send_keys(Keys.CONTROL, "a")
     box.send_keys("10", Keys.TAB)
     assert page.positions()[name] == pytest.approx(np.radians(10.0))
     page.element("#reset").click()

@@ -75,7 +75,10 @@ def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
     """`-f` by an alias, given twice, writes one format; `--no-verify` starts no engine."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "sdformat", "-f", "sdf", "--no-verify", "-o", "out")
     assert run.code == 0, run.err
-    assert [name for name in snapshot(arm / "out") if name.endswith((".urdf", ".sdf", ".xml"))] == ["arm2.sdf"]
+    assert [name for name in snapshot(arm / "out") if name.endswith((".urdf", ".sdf", ".xml"))] == [
+        "arm2.sdf",
+        "arm2.world.sdf",
+    ]
 
 
 def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:

@@ -88,5 +88,5 @@ def test_export_writes_what_was_asked_for(stepbot: Stepbot, tmp_path: Path, monk
     run = stepbot("library", "export", "four_bar", "-f", "mjcf", "--no-verify")
     assert run.code == 0, run.err
     written = {path.name for path in (tmp_path / "four_bar").iterdir() if not path.name.startswith(".")}
-    assert written == {"four_bar.xml", "meshes", "report.json"}
+    assert written == {"four_bar.scene.xml", "four_bar.xml", "meshes", "report.json"}
     assert stepbot("library", "export", "four_bar", "-f", "nope").code == 2

@@ -29,12 +29,15 @@ def blocks(kind: str, page: str) -> list[str]:
 
 
 def edited(text: str, lines: str) -> str:
-    """A text with the lines of a diff inserted, after its context line, or at the end without one."""
+    """A text with the lines of a diff removed and inserted, after its context line, or at the end without one."""
     rows, at = text.splitlines(), len(text.splitlines())
     for line in lines.splitlines():
         if line.startswith("+"):
             rows.insert(at, line[1:])
             at += 1
+        elif line.startswith("-"):
+            at = rows.index(line[1:])
+            del rows[at]
         elif line.startswith(" "):
             at = rows.index(line[1:]) + 1
         else:
