@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
 from .caching import say_trouble
 from .columns import table_lines
@@ -33,9 +34,9 @@ _HEADINGS = ("class", "links", "poses", "first overlap")
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
 @click.option(
     "--samples",
-    type=click.IntRange(1, 1_000_000),
+    type=click.IntRange(1, MOST_SAMPLES),
     metavar="N",
-    help="Number of poses.  [default: that of the sidecar, or 10000]",
+    help=f"Number of poses.  [default: that of the sidecar, or {DEFAULT_SAMPLES}]",
 )
 @click.option(
     "--srdf",

@@ -1,7 +1,6 @@
 """``stepbot convert``: convert a sidecar and a STEP file, and verify the written files."""
 
 import json
-import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +12,7 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
+from stepbot.formats.urdf.package import package_named, package_of
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
@@ -60,12 +60,11 @@ drive_option = click.option(
 
 
 def _package(context: click.Context, option: click.Parameter, given: str | None) -> str:  # noqa: ARG001
-    """The name of a ROS package, by REP 144."""
-    if given and not re.fullmatch(r"[a-z][a-z0-9_]+", given):
-        raise click.BadParameter(
-            f"'{given}' is not the name of a ROS package: lower-case letters, digits and _, a letter first"
-        )
-    return given or ""
+    """The name of a ROS package."""
+    try:
+        return package_named(given) if given else ""
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from None
 
 
 package_option = click.option(
@@ -138,7 +137,7 @@ def command(
     """
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
-    package = package_of(package, ros2, formats)
+    package = package_name(package, ros2, formats)
     options = replace(
         options,
         output=output or default_output(sidecar),
@@ -155,17 +154,16 @@ def command(
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
 
 
-def package_of(package: str, ros2: str, formats: tuple[str, ...]) -> str:
+def package_name(package: str, ros2: str, formats: tuple[str, ...]) -> str:
     """The ROS package of `--package` or `--ros2`; empty for none.
 
     Raises:
         click.UsageError: Both are given, or there is no URDF.
     """
-    if package and ros2:
-        raise click.UsageError("--package and --ros2 cannot be combined")
-    if (package or ros2) and "urdf" not in format_names(formats):
-        raise click.UsageError(f"--{'package' if package else 'ros2'} needs the format urdf")
-    return f"{ros2}_description" if ros2 else package
+    try:
+        return package_of(package, ros2, format_names(formats), prefix="--")
+    except ValueError as error:
+        raise click.UsageError(str(error)) from None
 
 
 def run_conversion(

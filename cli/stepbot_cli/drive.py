@@ -1,12 +1,14 @@
 """``stepbot drive``: move a robot by its actuators in MuJoCo and PyBullet, and judge how it behaves."""
 
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.driving.names import ENGINES, TESTS
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option, names_option
@@ -20,12 +22,10 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Options
 
-_TESTS = ("hold", "step", "sweep", "torque", "drop", "grip", "roll", "strafe", "stand")
-_ENGINES = ("mujoco", "pybullet")
 _NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}}
 
 
-def _known(given: tuple[str, ...], known: tuple[str, ...], noun: str) -> tuple[str, ...]:
+def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[str, ...]:
     names = tuple(name.lower() for name in given)
     for name in names:
         if name not in known:
@@ -41,9 +41,9 @@ def _known(given: tuple[str, ...], known: tuple[str, ...], noun: str) -> tuple[s
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
 @names_option(
-    "--test", "tests", metavar="TEST,...", help=f"Tests to run, of {', '.join(_TESTS)}.  [default: all that apply]"
+    "--test", "tests", metavar="TEST,...", help=f"Tests to run, of {', '.join(TESTS)}.  [default: all that apply]"
 )
-@names_option("--engine", "engines", metavar="ENGINE,...", help="mujoco, pybullet.  [default: both]")
+@names_option("--engine", "engines", metavar="ENGINE,...", help=f"Engines, of {', '.join(ENGINES)}.  [default: all]")
 @click.option(
     "--limits",
     type=click.Path(path_type=Path),
@@ -75,7 +75,7 @@ def command(
 
     if plots is not None:
         require_plots()
-    chosen = DriveOptions(_known(tests, _TESTS, "test"), _known(engines, _ENGINES, "engine") or _ENGINES, limits)
+    chosen = DriveOptions(_known(tests, TESTS, "test"), _known(engines, ENGINES, "engine") or tuple(ENGINES), limits)
     found = Diagnostics()
     with progress_bar(("read", "build", "write", "drive")) as progress:
         driven = drive(target, options, chosen, found, progress)

@@ -10,7 +10,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
-from .convert import again_format_option, format_names, package_of, package_option, ros2_option
+from .convert import again_format_option, format_names, package_name, package_option, ros2_option
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json
@@ -65,7 +65,7 @@ def command(
     options = replace(
         options,
         formats=format_names(formats),
-        package=package_of(package, ros2, formats),
+        package=package_name(package, ros2, formats),
         ros2=bool(ros2),
         strict=strict,
         ignore=ignore,

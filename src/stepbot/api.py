@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
 from stepbot.formats import FORMATS, default_formats, format_named
+from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Checked, Conversion, Options
 from stepbot.runtime.cache import Cache, default_folder
 from stepbot.runtime.worker import DEFAULT_TIMEOUT
@@ -84,15 +85,16 @@ def convert(
             ``output`` are unchanged.
 
     Raises:
-        ValueError: A name in ``formats`` is not a format.
+        ValueError: A name in ``formats`` is not a format, or ``package`` or ``ros2`` not the name of a package; both
+            are given, or URDF is not written.
     """
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
 
-    path = Path(sidecar)
+    path, written = Path(sidecar), _format_names(formats)
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")
     options = Options(
         output=Path(output) if output is not None else Path(name),
-        formats=_format_names(formats),
+        formats=written,
         step=Path(step) if step is not None else None,
         encoding=encoding,
         verify=verify,
@@ -103,7 +105,7 @@ def convert(
         memory_limit=memory_limit,
         cache=_cache(cache),
         html=html,
-        package=f"{ros2}_description" if ros2 else package,
+        package=package_of(package, ros2, written),
         ros2=bool(ros2),
     )
     return convert_unless_unchanged(path, options)

@@ -97,3 +97,19 @@ def test_python_minus_m(tmp_path: Path) -> None:
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert stepbot.__version__ in run.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"package": "Arm-2"}, "not the name of a ROS package"),
+        ({"ros2": "arm 2"}, "not the name of a ROS package"),
+        ({"package": "arm2", "ros2": "arm2"}, "cannot be combined"),
+        ({"ros2": "arm2", "formats": ["mjcf"]}, "ros2 needs the format urdf"),
+    ],
+)
+def test_package_names_are_checked(arguments: dict[str, str], message: str, tmp_path: Path) -> None:
+    """A name that is not one of a ROS package is an error before anything is read or written."""
+    with pytest.raises(ValueError, match=message):
+        stepbot.convert(tmp_path / "missing.yaml", output=tmp_path / "out", **arguments)  # type: ignore[arg-type]
+    assert not (tmp_path / "out").exists()

@@ -17,7 +17,7 @@ from stepbot.geometry.solids.primitive_fits import Shaft
 from stepbot.geometry.spatial import IDENTITY, tidy
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
-from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
+from stepbot.runtime.cache import Cache, ResultsByContent
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
 from stepbot.sidecar.document import CollisionShape
 from stepbot.step.assembly import Assembly, AxisFace, Component
@@ -62,21 +62,11 @@ class FittedCollisions:
             cache: Cache of sets; None to disable it.
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
         """
-        self._assembly, self._of = binder.assembly, of
-        self._results = TypedCache(cache, CollisionSet)
-        self._sets: dict[Joined, CollisionSet] = {}
-        wanted = {}
-        for joined in _all_joined(binder, claims, of):
-            wanted[joined] = _wanted(binder.assembly, joined, bodies)
-        self._keys = {joined: _key(one) if cache is not None else "" for joined, one in wanted.items()}
-        for joined, key in self._keys.items():
-            known = self._results.get(key) if key else None
-            if known is not None:
-                self._sets[joined] = known
-        self._missing = {joined: one for joined, one in wanted.items() if joined not in self._sets}
+        wanted = {joined: _wanted(binder.assembly, joined, bodies) for joined in _all_joined(binder, claims, of)}
+        self._sets = ResultsByContent(cache, "collision set", wanted, (Wanted, CollisionSet))
         self._process: Worker | None = None
-        if self._missing and process is not None:
-            self._process = process.submit("collisions", tuple(self._missing.values()), more=True)
+        if self._sets.missing and process is not None:
+            self._process = process.submit("collisions", self._sets.missing, more=True)
 
     def wait(self, timeout: float = DEFAULT_TIMEOUT) -> None:
         """Wait for the sets; afterwards the worker is idle again.
@@ -84,14 +74,9 @@ class FittedCollisions:
         Raises:
             WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
         """
-        if not self._missing:
-            return
-        wanted = tuple(self._missing.values())
-        made = collision_sets(wanted) if self._process is None else self._process.result(timeout)
-        for joined, one in zip(self._missing, made, strict=True):
-            self._sets[joined] = one
-            self._results.put(self._keys[joined], one)
-        self._missing = {}
+        missing = self._sets.missing
+        if missing:
+            self._sets.add(collision_sets(missing) if self._process is None else self._process.result(timeout))
 
     def of(self, joined: Joined) -> CollisionSet:
         """The shapes of components, in the frame of the first."""
@@ -119,8 +104,7 @@ def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule
 
 def joined_part(assembly: Assembly, index: int, rule: CollisionRule) -> Joined | None:
     """A component with a rule of its own, as the first occurrence of its body; None if it is not closed."""
-    body = assembly.components[index].body
-    first = next(component.index for component in assembly.components if component.body == body)
+    first = assembly.first_of_body[assembly.components[index].body]
     return Joined((first,), rule) if _is_closed(assembly, index) else None
 
 
@@ -173,10 +157,6 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody]) 
         rule.max_hulls,
         rule.max_vertices,
     )
-
-
-def _key(wanted: Wanted) -> str:
-    return Digest("collision set").add(environment(), codec_of(Wanted).encode(wanted)).key
 
 
 def wait_for(fitted: FittedCollisions, binder: Binder, timeout: float) -> bool:

@@ -15,7 +15,8 @@ from stepbot.geometry.inertia_bounds import (
     spread_excess,
 )
 from stepbot.geometry.spatial import Array, Pose
-from stepbot.robot.model import Joint, JointKind, Link
+from stepbot.robot.kinematics import rigid_bodies
+from stepbot.robot.model import Joint, Link
 from stepbot.robot.validity import inertia_fault
 
 from .binder import Binder
@@ -26,22 +27,21 @@ _MOMENTS = ("ixx", "iyy", "izz")
 
 
 def report_given_inertials(
-    binder: Binder, claims: Claims, links: Iterable[Link], joints: Sequence[Joint], X_WL: Mapping[str, Pose]
+    binder: Binder, claims: Claims, links: Sequence[Link], joints: Sequence[Joint], X_WL: Mapping[str, Pose]
 ) -> None:
     """Warn about each given com and inertia that no mass within the link's geometry has.
 
     The geometry is that of all solids and surfaces of the link and of the links fixed to it: descriptions often draw
     on one link what they weigh on another. Links without geometry are not checked.
     """
-    body_of = _rigid_bodies(joints)
+    body_of = rigid_bodies(links[0].name, joints)
     for link in links:
         section = binder.document.links[link.name].inertial
         if section is None or (section.com is None and section.inertia is None):
             continue
         if inertia_fault(link.mass_properties) or not link.mass_properties.mass:
             continue  # an error of its own
-        root = body_of.get(link.name, link.name)
-        members = [name for name in binder.document.links if body_of.get(name, name) == root]
+        members = [name for name in binder.document.links if body_of[name] == body_of[link.name]]
         points = _points(binder, claims, members, X_WL[link.name].inverse())
         _check(binder, link.name, link.mass_properties, points)
 
@@ -95,15 +95,6 @@ def _extent(points: Array) -> str:
 def _report(binder: Binder, code: str, name: str, message: str, remedy: str) -> None:
     ignored = f"{_UNDRAWN}`ignore_findings: [{{code: {code}, reason: ...}}]`"
     binder.report(code, ("links", name, "inertial"), message, help=(remedy, ignored))
-
-
-def _rigid_bodies(joints: Sequence[Joint]) -> dict[str, str]:
-    """The link nearest to the root among those that a link is fixed to; only of links below a joint."""
-    found: dict[str, str] = {}
-    for joint in joints:
-        fixed = joint.kind is JointKind.FIXED
-        found[joint.child] = found.get(joint.parent, joint.parent) if fixed else joint.child
-    return found
 
 
 def _points(binder: Binder, claims: Claims, links: Iterable[str], X_LW: Pose) -> Array:

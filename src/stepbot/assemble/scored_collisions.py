@@ -9,7 +9,7 @@ from stepbot.geometry.solids.collision_sets import PlacedSolid
 from stepbot.geometry.spatial import Pose, tidy
 from stepbot.report.record import LinkCollision, MeasuredBody
 from stepbot.robot.model import Geometry, Link, MeshRef, Robot
-from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
+from stepbot.runtime.cache import Cache, ResultsByContent
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
 from stepbot.sidecar.document import Document
 
@@ -46,7 +46,7 @@ class ScoredCollisions:
         """
         self._binder, self._claims, self._robot, self._bodies = binder, claims, robot, bodies
         self._X_WL = X_WL
-        self._results, self._process = TypedCache(cache, CollisionScore), process
+        self._cache, self._process = cache, process
 
     def result(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[LinkCollision, ...]:
         """The shapes of every link that has any, with scores where stepbot has chosen them; without scores after SB902.
@@ -54,31 +54,25 @@ class ScoredCollisions:
         Scores take longer than all the rest of the build: about a second for a link.
         """
         links = [link for link in self._robot.links if link.collisions]
-        chosen = [link for link in links if self._is_chosen(link)]
-        scores = self._scores({link.name: self._unscored(link) for link in chosen}, timeout)
-        return tuple(self._record(link, scores.get(link.name, CollisionScore())) for link in links)
+        unscored = {link.name: self._unscored(link) for link in links if self._is_chosen(link)}
+        scores = ResultsByContent(self._cache, "collision score", unscored, (Unscored, CollisionScore))
+        self._compute(scores, timeout)
+        return tuple(self._record(link, scores.get(link.name) or CollisionScore()) for link in links)
 
     def _is_chosen(self, link: Link) -> bool:
         rule = link_rule(link.name, self._binder.document)
         return rule is not None and rule.is_decomposed
 
-    def _scores(self, unscored: Mapping[str, Unscored], timeout: float) -> dict[str, CollisionScore]:
-        keys = {name: _key(one) for name, one in unscored.items()}
-        known = {name: self._results.get(key) for name, key in keys.items()}
-        scores = {name: score for name, score in known.items() if score is not None}
-        left = {name: one for name, one in unscored.items() if name not in scores}
-        if not left:
-            return scores
-        wanted = tuple(left.values())
+    def _compute(self, scores: ResultsByContent[str, Unscored, CollisionScore], timeout: float) -> None:
+        """Compute the missing scores, unless the worker dies (SB902)."""
+        missing = scores.missing
+        if not missing:
+            return
         try:
-            submitted = None if self._process is None else self._process.submit("scores", wanted, more=True)
-            made = collision_scores(wanted) if submitted is None else submitted.result(timeout)
+            submitted = None if self._process is None else self._process.submit("scores", missing, more=True)
+            scores.add(collision_scores(missing) if submitted is None else submitted.result(timeout))
         except WorkerDied as death:
             report_death(death, "scores collision shapes", self._binder.span(("links",)), self._binder.found)
-            return scores
-        for name, score in zip(left, made, strict=True):
-            self._results.put(keys[name], score)
-        return scores | dict(zip(left, made, strict=True))
 
     def _unscored(self, link: Link) -> Unscored:
         """The closed solids of a link and its shapes, in the frame of the first component."""
@@ -124,7 +118,3 @@ def _rule(link: str, document: Document) -> str:
     if rule is None:
         return "given"
     return f"merged {rule.shape.value}" if is_merged(link, document) else rule.shape.value
-
-
-def _key(unscored: Unscored) -> str:
-    return Digest("collision score").add(environment(), codec_of(Unscored).encode(unscored)).key

@@ -16,12 +16,11 @@ from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 from .judgement import Status, Verdict, judge
 from .limits import Demands
 from .mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
-from .plan import TESTS, reasons
+from .names import ENGINES, TESTS
+from .plan import reasons
 from .survey import Survey
 from .worker import Assignment
 
-ENGINES: Mapping[str, str] = {"mujoco": ".xml", "pybullet": ".urdf"}
-"""The engines that drive, and the suffix of the file that each drives."""
 _DRIVE = "stepbot.driving.worker:drive"
 _SURVEY = "stepbot.driving.survey:survey"
 

@@ -10,7 +10,7 @@ import numpy as np
 from stepbot.engines.simulation import Mechanism, Motor
 from stepbot.geometry.spatial import Array
 from stepbot.robot.actuators import actuator_limit
-from stepbot.robot.kinematics import TURNING, link_poses, mimic_relation
+from stepbot.robot.kinematics import TURNING, link_poses, mimic_relation, rigid_bodies
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
 from stepbot.robot.multi_dof import ball_coordinates, unfolded
 from stepbot.robot.posing import posed
@@ -136,7 +136,7 @@ def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
     Either one motor moves both, by a mimic, or two motors with equal limits on the same hand move one each.
     """
     robot = mechanism.robot
-    rigid = _rigid_groups(robot)
+    rigid = rigid_bodies(robot.root.name, robot.joints)
     tips = _tips(robot, rigid)
     drivers = [motor for motor in mechanism.motors if motor.kind is ActuatorKind.POSITION]
     found: dict[Fingers, None] = {}
@@ -176,14 +176,6 @@ def _pairs(
         for b in groups[1]:
             sides = [frozenset(link for link, group in rigid.items() if group == name) for name in (a, b)]
             yield Fingers(motors, sides[0], sides[1], hand)
-
-
-def _rigid_groups(robot: Robot) -> dict[str, str]:
-    """For each link the first link of those that fixed joints connect it to."""
-    group = {robot.root.name: robot.root.name}
-    for joint in robot.joints:
-        group[joint.child] = group[joint.parent] if joint.kind is JointKind.FIXED else joint.child
-    return group
 
 
 def _tips(robot: Robot, rigid: Mapping[str, str]) -> dict[str, frozenset[str]]:

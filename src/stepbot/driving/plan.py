@@ -9,19 +9,6 @@ from stepbot.robot.model import ActuatorKind
 from .mechanism import Wheels
 from .survey import Survey
 
-TESTS = {
-    "hold": "random poses are held",
-    "step": "each motor steps to a new target",
-    "sweep": "each motor visits both ends of its range",
-    "torque": "random efforts up to the limits",
-    "drop": "falls on the floor, or limp if the base is fixed",
-    "grip": "holds a cube",
-    "roll": "drives straight ahead and back",
-    "strafe": "drives to the left and back",
-    "stand": "stands, and is pushed",
-}
-"""All tests, in the order in which they run, and what the robot does."""
-
 
 def reasons(
     mechanism: Mechanism, survey: Survey, wheels: Wheels | None, limbs: tuple[str, ...], *, mjcf: bool

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from math import atan2, degrees, hypot
 
 import numpy as np
 
@@ -88,6 +89,11 @@ def stand(simulation: Simulation, stage: Stage, height: float = 0.0) -> None:
     simulation.reset(stage.mechanism.home, Pose.of(position=(0.0, 0.0, 1.0)))
     low = simulation.lowest()
     simulation.reset(stage.mechanism.home, Pose.of(position=(0.0, 0.0, 1.0 - low + height + _LIFT)))
+
+
+def tilt(X_WR: Pose) -> float:
+    """Angle [deg] between the root link's z axis and the vertical."""
+    return degrees(atan2(hypot(X_WR.R[2, 0], X_WR.R[2, 1]), X_WR.R[2, 2]))
 
 
 class Gaps:

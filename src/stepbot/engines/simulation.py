@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot import dynamics
 from stepbot.robot.model import ActuatorKind, Limit, Mimic, Robot
 
-GRAVITY = 9.81
+GRAVITY = -dynamics.GRAVITY[2]
 """Acceleration [m/s^2] downwards in every test."""
 FRICTION = 1.0
 """Friction coefficient between the robot and the scene of a test: MuJoCo's default for two geoms."""
@@ -125,9 +126,6 @@ class Simulation(Protocol):
 
     def penetration(self) -> float:
         """Largest depth [m] of a contact; 0 without contact."""
-
-    def touching(self) -> bool:
-        """Whether the robot touches itself or the scene."""
 
     def place_cube(self, X_WC: Pose) -> None:
         """Place the cube at rest, without weight."""

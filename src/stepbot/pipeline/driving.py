@@ -9,17 +9,16 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.driving.driving import ENGINES, Driven, drive_files, missing_engines
+from stepbot.driving.driving import Driven, drive_files, missing_engines
 from stepbot.driving.limits import Demands, InvalidLimits, demands
+from stepbot.driving.names import ENGINES
 from stepbot.formats import FORMATS
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.verification.admission import admitted
 
 from .conversion import REPORT, Options
-
-_SIDECARS = (".yaml", ".yml")
-_FORMAT_OF = {"mujoco": "mjcf", "pybullet": "urdf"}
+from .sidecars import SIDECAR_SUFFIXES
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ def drive(
     if demanded is None or found.has_errors:
         return None
     with ExitStack() as kept:
-        if target.suffix.lower() in _SIDECARS:
+        if target.suffix.lower() in SIDECAR_SUFFIXES:
             folder = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
             if not _convert(target, folder, options, found, progress):
                 return None
@@ -88,7 +87,7 @@ def _convert(
 ) -> bool:
     from .stages import produce
 
-    formats = tuple(name for name in FORMATS if name in _FORMAT_OF.values())
+    formats = tuple(name for name in FORMATS if name in ENGINES.values())
     conversion = produce(sidecar, replace(options, formats=formats, verify=False), progress)
     found.extend(one for one in conversion.diagnostics if one.severity == "error")
     if conversion.diagnostics.has_errors:
@@ -107,10 +106,10 @@ def _drive_written(
         return None
     files = _files(document, folder, target, engines)
     if not files:
-        wanted = " or ".join(ENGINES[name] for name in engines)
+        wanted = " or ".join(_suffix(name) for name in engines)
         found.add("SB833", f"no file {wanted} of the report's robot", Span(target.as_posix()))
         return None
-    formats = {path: _FORMAT_OF[engine] for engine, path in files.items()}
+    formats = {path: ENGINES[engine] for engine, path in files.items()}
     timeout, memory_limit = options.timeout, options.memory_limit
     if len(admitted(formats, found, timeout=timeout, memory_limit=memory_limit)) < len(formats):
         return None
@@ -140,8 +139,13 @@ def _report(folder: Path, target: Path, found: Diagnostics) -> dict[str, Any] | 
 def _files(document: Mapping[str, Any], folder: Path, target: Path, engines: Iterable[str]) -> dict[str, Path]:
     """For each engine the file that it drives."""
     name = str(document["robot"].get("name", ""))
-    found = {engine: folder / f"{name}{ENGINES[engine]}" for engine in engines}
+    found = {engine: folder / f"{name}{_suffix(engine)}" for engine in engines}
     chosen = {engine: path for engine, path in found.items() if path.is_file()}
     if target.is_dir():
         return chosen
     return {engine: path for engine, path in chosen.items() if path.name == target.name}
+
+
+def _suffix(engine: str) -> str:
+    """Suffix of the file that an engine drives."""
+    return FORMATS[ENGINES[engine]].suffix

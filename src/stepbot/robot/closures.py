@@ -231,10 +231,7 @@ class Loops:
 
     def singular(self, u: Array, free: Sequence[int]) -> bool:
         """Whether the joints with indices in ``free`` are close to a singularity of the loops at u (k,)."""
-        if not free:
-            return False
-        sizes = np.linalg.svd(self.constraints(u)[1][:, list(free)], compute_uv=False)
-        return bool(len(sizes) < len(free) or sizes[len(free) - 1] < WORST_CONDITION * sizes[0])
+        return bool(self.singular_many(self.constraints(u)[1][None], free)[0])
 
 
 def rank(J: Array) -> int:

@@ -25,7 +25,7 @@ import numpy as np
 from stepbot.geometry.spatial import Array
 
 from .actuators import actuator_limit
-from .closures import Loops, driven_joints
+from .closures import Loops, driven_joints, following
 from .dynamics import equations_of_motion
 from .kinematics import initial_configuration
 from .model import Actuator, ActuatorKind, Joint, JointKind, Robot
@@ -73,7 +73,7 @@ def _driven(robot: Robot) -> _Driven:
     _, J = loops.constraints(tree.vector(home))
     names = driven_joints(robot) if robot.closures else tree.independent
     drives = [tree.independent.index(name) for name in names]
-    follow = [i for i in range(len(tree.independent)) if i not in drives]
+    follow = following(tree, names)
     T = np.zeros((len(tree.independent), len(drives)))
     T[drives, range(len(drives))] = 1.0
     if follow and robot.closures:

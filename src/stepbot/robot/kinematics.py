@@ -299,11 +299,22 @@ def within_limits(robot: Robot, q: Configuration, slack: float = 1e-9) -> bool:
     )
 
 
+def rigid_bodies(root: str, joints: Iterable[Joint]) -> dict[str, str]:
+    """For each link the link nearest to the root that fixed joints connect it to, in the order of the links.
+
+    Args:
+        root: The root link.
+        joints: Parents before their children.
+    """
+    body = {root: root}
+    for joint in joints:
+        body[joint.child] = body[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    return body
+
+
 def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
     """Pairs of links connected by a joint or a closure, where links fixed to each other count as one."""
-    rigid = {robot.root.name: robot.root.name}
-    for joint in robot.joints:
-        rigid[joint.child] = rigid[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    rigid = rigid_bodies(robot.root.name, robot.joints)
     held = [(joint.parent, joint.child) for joint in robot.joints]
     held += [(closure.link_a, closure.link_b) for closure in robot.closures]
     bodies = {frozenset((rigid[a], rigid[b])) for a, b in held}

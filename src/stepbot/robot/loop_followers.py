@@ -11,7 +11,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import Array
 
-from .closures import DoesNotClose, Loops, driven_joints, loop_ways, walk
+from .closures import DoesNotClose, Loops, driven_joints, following, loop_ways, walk
 from .kinematics import initial_configuration, leader_range
 from .model import JointKind, Mimic, Robot
 
@@ -59,7 +59,7 @@ def loop_followers(robot: Robot) -> tuple[Follower, ...]:
 def _found(robot: Robot) -> list[Follower]:
     loops, driven = Loops(robot), driven_joints(robot)
     names = loops.tree.independent
-    free = [i for i, name in enumerate(names) if name not in driven]
+    free = following(loops.tree, driven)
     start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     actuated = {actuator.joint for actuator in robot.actuators}
     passive = [i for i in free if names[i] in robot.joint_by_name and names[i] not in actuated]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
 
-from .closures import LARGEST_JUMP, LARGEST_STEP, Loops, driven_joints
+from .closures import LARGEST_JUMP, LARGEST_STEP, Loops, driven_joints, following
 from .kinematics import MOVING, Tree, initial_configuration, leader_range
 from .model import JointKind, Robot
 from .multi_dof import unfolded
@@ -54,7 +54,7 @@ class _Walks:
         self._loops, self._random, self._ranges = Loops(robot), random, ranges
         tree = self._loops.tree
         names, driven = tree.independent, driven_joints(robot)
-        self._free = [i for i, name in enumerate(names) if name not in driven]
+        self._free = following(tree, driven)
         self._start = self._loops.closed(drawn, self._free)
         residual, J = self._loops.constraints(self._start)
         self._driven = [i for i, name in enumerate(names) if name in driven and J[:, i].any()]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from .bounding_boxes import robot_bounds
-from .kinematics import Configuration, initial_configuration
-from .model import Base, JointKind, Robot
+from .kinematics import Configuration, initial_configuration, rigid_bodies
+from .model import Base, Robot
 
 _DIGITS = 9
 """Decimals [m] of heights: vertices lie on a grid of one nanometre."""
@@ -30,7 +30,9 @@ def floor_height(robot: Robot) -> float:
     around = robot_bounds(robot, drawn)
     if robot.base is Base.FLOATING or around is None:
         return 0.0
-    standing = robot_bounds(robot, drawn, _fixed_links(robot))
+    root = robot.root.name
+    still = [link for link, body in rigid_bodies(root, robot.joints).items() if body == root]
+    standing = robot_bounds(robot, drawn, still)
     (_, _, lowest), (_, _, highest) = around
     if standing is not None and standing[0][2] <= lowest:
         return round(lowest, _DIGITS) + 0.0
@@ -44,12 +46,3 @@ def extent(robot: Robot) -> tuple[tuple[float, float, float], float]:
     low, high = around or ((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))
     x, y, z = (0.5 * (np.array(low) + np.array(high))).tolist()
     return (x, y, z + standing_height(robot, drawn)), 0.5 * float(np.linalg.norm(np.array(high) - np.array(low)))
-
-
-def _fixed_links(robot: Robot) -> list[str]:
-    """The root, and the links that are fixed to it."""
-    fixed = [robot.root.name]
-    for joint in robot.joints:  # parents come before their children
-        if joint.kind is JointKind.FIXED and joint.parent in fixed:
-            fixed.append(joint.child)
-    return fixed

@@ -16,7 +16,7 @@ from stepbot.geometry.spatial import Array, Pose, Vector3, bounds, join_bounds, 
 from stepbot.geometry.sums import exact_sum
 
 from .closures import closure_gap
-from .kinematics import initial_configuration, link_poses, mimic_relation
+from .kinematics import initial_configuration, link_poses, mimic_relation, rigid_bodies
 from .model import (
     Actuator,
     Base,
@@ -302,12 +302,10 @@ def _size(robot: Robot) -> float:
 
 def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:
     """Links connected by fixed joints, the one nearest to the root first."""
-    groups = {robot.root.name: [robot.root]}
-    for joint in robot.joints:
-        group = groups[joint.parent] if joint.kind is JointKind.FIXED else []
-        group.append(robot.link_by_name[joint.child])
-        groups[joint.child] = group
-    yield from {id(group): group for group in groups.values()}.values()
+    groups: dict[str, list[Link]] = {}
+    for link, body in rigid_bodies(robot.root.name, robot.joints).items():
+        groups.setdefault(body, []).append(robot.link_by_name[link])
+    yield from groups.values()
 
 
 def _shapes(link: Link) -> tuple[Visual | Collision, ...]:

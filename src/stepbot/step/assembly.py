@@ -223,6 +223,14 @@ class Assembly:
             below[component.parent].append(component.index)
         return tuple(tuple(indices) for indices in below)
 
+    @cached_property
+    def first_of_body(self) -> dict[int, int]:
+        """For each body the index of its first component."""
+        first: dict[int, int] = {}
+        for component in self.components:
+            first.setdefault(component.body, component.index)
+        return first
+
     def subtree(self, index: int) -> tuple[int, ...]:
         """The component and everything below it, depth first."""
         found = [index]

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from stepbot.driving.mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
-from stepbot.driving.plan import TESTS, reasons
+from stepbot.driving.names import TESTS
+from stepbot.driving.plan import reasons
 from stepbot.driving.survey import Survey
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Link, Robot

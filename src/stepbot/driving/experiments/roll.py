@@ -1,7 +1,7 @@
 """Roll: a wheeled base drives straight ahead and back. Strafe, in :mod:`.strafe`, is the same to the left."""
 
 from collections.abc import Callable, Mapping
-from math import atan2, degrees, hypot
+from math import atan2, degrees
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from stepbot.engines.simulation import Simulation
 
 from ..mechanism import Wheels
 from ..results import Measure, Plot, Result, thinned
-from ..stage import MM, Gaps, Stage, run, stand
+from ..stage import MM, Gaps, Stage, run, stand, tilt
 
 _SETTLE = 0.5
 _SECONDS = 2.0
@@ -68,7 +68,7 @@ def drive(stage: Stage, test: str, direction: tuple[float, float, float], spins:
                 gaps.measure(simulation)
                 times.append(clock + time)
                 path.append(MM * float(X_WR.p @ np.array(direction)))
-                tilts.append(degrees(atan2(hypot(X_WR.R[2, 0], X_WR.R[2, 1]), X_WR.R[2, 2])))
+                tilts.append(tilt(X_WR))
             clock = times[-1]
             places[name] = simulation.pose(root)
     start, there, end = (places[name] for name in ("start", "there", "end"))

@@ -3,14 +3,14 @@
 The push gives the robot half the speed at which a rigid block of its height and width would tip over.
 """
 
-from math import atan2, degrees, hypot, sqrt
+from math import hypot, sqrt
 
 import numpy as np
 
 from stepbot.engines.simulation import GRAVITY, Simulation
 
 from ..results import Measure, Plot, Result, thinned
-from ..stage import MM, Gaps, Stage, run, stand
+from ..stage import MM, Gaps, Stage, run, stand, tilt
 from .drop import stage_weight
 
 _SETTLE = 1.5
@@ -38,7 +38,7 @@ def experiment(stage: Stage) -> Result:
             gaps.measure(simulation)
             X_WR = simulation.pose(root)
             times.append(time)
-            tilts.append(degrees(atan2(hypot(X_WR.R[2, 0], X_WR.R[2, 1]), X_WR.R[2, 2])))
+            tilts.append(tilt(X_WR))
             heights.append(MM * X_WR.position[2])
             if time > _SETTLE + _PUSH + _AFTER - _LAST:
                 drift.append(MM * X_WR.p)

@@ -22,7 +22,7 @@ def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: boo
     for g in _geoms(compiled, body, touched):
         model = compiled.model
         shape = ObservedShape(
-            bounds=_bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
+            bounds=geom_bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
         )
         if mjcf:
             rgba = None if touched else tuple(model.geom_rgba[g].tolist())
@@ -37,7 +37,8 @@ def _geoms(compiled: "Compiled", body: int, touched: bool) -> list[int]:
     return [g for g in geoms if bool(model.geom_contype[g] or model.geom_conaffinity[g]) is touched]
 
 
-def _bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
+def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
+    """Bounding box of a geom in a frame L."""
     engine, model = compiled.engine, compiled.model
     kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
     if kind == engine.mjtGeom.mjGEOM_MESH:

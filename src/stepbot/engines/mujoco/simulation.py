@@ -1,7 +1,6 @@
 """A robot's MJCF driven in MuJoCo, in the scene of a test."""
 
 from collections.abc import Iterator, Mapping
-from math import sqrt
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -14,14 +13,13 @@ from stepbot.robot.model import Base
 from ..observation import EngineRefused
 from ..simulation import FRICTION, HEIGHT, Mechanism, Setup
 from .compiled import Compiled
+from .shapes import geom_bounds
 
 FORMAT = "mjcf"
 """The format that is driven."""
 SCENE = ".scene.xml"
 """Suffix of the scene beside the robot's file, whose floor is used if it is there."""
 _CUBE = "stepbot/cube"
-_TOUCH = 1e-4
-"""Depth [m] up to which two shapes touch without overlapping: flush faces of CAD."""
 
 
 def _ignore(_warning: str) -> None:
@@ -49,7 +47,8 @@ class MujocoSimulation:
         self.data: Any = engine.MjData(self.model)
         self.timestep = float(self.model.opt.timestep)
         self.seconds, self.steps = 0.0, 0
-        self._coordinates = Compiled(engine, self.model, mechanism.balls).coordinates
+        self._compiled = Compiled(engine, self.model, mechanism.balls)
+        self._coordinates = self._compiled.coordinates
         self._root = self._id("BODY", mechanism.robot.root.name)
         self._flags = int(self.model.opt.disableflags)
         self._actuator = {motor.name: self._id("ACTUATOR", motor.name) for motor in mechanism.motors}
@@ -118,21 +117,9 @@ class MujocoSimulation:
         return Pose.of(self.data.xmat[body].reshape(3, 3), self.data.xpos[body])
 
     def lowest(self) -> float:  # noqa: D102
-        return min((self._lowest(geom) for geom in self._solid), default=0.0)
-
-    def _lowest(self, geom: int) -> float:
-        kinds = self._engine.mjtGeom
-        kind, size = kinds(self.model.geom_type[geom]), self.model.geom_size[geom]
-        z, up = float(self.data.geom_xpos[geom][2]), self.data.geom_xmat[geom].reshape(3, 3)[2]
-        if kind == kinds.mjGEOM_SPHERE:
-            return z - float(size[0])
-        if kind == kinds.mjGEOM_CAPSULE:
-            return z - float(size[0] + size[1] * abs(up[2]))
-        if kind == kinds.mjGEOM_CYLINDER:
-            return z - float(size[1] * abs(up[2]) + size[0] * sqrt(max(0.0, 1.0 - up[2] ** 2)))
-        if kind == kinds.mjGEOM_ELLIPSOID:
-            return z - float(np.linalg.norm(size * up))
-        return float(self.shape_points(geom)[:, 2].min())
+        data = self.data
+        poses = {g: Pose.of(data.geom_xmat[g].reshape(3, 3), data.geom_xpos[g]) for g in self._solid}
+        return min((geom_bounds(self._compiled, g, X_WG)[0][2] for g, X_WG in poses.items()), default=0.0)
 
     def shape_points(self, geom: int) -> Array:
         """Corners (n, 3) of a mesh or box in the world; of a round shape, of a box around it."""
@@ -174,9 +161,6 @@ class MujocoSimulation:
 
     def penetration(self) -> float:  # noqa: D102
         return max(0.0, *self._depths(), 0.0)
-
-    def touching(self) -> bool:  # noqa: D102
-        return any(depth > _TOUCH for depth in self._depths())
 
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         body = self._id("BODY", _CUBE)

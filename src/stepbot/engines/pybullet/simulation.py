@@ -20,6 +20,7 @@ from ..captured_output import printed
 from ..observation import EngineRefused
 from ..simulation import FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
 from .body import Body, body_of, pose
+from .motion import release
 
 FORMAT = "urdf"
 """The format that is driven."""
@@ -83,11 +84,11 @@ class PybulletSimulation:
         self._efforts: dict[str, float] = {}
         self._floor = self._cube = -1
         self._weightless = True
-        self._add_scene(file)
+        self._add_scene()
         self.reset(mechanism.home)
         self._join()
 
-    def _add_scene(self, file: str) -> None:  # noqa: ARG002
+    def _add_scene(self) -> None:
         engine, setup = self._engine, self._setup
         friction = FRICTION / float(engine.getDynamicsInfo(self._body.id, -1)[1] or 1.0)
         if setup.floor:
@@ -161,8 +162,7 @@ class PybulletSimulation:
     def release(self) -> None:  # noqa: D102
         engine, body = self._engine, self._body
         self._efforts, self._push = {}, None
-        for index in self._joints.values():
-            engine.setJointMotorControl2(body.id, index, engine.VELOCITY_CONTROL, force=0.0)
+        release(body)
         for index in self._turning:
             engine.setJointMotorControlMultiDof(
                 body.id, index, engine.POSITION_CONTROL, [0, 0, 0, 1], force=[0, 0, 0], positionGain=0.0
@@ -252,9 +252,6 @@ class PybulletSimulation:
 
     def penetration(self) -> float:  # noqa: D102
         return max(0.0, *self._depths(), 0.0)
-
-    def touching(self) -> bool:  # noqa: D102
-        return any(depth > 0.0 for depth in self._depths())
 
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         self._engine.resetBasePositionAndOrientation(self._cube, X_WC.position, _xyzw(X_WC))

@@ -12,7 +12,7 @@ import numpy as np
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.kinematics import without_contacts
+from stepbot.robot.kinematics import rigid_bodies, without_contacts
 from stepbot.robot.model import (
     Base,
     Box,
@@ -326,10 +326,9 @@ def _contact(top: Element, robot: Robot) -> None:
 
 def _welds(robot: Robot) -> dict[str, str]:
     """For each link, the topmost link that it is fixed to, or the world."""
-    weld = {robot.root.name: _WORLD if robot.base is Base.FIXED else robot.root.name}
-    for joint in robot.joints:
-        weld[joint.child] = weld[joint.parent] if joint.kind is JointKind.FIXED else joint.child
-    return weld
+    root = robot.root.name
+    top = _WORLD if robot.base is Base.FIXED else root
+    return {link: top if body == root else body for link, body in rigid_bodies(root, robot.joints).items()}
 
 
 def _velocity_limits(top: Element, robot: Robot) -> None:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import Joint, JointKind, Robot
 
 
@@ -24,9 +25,7 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
 
     Links fixed to each other count as one. A chain all of whose joints mimic others has nothing to plan.
     """
-    body = {robot.root.name: robot.root.name}
-    for joint in robot.joints:
-        body[joint.child] = body[joint.parent] if joint.kind is JointKind.FIXED else joint.child
+    body = rigid_bodies(robot.root.name, robot.joints)
     moving: dict[str, list[Joint]] = {}
     for joint in robot.joints:
         if joint.kind is not JointKind.FIXED:

@@ -5,10 +5,12 @@ folder   where they are on this system
 keys     what a key is made of: bytes of inputs, options, versions, stepbot's own code
 codec    data classes and arrays as bytes and back, led by their annotations
 typed    values of one type: a cache and a codec together
+by_content  results of many computations, one for equal inputs
 
 Every entry can be computed again, and a damaged entry is treated as missing.
 """
 
+from .by_content import ResultsByContent
 from .codec import Undecodable, codec_of
 from .folder import default_folder
 from .keys import Digest, bytes_digest, content_digest, environment, file_digest, own_code
@@ -19,6 +21,7 @@ __all__ = [
     "DEFAULT_LIMIT",
     "Cache",
     "Digest",
+    "ResultsByContent",
     "TypedCache",
     "Undecodable",
     "Usage",
