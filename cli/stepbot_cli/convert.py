@@ -12,6 +12,7 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
+from stepbot.formats.sdformat.model_name import model_name
 from stepbot.formats.urdf.package import package_named, package_of
 
 from .caching import say_trouble
@@ -80,6 +81,11 @@ ros2_option = click.option(
     help="Make the output folder the ROS 2 package NAME_description: xacro, launch file, ros2_control, MoveIt; implies "
     "--package.",
 )
+gazebo_option = click.option(
+    "--gazebo",
+    is_flag=True,
+    help="Make the output folder a Gazebo model: model.config, and mesh paths of the SDFormat as model://DIR/meshes/...",
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
@@ -109,6 +115,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @html_option
 @package_option
 @ros2_option
+@gazebo_option
 @junit_option
 @json_option
 @display_options
@@ -126,6 +133,7 @@ def command(
     html: bool,
     package: str,
     ros2: str,
+    gazebo: bool,
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -138,9 +146,10 @@ def command(
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
     package = package_name(package, ros2, formats)
+    output = output or default_output(sidecar)
     options = replace(
         options,
-        output=output or default_output(sidecar),
+        output=output,
         formats=format_names(formats),
         step=step,
         verify=not no_verify,
@@ -150,6 +159,7 @@ def command(
         html=html,
         package=package,
         ros2=bool(ros2),
+        gazebo=model_of(output, formats) if gazebo else "",
     )
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
 
@@ -164,6 +174,18 @@ def package_name(package: str, ros2: str, formats: tuple[str, ...]) -> str:
         return package_of(package, ros2, format_names(formats), prefix="--")
     except ValueError as error:
         raise click.UsageError(str(error)) from None
+
+
+def model_of(output: Path, formats: tuple[str, ...]) -> str:
+    """The name of the Gazebo model in an output folder.
+
+    Raises:
+        click.UsageError: It cannot be in a URI, or there is no SDFormat.
+    """
+    try:
+        return model_name(output, format_names(formats))
+    except ValueError as error:
+        raise click.UsageError(f"--gazebo: {error}") from None
 
 
 def run_conversion(

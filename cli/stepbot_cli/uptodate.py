@@ -10,7 +10,15 @@ from stepbot.diagnostics import Diagnostics
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
-from .convert import again_format_option, format_names, package_name, package_option, ros2_option
+from .convert import (
+    again_format_option,
+    format_names,
+    gazebo_option,
+    model_of,
+    package_name,
+    package_option,
+    ros2_option,
+)
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json
@@ -35,6 +43,7 @@ if TYPE_CHECKING:
 @again_format_option
 @package_option
 @ros2_option
+@gazebo_option
 @click.option("--exclude", multiple=True, metavar="GLOB", help="Do not compare matching files; may be repeated.")
 @click.option("--strict", is_flag=True, help="Same as for `convert`.")
 @ignore_option
@@ -48,6 +57,7 @@ def command(
     formats: tuple[str, ...],
     package: str,
     ros2: str,
+    gazebo: bool,
     exclude: tuple[str, ...],
     strict: bool,
     ignore: tuple[str, ...],
@@ -77,7 +87,8 @@ def command(
         for path in paths:
             folders = filled.get(path.resolve()) or [_folder(output or "{name}", robot_name(path), path)]
             for folder in folders:
-                check_up_to_date(path, replace(options, output=folder), found, exclude=exclude, progress=progress)
+                asked = replace(options, output=folder, gazebo=model_of(folder, formats) if gazebo else "")
+                check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
     say_trouble(options.cache, found)
     if as_json:
         write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})

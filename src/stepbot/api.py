@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
 from stepbot.formats import FORMATS, default_formats, format_named
+from stepbot.formats.sdformat.model_name import model_name
 from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Checked, Conversion, Options
 from stepbot.runtime.cache import Cache, default_folder
@@ -60,6 +61,7 @@ def convert(
     html: bool = False,
     package: str = "",
     ros2: str = "",
+    gazebo: bool = False,
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
@@ -79,6 +81,7 @@ def convert(
         html: Whether to write the report as a page, too.
         package: ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file.
         ros2: Make ``output`` the ROS 2 package ``<ros2>_description``; empty to write robot files alone.
+        gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -86,14 +89,16 @@ def convert(
 
     Raises:
         ValueError: A name in ``formats`` is not a format, or ``package`` or ``ros2`` not the name of a package; both
-            are given, or URDF is not written.
+            are given, or URDF is not written. For ``gazebo``, SDFormat is not, or the folder's name cannot be that of a
+            model.
     """
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
 
     path, written = Path(sidecar), _format_names(formats)
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")
+    folder = Path(output) if output is not None else Path(name)
     options = Options(
-        output=Path(output) if output is not None else Path(name),
+        output=folder,
         formats=written,
         step=Path(step) if step is not None else None,
         encoding=encoding,
@@ -107,6 +112,7 @@ def convert(
         html=html,
         package=package_of(package, ros2, written),
         ros2=bool(ros2),
+        gazebo=model_name(folder, written) if gazebo else "",
     )
     return convert_unless_unchanged(path, options)
 

@@ -52,6 +52,8 @@ class Options:
     """ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file."""
     ros2: bool = False
     """Whether to add the files that make the output folder this package, and to search for links that can overlap."""
+    gazebo: str = ""
+    """Name of the Gazebo model that the SDFormat names in the paths of its meshes; empty for relative paths."""
 
 
 @dataclass(frozen=True)

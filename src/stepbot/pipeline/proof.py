@@ -51,7 +51,9 @@ class Proof:
         """
         options = self._options
         with TemporaryDirectory(dir=run_folder()) as folder:
-            place = Path(folder) / options.package  # where `package://` finds the meshes
+            place = Path(folder) / (
+                options.package or options.gazebo
+            )  # where `package://` and `model://` find the meshes
             write_atomically(joined(files), place)
             written = {name: Written(place / main_file(one, format_named(name)), one) for name, one in lowered.items()}
             contents = {name: content_digest(of_format) for name, of_format in files.items()}

@@ -20,6 +20,8 @@ from stepbot.engines.workers import check_required
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, joined, main_file
+from stepbot.formats.sdformat import FORMAT as SDFORMAT
+from stepbot.formats.sdformat.gazebo_model import gazebo_model
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.formats.urdf.package import with_package
 from stepbot.formats.urdf.ros2.package import ros2_package
@@ -130,6 +132,8 @@ def _produce(
             by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
             if options.ros2:
                 by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package))
+        if options.gazebo and SDFORMAT.name in by_format:
+            by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
         built.double_counting.report(options.timeout)
         shapes = built.collisions.result(options.timeout)
         if options.strict:

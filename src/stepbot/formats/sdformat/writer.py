@@ -59,7 +59,7 @@ EXPRESSES = {
     Feature.EXCLUDED_CONTACT: exact("links of a model do not collide unless `<self_collide>` is set"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
-    Feature.CONTINUOUS: exact("`continuous`"),
+    Feature.CONTINUOUS: exact("`revolute` with limits of ±1e16; Gazebo's DART fixes a `continuous` joint"),
     Feature.PRISMATIC: exact("`prismatic`"),
     Feature.BALL: exact("`ball`"),
     Feature.UNIVERSAL: exact("`universal`"),
@@ -78,7 +78,9 @@ EXPRESSES = {
     Feature.ARMATURE: reported("SB703", "armatures are omitted"),
     Feature.MIMIC: lowered("SB715", "`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
     Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
-    Feature.CLOSURE: exact("a second joint to the child; `drake:ball_constraint` in `<robot>.drake.sdf`"),
+    Feature.CLOSURE: exact(
+        "a second joint to the child, which Gazebo's DART ignores; `drake:ball_constraint` in `<robot>.drake.sdf`"
+    ),
     Feature.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
     Feature.STUCK_CLOSURE: exact("a second joint to the child; no file for Drake is written"),
     Feature.FOLLOWER: exact("held by the closure"),
@@ -120,7 +122,7 @@ def reserves(name: str) -> bool:
 
 def render(robot: Robot) -> bytes:
     """The SDFormat of a lowered robot."""
-    top = root("sdf", robot.source, version=_version(robot))
+    top = root("sdf", robot.source, version=sdf_version(robot))
     _whole(top, robot)
     return document(top)
 
@@ -139,14 +141,14 @@ def companions(robot: Robot) -> tuple[Companion, ...]:
     cut = _drake.for_drake(reroot_loops(robot))
     if not cut.closures or any(closure.kind is JointKind.PRISMATIC for closure in cut.closures):
         return ()
-    top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=_version(cut))
+    top = root("sdf", robot.source, {_drake.PREFIX: _drake.URI}, version=sdf_version(cut))
     _drake.constrain(_tree(top, cut), cut)
     return (Companion(f"{robot.name}.drake{FORMAT.suffix}", _drake.FORMAT, cut, document(top)),)
 
 
 def scenes(robot: Robot) -> dict[str, bytes]:
     """A world with physics, floor, light and sky, in which the robot stands."""
-    top = root("sdf", robot.source, version=_version(robot))
+    top = root("sdf", robot.source, version=sdf_version(robot))
     model = _whole(world_around(top, robot), robot)
     height = standing_height(robot, {})
     if height:
@@ -171,7 +173,7 @@ def _tree(top: Element, robot: Robot) -> Element:
     return model
 
 
-def _version(robot: Robot) -> str:
+def sdf_version(robot: Robot) -> str:
     """The first version that has everything that the robot needs, so that older readers can read the file."""
     if any(joint.mimic is not None for joint in robot.joints):
         return MIMIC_VERSION
@@ -249,7 +251,9 @@ def _joint_head(model: Element, name: str, kind: str, parent: str, child: str) -
 
 
 def _joint(model: Element, joint: Joint) -> Element:
-    xml = _joint_head(model, joint.name, joint.kind.value, joint.parent, joint.child)
+    # DART's plugin of Gazebo makes a fixed joint of a continuous one; without limits a revolute joint is the same.
+    kind = JointKind.REVOLUTE if joint.kind is JointKind.CONTINUOUS else joint.kind
+    xml = _joint_head(model, joint.name, kind.value, joint.parent, joint.child)
     if joint.kind is JointKind.SCREW:
         element(xml, "screw_thread_pitch", joint.pitch * 2.0 * pi)
     if joint.kind in (JointKind.FIXED, JointKind.BALL):
@@ -287,7 +291,7 @@ def _axis(joint: Element, tag: str, axis: Vector3) -> Element:
 
 
 def _limit(axis: Element, kind: JointKind, limit: Limit) -> None:
-    bounded = kind not in (JointKind.CONTINUOUS, JointKind.UNIVERSAL)
+    bounded = kind is not JointKind.UNIVERSAL
     if not (bounded or isfinite(limit.effort) or isfinite(limit.velocity)):
         return
     xml = element(axis, "limit")
