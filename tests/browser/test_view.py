@@ -228,7 +228,10 @@ def test_command(page: Page, robot_library: Path, tmp_path: Path) -> None:
         page.open(document["url"])
         assert page.text("#name") == "arm2"
         running.send_signal(signal.SIGINT)
-        assert running.wait(timeout=30) == 0
+        try:
+            assert running.wait(timeout=30) == 0
+        finally:
+            running.kill()
     page.wait("return document.querySelector('#live').textContent === 'the server has ended'")
     assert not list(tmp_path.iterdir())
 
@@ -246,3 +249,43 @@ def test_layout_fits_the_window(page: Page, tmp_path: Path, size: tuple[int, int
         page.tab(panel)
         wide = "return [...document.querySelectorAll('#sections *')].filter(e => e.scrollWidth > innerWidth).length"
         assert page.run(wide) == 0
+
+
+SLIDE = """<robot name="slide">
+  <link name="floor"><collision><geometry><box size="1 1 0.2"/></geometry></collision></link>
+  <link name="post"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="ball"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="along" type="prismatic"><parent link="floor"/><child link="post"/><axis xyz="1 0 0"/>
+    <limit lower="-0.3" upper="0.3" effort="1" velocity="1"/></joint>
+  <joint name="down" type="prismatic"><parent link="post"/><child link="ball"/>
+    <origin xyz="0 0 0.5"/><axis xyz="0 0 -1"/>
+    <limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+def test_links_are_compared_while_they_move(page: Page, session: Serve, tmp_path: Path) -> None:
+    """A ball that a slider lowers into the floor: depth and place are those of geometry, red, and gone further up."""
+    urdf = tmp_path / "slide.urdf"
+    urdf.write_text(SLIDE)
+    page.open(session(urdf).server.url)
+    page.wait("return stepbot.state.contacts && stepbot.state.contacts.length === 0")
+    page.slide("along", 200.0)
+    page.slide("down", 320.0)
+    page.wait("return stepbot.state.contacts.length === 1")
+    page.wait("return Math.abs(stepbot.state.contacts[0].depth - 0.02) < 1e-6")
+    (one,) = page.run("return stepbot.state.contacts")
+    assert one["links"] == ["floor", "ball"]
+    x, y, z = one["point"]
+    assert (x, y) == pytest.approx((0.2, 0.0), abs=1e-6)
+    assert 0.08 - 1e-6 <= z <= 0.1 + 1e-6
+    assert page.run("return stepbot.state.overlaps('ball') && !stepbot.state.overlaps('post')")
+    page.run("stepbot.state.set('collisions', true)")
+    assert page.run("return stepbot.view.contactPoints(0.01).length") > 3
+    page.tab("proof")
+    assert "Links that overlap in this pose" in page.text("#proof")
+    assert "20 mm deep" in page.text("#proof")
+    page.slide("down", 290.0)
+    page.wait("return stepbot.state.contacts.length === 0")
+    assert "overlap" not in page.text("#proof")

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stepbot.authoring.draft import Draft
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.sidecar.draft_comments import drafted_reviews
 from stepbot.step.assembly import Assembly
@@ -31,6 +31,8 @@ class Shown:
     """None if nothing can be drawn."""
     assembly: Assembly | None = None
     """The STEP file, if it could be read."""
+    robot: Robot | None = None
+    """None where the scene has parts alone."""
     sidecar: Path | None = None
     files: tuple[Path, ...] = ()
     """The files that were read: the sidecar, the STEP and those that it refers to."""
@@ -60,12 +62,9 @@ def guessed(shown: Shown, step: Path, options: Options) -> Shown:
     assembly, drafting = shown.assembly, draft_step(step, options)
     if assembly is None or drafting.draft is None:
         return shown
-    return replace(shown, scene=_scene_of_draft(assembly, drafting.draft, shown.diagnostics))
-
-
-def _scene_of_draft(assembly: Assembly, draft: Draft, found: Diagnostics) -> dict[str, Any]:
-    robot = robot_of_draft(assembly, draft)
-    return scene_document(robot, evidence=evidence_of_draft(draft), assembly=assembly, found=found)
+    robot, evidence = robot_of_draft(assembly, drafting.draft), evidence_of_draft(drafting.draft)
+    scene = scene_document(robot, evidence=evidence, assembly=assembly, found=shown.diagnostics)
+    return replace(shown, scene=scene, robot=robot)
 
 
 def _show_step(step: Path, options: Options, found: Diagnostics) -> Shown:
@@ -82,14 +81,14 @@ def _show_description(path: Path, options: Options, found: Diagnostics) -> Shown
     robot = described_robot(path, options, found)
     if robot is None:
         return Shown(found, files=(path,))
-    return Shown(found, scene_document(robot, found=found), files=(path,))
+    return Shown(found, scene_document(robot, found=found), robot=robot, files=(path,))
 
 
 def _parts_alone(
     assembly: Assembly, name: str, found: Diagnostics, sidecar: Path | None, files: tuple[Path, ...]
 ) -> Shown:
     scene = scene_document(robot_of_assembly(assembly, name), assembly=assembly, found=found)
-    return Shown(found, scene, assembly, sidecar, files)
+    return Shown(found, scene, assembly, sidecar=sidecar, files=files)
 
 
 def _files(step: Path, assembly: Assembly) -> tuple[Path, ...]:
@@ -118,4 +117,4 @@ def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Show
         return _parts_alone(assembly, step_stem(assembly.source), found, path, files)
     evidence = evidence_of_rows(built.joint_table, drafted_reviews(sidecar.text))
     scene = scene_document(built.robot, evidence=evidence, assembly=assembly, found=found)
-    return Shown(found, scene, assembly, path, files)
+    return Shown(found, scene, assembly, built.robot, path, files)

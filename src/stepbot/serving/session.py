@@ -16,6 +16,7 @@ from stepbot.viewing.page import page_html
 from stepbot.viewing.scene import scene_text
 
 from .axis_questions import axes_between, axes_of_joint
+from .contacts import Contacts
 from .editor import Editor
 from .local_server import LocalServer, Refused
 
@@ -58,7 +59,11 @@ class Session:
         self.on_edit: Callable[[], None] = lambda: None
         """Called after an edit was shown."""
         self._editor: Editor | None = None
-        answers = {"face": self._face}
+        self._contacts = Contacts(options.memory_limit)
+        answers = {
+            "face": self._face,
+            "contacts": lambda question: self._contacts.answer(self._shown, question),
+        }
         if edits:
             self._editor = Editor(target, options, self._edited)
             editor = self._editor
@@ -139,6 +144,7 @@ class Session:
     def close(self) -> None:
         """End the server."""
         self.server.close()
+        self._contacts.close()
 
     def _page(self) -> str:
         modules = ("live",) if self._editor is None else ("edit",)

@@ -41,10 +41,19 @@ class LinkPair:
             overlap[near[meeting]] = [pair.penetration(R[i], p[i]) is not None for i in meeting]
         return overlap
 
+    def boxes_meet(self, R_AB: Array, p_AB: Array) -> bool:
+        """Whether the boxes around both links overlap at a pose: if not, the links do not either."""
+        return bool(boxes_meet(*self._boxes, R_AB[None], p_AB[None])[0])
+
     def depth(self, R_AB: Array, p_AB: Array) -> float | None:
         """Largest penetration [m] of any two shapes at a pose; infinite without a depth, None without an overlap."""
-        depths = [pair.penetration(R_AB, p_AB) for pair in self._pairs]
-        return max((depth for depth in depths if depth is not None), default=None)
+        found = self.deepest(R_AB, p_AB)
+        return None if found is None else found[0]
+
+    def deepest(self, R_AB: Array, p_AB: Array) -> tuple[float, Array | None] | None:
+        """:meth:`.Pair.deepest` of the two shapes that overlap most at a pose; None without an overlap."""
+        found = [pair.deepest(R_AB, p_AB) for pair in self._pairs]
+        return max((one for one in found if one is not None), key=lambda one: one[0], default=None)
 
 
 def separate_links(robot: Robot) -> Iterator[LinkPair]:

@@ -173,9 +173,15 @@ class Pair:
         return sum(shape.surface is not None for shape in (self.a, self.b))
 
     def penetration(self, R_AB: Array, p_AB: Array) -> float | None:
-        """Penetration depth [m] with link B at R_AB (3, 3), p_AB (3,) [m] in link A.
+        """:meth:`deepest` without the point."""
+        found = self.deepest(R_AB, p_AB)
+        return None if found is None else found[0]
 
-        Infinite if the shapes overlap without a depth, as two surfaces do; None if they do not overlap.
+    def deepest(self, R_AB: Array, p_AB: Array) -> tuple[float, Array | None] | None:
+        """Penetration depth [m] with link B at R_AB (3, 3), p_AB (3,) [m] in link A, and its point (3,) [m] in A.
+
+        The depth is infinite if the shapes overlap without one, as two surfaces do. A shape inside a surface touches it
+        nowhere, and has no point. None if the shapes do not overlap.
         """
         import fcl
 
@@ -184,13 +190,13 @@ class Pair:
         self._objects[1].setTransform(at)
         result = fcl.CollisionResult()
         fcl.collide(*self._objects, self._request, result)
-        depths = [contact.penetration_depth for contact in result.contacts]
-        if self.surfaces == 2:
-            return inf if depths or self._encloses(R_AB, p_AB) else None
-        deepest = max(depths, default=0.0)
-        if deepest > TOUCHING:
-            return float(deepest)
-        return inf if self._encloses(R_AB, p_AB) else None
+        deepest = max(result.contacts, key=lambda contact: contact.penetration_depth, default=None)
+        if deepest is not None:
+            if self.surfaces == 2:
+                return inf, np.array(deepest.pos)
+            if deepest.penetration_depth > TOUCHING:
+                return float(deepest.penetration_depth), np.array(deepest.pos)
+        return (inf, None) if self._encloses(R_AB, p_AB) else None
 
     def _encloses(self, R_AB: Array, p_AB: Array) -> bool:
         """Whether one shape is a surface with the other one inside."""

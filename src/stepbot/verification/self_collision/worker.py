@@ -1,15 +1,47 @@
 """The processes that search for overlapping links; results for a known robot come from the cache."""
 
+from collections.abc import Mapping
+
 from stepbot.robot.model import Robot
 from stepbot.robot.self_collision import SelfCollision
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import Start, Worker
 
+from .contacts import Contact
 from .drawn_pose import Overlap
-from .shapes import only_collisions
+from .shapes import available, only_collisions
 
 _Overlaps = tuple[Overlap, ...]
 _ROOM = "stepbot.verification.self_collision"
+
+
+class ContactSearch:
+    """A worker that compares the links of one robot in one configuration after the other."""
+
+    def __init__(self, robot: Robot, memory_limit: int | None = None) -> None:
+        self._worker = Worker(f"{_ROOM}.contacts:contacts", memory_limit=memory_limit)
+        self._robot: Robot | None = only_collisions(robot)
+
+    @staticmethod
+    def unavailable() -> str | None:
+        """Why links cannot be compared here; None if they can."""
+        return available()
+
+    def at(self, q: Mapping[str, float], timeout: float) -> tuple[Contact, ...]:
+        """The links that overlap at positions [rad] or [m] of all moving joints.
+
+        Raises:
+            WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
+            RemoteError: The function raised.
+        """
+        self._worker.submit(self._robot, q, more=True)
+        found: tuple[Contact, ...] = self._worker.result(timeout)
+        self._robot = None  # the process keeps it
+        return found
+
+    def close(self) -> None:
+        """End the process."""
+        self._worker.close()
 
 
 class Collider:

@@ -54,6 +54,35 @@ function connect() {
   events.onerror = () => status("bad", "the server has ended");
 }
 
+// Which links overlap where the robot is: one question at a time, the last one for the last pose.
+let comparing = false;
+let moved = false;
+
+async function compare() {
+  moved = true;
+  if (comparing) return;
+  comparing = true;
+  try {
+    while (moved) {
+      moved = false;
+      const { scene } = state;
+      const { pairs, why } = await ask("contacts", { q: state.q() });
+      if (why) status("bad", `links are not compared: ${why}`);
+      if (scene !== state.scene || !pairs) continue;
+      state.contacts = pairs.map(({ link_a, link_b, depth, point }) => ({ links: [link_a, link_b], depth, point }));
+      state.tell("contacts");
+    }
+  } catch (error) {
+    status("bad", error.message);
+  } finally {
+    comparing = false;
+  }
+}
+
+state.listen((what) => {
+  if (what === "scene" || what === "motion") compare();
+});
+
 // What the axis of a clicked face is called in a sidecar.
 state.listen(async (what) => {
   const { selection } = state;

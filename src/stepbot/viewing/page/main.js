@@ -46,13 +46,14 @@ function tabs(state, panels) {
     }
   };
   state.listen((what) => {
-    if (what !== "scene" && what !== "proof") return;
+    if (!["scene", "proof", "contacts"].includes(what)) return;
     for (const { id, count } of buttons) Object.assign(count, badge(state, id));
   });
   open("joints");
 }
 
-function badge({ scene }, id) {
+function badge(state, id) {
+  const { scene } = state;
   if (id === "joints") {
     const doubts = scene.connections.filter((one) => one.doubt).length;
     return { textContent: doubts ? `? ${doubts}` : "", className: "count warn" };
@@ -62,7 +63,9 @@ function badge({ scene }, id) {
     return { textContent: String(scene.diagnostics.length || ""), className: errors ? "count bad" : "count" };
   }
   const failed = scene.proof?.rows.filter((row) => row.status === "failed").length ?? 0;
-  return id === "proof" && failed ? { textContent: String(failed), className: "count bad" } : { textContent: "", className: "count" };
+  if (id === "proof" && failed) return { textContent: String(failed), className: "count bad" };
+  const overlapping = id === "proof" ? state.overlapping().length : 0;
+  return { textContent: String(overlapping || ""), className: "count warn", title: overlapping ? "pairs of links that overlap" : "" };
 }
 
 function title(state) {

@@ -7,11 +7,11 @@ export function proofPanel(state) {
   const section = element("section");
   const update = () => {
     const { proof } = state.scene;
-    if (!proof) return section.replaceChildren(element("p.quiet", {}, state.proving ? "Engines are running." : "Not verified."));
-    section.replaceChildren(...(proof.rows.length ? [table(proof.rows)] : [element("p.quiet", {}, "Not verified.")]), ...overlaps(state, proof.overlaps));
+    const rows = proof?.rows.length ? table(proof.rows) : element("p.quiet", {}, !proof && state.proving ? "Engines are running." : "Not verified.");
+    section.replaceChildren(rows, ...overlaps(state));
   };
   state.listen((what) => {
-    if (what === "scene" || what === "proof") update();
+    if (["scene", "proof", "contacts"].includes(what)) update();
   });
   return section;
 }
@@ -38,8 +38,9 @@ function show(state, [overlapped, link]) {
   state.select({ link, overlapped });
 }
 
-function overlaps(state, pairs) {
+function overlaps(state) {
+  const pairs = state.overlapping();
   if (!pairs.length) return [];
-  return [element("h3", {}, "Links that overlap as drawn"), element("ul", {}, pairs.map(({ links, depth }) => element("li", {}, element("button.row", { type: "button", onclick: () => show(state, links) },
+  return [element("h3", {}, state.contacts ? "Links that overlap in this pose" : "Links that overlap as drawn"), element("ul", {}, pairs.map(({ links, depth }) => element("li", {}, element("button.row", { type: "button", onclick: () => show(state, links) },
     element("span.label", {}, links.join(" and ")), element("span.value", {}, depth === null ? "" : `${millimetres(depth)} deep`)))))];
 }

@@ -17,6 +17,7 @@ export class State {
     const former = this.scene ? this.q() : {};
     const same = this.scene && this.scene.name === scene.name;
     this.scene = scene;
+    this.contacts = null;
     this.tree = new Tree(scene.motion);
     this.loops = new Loops(this.tree, scene.motion);
     this.link = new Map(scene.links.map((link, i) => [link.name, { ...link, index: i }]));
@@ -84,9 +85,13 @@ export class State {
     return Object.fromEntries(this.tree.joints.map((joint, i) => [joint.name, this.positions[i]]));
   }
 
-  // Whether a link overlaps another as drawn.
+  // Links that overlap: where the robot is, if a server compares them, else as drawn.
+  overlapping() {
+    return this.contacts ?? this.scene.proof?.overlaps ?? [];
+  }
+
   overlaps(link) {
-    return this.scene.proof?.overlaps.some(({ links }) => links.includes(link)) ?? false;
+    return this.overlapping().some(({ links }) => links.includes(link));
   }
 
   pose(link) {

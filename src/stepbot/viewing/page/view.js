@@ -12,6 +12,7 @@ import { add, apply, minus, norm, position, scaled, times, turn } from "./vector
 const AXIS = [0.95, 0.55, 0.1, 1];
 const PASSIVE = [0.55, 0.58, 0.64, 0.9];
 const DOUBT = [0.85, 0.2, 0.5, 1];
+const CONTACT = [0.9, 0.05, 0.05, 1];
 const FRAME_SHARE = 0.12;
 
 export class View {
@@ -158,8 +159,19 @@ export class View {
         lines.push(...ellipsoid(state.pose(link.name), link.mass, [...linkColor(state.link.get(link.name).index).slice(0, 3), 1]));
       }
     }
+    if (show.collisions) lines.push(...this.contactPoints(0.2 * size));
     if (state.selection?.line) lines.push(...this.axisLine(state.selection.line));
     return lines;
+  }
+
+  // Where links overlap most.
+  contactPoints(size) {
+    return this.state.overlapping().filter(({ point }) => point).flatMap(({ links, point }) => {
+      const X = this.state.pose(links[0]);
+      const at = apply(X, point);
+      const cross = [0, 1, 2].map((i) => [X[i], X[3 + i], X[6 + i]]).map((axis) => [add(at, scaled(axis, -size)), add(at, scaled(axis, size)), CONTACT]);
+      return [...cross, ...ring(at, size, this.camera, CONTACT)];
+    });
   }
 
   // The axis of a clicked face, given in the frame of the component's shape.
