@@ -1,17 +1,21 @@
-"""The ``stepbot`` command in a separate process, and the files it writes."""
+"""The ``stepbot`` command, and the files it writes."""
 
+import io
 import json
 import os
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from stepbot_cli import main
 
 LONGEST = 300.0
 """Time limit [s] of a command in a test."""
@@ -35,7 +39,46 @@ def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
 
 
 def stepbot(*arguments: str | Path, cwd: Path, changes: Mapping[str, str] | None = None) -> Run:
-    """Run ``stepbot`` in a folder, with some environment variables changed."""
+    """Run ``stepbot`` in this process, in a folder, with some environment variables changed.
+
+    Inside pytest, :mod:`tests.warm` starts its workers.
+    """
+    out, err = _stream(), _stream()
+    code = _main(arguments, cwd, changes, out, err)
+    return Run(code, _text(out), _text(err))
+
+
+def printed(arguments: Sequence[str], cwd: Path, changes: Mapping[str, str] | None = None) -> tuple[int, str]:
+    """Run ``stepbot`` as :func:`stepbot` does; returns its exit code, and what it prints on a terminal."""
+    terminal = _stream()
+    return _main(arguments, cwd, changes, terminal, terminal), _text(terminal)
+
+
+def _stream() -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BytesIO(), encoding="utf-8", newline="", write_through=True)
+
+
+def _text(stream: io.TextIOWrapper) -> str:
+    stream.seek(0)
+    return stream.read()
+
+
+def _main(
+    arguments: Sequence[str | Path],
+    cwd: Path,
+    changes: Mapping[str, str] | None,
+    out: io.TextIOWrapper,
+    err: io.TextIOWrapper,
+) -> int:
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+        patch.chdir(cwd)
+        for name, value in (changes or {}).items():
+            patch.setenv(name, value)
+        return main([*map(str, arguments)])
+
+
+def stepbot_process(*arguments: str | Path, cwd: Path, changes: Mapping[str, str] | None = None) -> Run:
+    """The same in a separate process, started as for every user: takes several times as long."""
     command = [*COMMAND, *map(str, arguments)]
     run = subprocess.run(command, cwd=cwd, env=environment(changes), capture_output=True, timeout=LONGEST, check=False)
     return Run(run.returncode, run.stdout.decode("utf-8"), run.stderr.decode("utf-8"))
@@ -61,9 +104,9 @@ class Conversion:
         return path
 
 
-def convert(sidecar: Path, folder: Path, *options: str | Path) -> Conversion:
+def convert(sidecar: Path, folder: Path, *options: str | Path, run: Callable[..., Run] = stepbot) -> Conversion:
     """Convert a sidecar into a folder; the test fails if the command does."""
-    return assert_converted(Conversion(folder, stepbot("convert", sidecar, "-o", folder, *options, cwd=folder.parent)))
+    return assert_converted(Conversion(folder, run("convert", sidecar, "-o", folder, *options, cwd=folder.parent)))
 
 
 def convert_once(temporary: pytest.TempPathFactory, name: str, sidecar: Path, *options: str | Path) -> Conversion:

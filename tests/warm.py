@@ -18,6 +18,7 @@ from typing import Any, BinaryIO
 
 import pytest
 
+from stepbot.engines import engines
 from stepbot.engines.prestart import started_engine_server
 from stepbot.pipeline import prestart
 from stepbot.runtime import worker
@@ -25,6 +26,7 @@ from stepbot.runtime.fork_server import ForkServer, can_serve
 from stepbot.verification import files
 
 _KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
+_ENGINES = ("lxml.etree", "stepbot.engines.file_references", "stepbot.verification.self_collision.drawn_pose")
 _SPAWNED = worker.spawned
 
 
@@ -36,17 +38,18 @@ class WarmProcesses:
 
     @cached_property
     def _kernel(self) -> ForkServer:
-        return ForkServer([*_KERNEL, "trimesh"])
+        return ForkServer([*_KERNEL, "trimesh", __name__])  # this module too: it imports pytest
 
     @cached_property
-    def _engines(self) -> ForkServer | None:
-        return started_engine_server()
+    def _engines(self) -> ForkServer:
+        observers = (f"{engine.package}.observer:prepare" for engine in engines() if not engine.optional)
+        return ForkServer([*_ENGINES, *observers, __name__])
 
     def start(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> worker.Process:
         """Start a worker; see :data:`stepbot.runtime.worker.Start`."""
-        server = (self._kernel if function.startswith(_KERNEL) else self._engines) if can_serve() else None
-        if server is None:
+        if not can_serve():
             return _SPAWNED(function, memory_limit, stderr)
+        server = self._kernel if function.startswith(_KERNEL) else self._engines
         changes = {name: value for name, value in os.environ.items() if self._environment.get(name) != value}
         removed: dict[str, None] = dict.fromkeys(self._environment.keys() - os.environ.keys())
         return server.fork(_named(function, str(Path.cwd()), changes | removed), memory_limit, stderr)

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from tests.cli.test_current_folder import INSTALLED, set_traps
-from tests.command_line import COMMAND, environment, snapshot, stepbot
+from tests.command_line import COMMAND, environment, snapshot
+from tests.command_line import stepbot_process as stepbot
 
 pytestmark = [
     pytest.mark.long,

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.runtime.processes import NO_FORK
-from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot, stepbot
+from tests.command_line import COMMAND, Conversion, convert, convert_once, environment, snapshot, stepbot_process
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_cache")]
 
@@ -102,7 +102,7 @@ def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, 
     """Processes started as new interpreters, as on macOS and Windows, do not change the bytes or the proof."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_four_bar")
     sidecar = robot_library / "stepbot_four_bar" / "four_bar.robot.yaml"
-    run = stepbot("convert", sidecar, "-o", "out", cwd=tmp_path, changes={NO_FORK: "1"})
+    run = stepbot_process("convert", sidecar, "-o", "out", cwd=tmp_path, changes={NO_FORK: "1"})
     assert run.code == 0, run.err
     assert_same_bytes(first.folder, tmp_path / "out")
 
@@ -118,7 +118,7 @@ def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, 
 def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, times: int) -> None:
     """Repeated conversions in new processes without a cache have the same bytes, including large hulls."""
     (sidecar,) = (robot_library / robot).glob("*.robot.yaml")
-    runs = [convert(sidecar, tmp_path / str(i), "--no-verify") for i in range(times)]
+    runs = [convert(sidecar, tmp_path / str(i), "--no-verify", run=stepbot_process) for i in range(times)]
     assert any(name.endswith("_hull.obj") for name in snapshot(runs[0].folder))
     for run in runs[1:]:
         assert_same_bytes(runs[0].folder, run.folder)

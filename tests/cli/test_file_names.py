@@ -4,12 +4,13 @@ import json
 import os
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
-from tests.command_line import Run, convert_once, snapshot, stepbot
+from tests.command_line import Run, convert_once, snapshot, stepbot, stepbot_process
 
 BAR = os.fsdecode(b"b\xe4r")
 pytestmark = [
@@ -32,9 +33,9 @@ def folder(tmp_path: Path, robot_library: Path) -> Path:
     return folder
 
 
-def run(folder: Path, *arguments: str) -> Run:
+def run(folder: Path, *arguments: str, run: Callable[..., Run] = stepbot) -> Run:
     """Run a command that must succeed; its output is read as UTF-8."""
-    done = stepbot(*arguments, cwd=folder)
+    done = run(*arguments, cwd=folder)
     assert done.code == 0, done.err
     assert "Traceback" not in done.err
     return done
@@ -69,7 +70,7 @@ def test_batch_and_inspect(folder: Path) -> None:
     for robot in (folder / BAR).glob("*/*.urdf"):
         ET.parse(robot)
     run(folder, "uptodate", ".", "-o", f"{BAR}/{{name}}")
-    assert json.loads(run(folder, "inspect", f"{BAR}.step", "--json").out)
+    assert json.loads(run(folder, "inspect", f"{BAR}.step", "--json", run=stepbot_process).out)
     assert "crank" in run(folder, "inspect", f"{BAR}.step").out
 
 

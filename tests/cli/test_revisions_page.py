@@ -3,16 +3,14 @@
 ``python -m tests.cli.test_revisions_page`` updates the output of the commands in the page.
 """
 
-import os
 import re
 import shutil
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from robot_library.moments import pose
+from tests.command_line import printed
 from tests.revisions import Revision
 
 ROOT = Path(__file__).parents[2]
@@ -27,23 +25,9 @@ def session(page: str, folder: Path) -> Iterator[str]:
         shutil.copy(ROOT / "robot_library" / "stepbot_arm2" / name, folder)
     revision = Revision(folder / "arm2.step").rename({"gripper": "Greifer", "gripper:1": "Greifer:1"})
     revision.move("elbow motor:1", pose((0, 5.0, 0))).remove("screw M6x12:2").write(folder / "next.step")
-    environment = {
-        **os.environ,
-        "COLUMNS": str(COLUMNS),
-        "STEPBOT_CACHE": str(folder / "cache"),
-        "STEPBOT_NO_CACHE": "",
-    }
+    changes = {"COLUMNS": str(COLUMNS), "STEPBOT_CACHE": str(folder / "cache"), "STEPBOT_NO_CACHE": ""}
     for command, _ in CONSOLE.findall(page):
-        run = subprocess.run(
-            [sys.executable, "-m", "stepbot_cli", *command.split()[1:]],
-            cwd=folder,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            check=False,
-        )
-        yield run.stdout
+        yield printed(command.split()[1:], folder, changes)[1]
 
 
 def test_session(tmp_path: Path) -> None:

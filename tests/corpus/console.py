@@ -1,10 +1,10 @@
 """Runs the commands shown on a documentation page."""
 
 import os
-import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
+
+from tests import command_line
 
 COLUMNS = 100
 """Width of the terminal on the pages."""
@@ -16,14 +16,6 @@ def printed(arguments: Sequence[str], folder: Path) -> str:
     Commands share the cache of the test run, as those of a user share one; outside of pytest there is none.
     """
     cache = {} if "STEPBOT_CACHE" in os.environ else {"STEPBOT_NO_CACHE": "1"}
-    run = subprocess.run(
-        [sys.executable, "-m", "stepbot_cli", *arguments],
-        cwd=folder,
-        env={**os.environ, "COLUMNS": str(COLUMNS)} | cache,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        check=False,
-    )
-    assert run.returncode == 0, run.stdout
-    return run.stdout
+    code, output = command_line.printed(arguments, folder, {"COLUMNS": str(COLUMNS)} | cache)
+    assert code == 0, output
+    return output
