@@ -26,6 +26,7 @@ class Contacts:
         self._lock = threading.Lock()
         self._shown: Shown | None = None
         self._search: ContactSearch | None = None
+        self._closed = False
 
     def answer(self, shown: Shown | None, question: Json) -> Json:
         """The links that overlap: ``{q}``, positions [rad] or [m] of all moving joints.
@@ -42,6 +43,8 @@ class Contacts:
         if reason:
             return {"pairs": None, "why": reason}
         with self._lock:
+            if self._closed:  # a request that was under way when the server ended
+                raise Refused("the server has ended")
             try:
                 if self._search is None or shown is not self._shown:
                     self._close()
@@ -53,8 +56,9 @@ class Contacts:
         return {"pairs": [asdict(one) for one in found]}
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, for good."""
         with self._lock:
+            self._closed = True
             self._close()
 
     def _close(self) -> None:
