@@ -10,6 +10,7 @@ import pytest
 HEAVY = {
     "OCP",
     "fcl",
+    "gymnasium",
     "lxml",
     "manifold3d",
     "mujoco",

@@ -1,0 +1,110 @@
+"""What is observed: joint coordinates and sensors, with names and units."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stepbot.geometry.spatial import Array
+
+from .model import Model, floating_base, joint_kind, joint_name, name
+from .sensor_units import sensor_parts
+
+CHOICES = ("all", "state", "sensors")
+_XYZ, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+_JOINT_SENSORS = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
+
+
+@dataclass(frozen=True)
+class Value:
+    """One number of an observation."""
+
+    name: str
+    unit: str
+    """Empty for pure numbers, and where it is unknown."""
+    source: str
+    """``qpos``, ``cos``, ``sin``, ``qvel`` or ``sensordata``."""
+    index: int
+    most: float = np.inf
+    """Largest magnitude."""
+
+
+class Observations:
+    """The values of a model that are observed, in the order of its joints and sensors.
+
+    Positions come first, then velocities, then sensors. An unlimited hinge has the cosine and the sine of its angle
+    instead of the angle. x and y of a floating base are omitted: nothing depends on them. ``jointpos`` and ``jointvel``
+    sensors are omitted where the joints are observed.
+    """
+
+    def __init__(self, model: Model, choice: str) -> None:
+        """Choose the values.
+
+        Args:
+            model: The compiled model.
+            choice: ``all``; ``state``, the joints alone; ``sensors``, what the robot itself can measure.
+
+        Raises:
+            ValueError: The choice is unknown, or there are no sensors.
+        """
+        if choice not in CHOICES:
+            raise ValueError(f"unknown choice of observations '{choice}'; there are {', '.join(CHOICES)}")
+        if choice == "sensors" and model.nsensor == 0:
+            raise ValueError("the model has no sensors; add `sensors` to the sidecar, or pass observe='state'")
+        values = [] if choice == "sensors" else [*_positions(model), *_velocities(model)]
+        if choice != "state":
+            values += _sensors(model, but=_JOINT_SENSORS if values else ())
+        self.values = tuple(values)
+        starts = {"qpos": 0, "cos": model.nq, "sin": 2 * model.nq, "qvel": 3 * model.nq}
+        starts["sensordata"] = starts["qvel"] + model.nv
+        self._index = np.array([starts[value.source] + value.index for value in values], dtype=np.intp)
+        self._turns = any(value.source in ("cos", "sin") for value in values)
+
+    def read(self, data: Any) -> Array:
+        """The values (n,) of a state."""
+        q = data.qpos
+        cos, sin = (np.cos(q), np.sin(q)) if self._turns else (q, q)
+        found: Array = np.concatenate((q, cos, sin, data.qvel, data.sensordata))[self._index]
+        return found
+
+
+def _positions(model: Model) -> Iterator[Value]:
+    base = floating_base(model)
+    for joint in range(model.njnt):
+        kind, start, of = joint_kind(model, joint), int(model.jnt_qposadr[joint]), joint_name(model, joint)
+        if kind == "free":
+            for offset in range(2 if joint == base else 0, 3):
+                yield Value(f"{of}/{_XYZ[offset]}", "m", "qpos", start + offset)
+        if kind in ("free", "ball"):
+            first = start + (3 if kind == "free" else 0)
+            yield from (Value(f"{of}/{part}", "", "qpos", first + i, 1.0) for i, part in enumerate(_QUATERNION))
+        elif kind == "hinge" and not model.jnt_limited[joint]:
+            yield from (Value(f"{of}/{source}", "", source, start, 1.0) for source in ("cos", "sin"))
+        else:
+            yield Value(f"{of}/position", "rad" if kind == "hinge" else "m", "qpos", start)
+
+
+def _velocities(model: Model) -> Iterator[Value]:
+    for joint in range(model.njnt):
+        kind, start, of = joint_kind(model, joint), int(model.jnt_dofadr[joint]), joint_name(model, joint)
+        if kind == "free":
+            yield from (Value(f"{of}/v{part}", "m/s", "qvel", start + i) for i, part in enumerate(_XYZ))
+        if kind in ("free", "ball"):
+            first = start + (3 if kind == "free" else 0)
+            yield from (Value(f"{of}/w{part}", "rad/s", "qvel", first + i) for i, part in enumerate(_XYZ))
+        else:
+            yield Value(f"{of}/velocity", "rad/s" if kind == "hinge" else "m/s", "qvel", start)
+
+
+def _sensors(model: Model, but: tuple[Any, ...]) -> Iterator[Value]:
+    for sensor in range(model.nsensor):
+        if mujoco.mjtSensor(int(model.sensor_type[sensor])) in but:
+            continue
+        start, of = int(model.sensor_adr[sensor]), name(model, "SENSOR", sensor)
+        cutoff = float(model.sensor_cutoff[sensor])
+        # A range finder without an echo measures -1.
+        most = max(cutoff, 1.0) if cutoff > 0.0 else np.inf
+        for offset, (part, unit) in enumerate(sensor_parts(model, sensor)):
+            yield Value(f"{of}/{part}" if part else of, unit, "sensordata", start + offset, most)

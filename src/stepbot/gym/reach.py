@@ -1,0 +1,127 @@
+"""Reach: bring the tip to a target that the robot can reach."""
+
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from stepbot.engines.mujoco.warnings import collected_warnings
+from stepbot.geometry.spatial import Array
+
+from .environment import Info, RobotEnv
+from .model import Model, frame_names, frames_of, index, name, tip_body
+from .rendering import Marker
+
+_EFFORT = 0.02
+"""Reward lost by actions at their bounds."""
+_RESTING = 1e-9
+"""Distance [m] that is numeric residue."""
+
+
+class Reach(RobotEnv):
+    """Bring the tip to a target, and hold it there.
+
+    The target is where the tip is in a random configuration within the joint limits and without contact, so that it can
+    be reached. The reward of a step is s / (s + d), with the distance d [m] and s = 2 ``tolerance``, less 0.02 of the
+    mean square of the normalised actions. No state but a diverged one ends an episode. ``info`` has ``distance`` [m],
+    ``is_success`` (within ``tolerance``), and the parts of the reward.
+    """
+
+    mode = "rate"
+    extra = tuple((f"{what}/{axis}", "m") for what in ("tip", "error") for axis in "xyz")
+
+    def __init__(
+        self,
+        model: str | PathLike[str] | Model,
+        *,
+        tip: str | None = None,
+        spread: float = 1.0,
+        tolerance: float = 0.05,
+        **options: Any,
+    ) -> None:
+        """Make the environment.
+
+        Args:
+            model: As for :class:`RobotEnv`.
+            tip: Name of a site or body; None for the last link of the chain with most joints (:func:`.model.tip_body`):
+                its one named frame if there is one, else its origin.
+            spread: Share of each joint's range, around home, from which targets are drawn.
+            tolerance: Distance [m] within which the target is reached.
+            options: Arguments of :class:`RobotEnv`.
+
+        Raises:
+            ValueError: The tip is unknown or ambiguous, a number is not positive, or :class:`RobotEnv` raises it.
+        """
+        if not 0.0 < spread <= 1.0 or not tolerance > 0.0:
+            raise ValueError(f"spread must be in (0, 1] and tolerance positive, not {spread} and {tolerance}")
+        super().__init__(model, **options)
+        self._site, self._body = _tip(self.model, tip)
+        self._spread, self._tolerance = spread, tolerance
+        self._target = np.zeros(3)
+        self._reject_resting_tip()
+
+    @property
+    def tip(self) -> Array:
+        """Position (3,) [m] of the tip in the world."""
+        found = self.data.site_xpos[self._site] if self._site >= 0 else self.data.xpos[self._body]
+        return np.array(found)
+
+    @property
+    def target(self) -> Array:
+        """Position (3,) [m] of the target in the world."""
+        return self._target.copy()
+
+    def _reject_resting_tip(self) -> None:
+        """Raise ValueError if the tip is at the same place in two configurations."""
+        places, random = [], np.random.default_rng(0)
+        with collected_warnings():
+            for _ in range(2):
+                self._draw_target(random, 1.0)
+                places.append(self.tip)
+        if float(np.linalg.norm(places[1] - places[0])) < _RESTING:
+            at = name(self.model, *(("SITE", self._site) if self._site >= 0 else ("BODY", self._body)))
+            raise ValueError(f"no joint moves the tip '{at}'; pass tip=... with another site or body")
+
+    def _draw_target(self, random: np.random.Generator, spread: float) -> None:
+        body = self._body if self._site < 0 else int(self.model.site_bodyid[self._site])
+        self._configurations.draw(self.data, random, spread, self._range(), body=body)
+
+    def _begin(self, options: Mapping[str, Any]) -> None:
+        given = options.get("target")
+        if given is None:
+            self._draw_target(self.np_random, self._spread)
+            self._target = self.tip
+        else:
+            self._target = np.asarray(given, dtype=np.float64).reshape(3).copy()
+        super()._begin(options)
+
+    def _extra(self) -> Array:
+        return np.concatenate((self.tip, self._target - self.tip))
+
+    def _state_info(self) -> Info:
+        distance = float(np.linalg.norm(self._target - self.tip))
+        return {"distance": distance, "is_success": distance <= self._tolerance}
+
+    def _judge(self, action: Array) -> tuple[float, bool, Info]:
+        info = self._state_info()
+        scale = 2.0 * self._tolerance
+        near = scale / (scale + info["distance"])
+        share = action / np.maximum(self.action_space.high, -self.action_space.low)
+        effort = _EFFORT * float(np.mean(share**2))
+        return near - effort, False, {**info, "reward_distance": near, "reward_effort": -effort}
+
+    def _markers(self) -> tuple[Marker, ...]:
+        return (Marker(self._target, self._tolerance),)
+
+
+def _tip(model: Model, given: str | None) -> tuple[int, int]:
+    """Index of the site, or -1 and index of the body."""
+    if given is None:
+        body = tip_body(model)
+        frames = frames_of(model, body)
+        return (frames[0], -1) if len(frames) == 1 else (-1, body)
+    site, body = index(model, "SITE", given), index(model, "BODY", given)
+    if site < 0 and body < 0:
+        raise ValueError(f"tip: no site or body '{given}'; sites: {', '.join(frame_names(model)) or 'none'}")
+    return site, body
