@@ -1,6 +1,7 @@
 """Required outcome of reading a damaged STEP file: a valid assembly, or an error that states the reason."""
 
 import math
+import re
 import traceback
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -180,6 +181,8 @@ def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> It
             words = content.decode("ascii").split()
             numbers = [word for word in words[2:] if word not in ("v", "f")]
             sound = bool(np.isfinite(np.array(numbers, dtype=np.float64)).all())
+        elif path.endswith(".usda"):
+            sound = not {b"nan", b"inf", b"-inf"} & set(re.split(rb"[\s(),\[\]]+", content))
         else:
             attributes = [one for element in etree.fromstring(content).iter() for one in element.attrib.items()]
             sound = not any(_is_unsound(name, key, word) for key, value in attributes for word in value.split())

@@ -4,6 +4,7 @@ from .description import Description
 from .description.sdf import describe_sdf
 from .description.urdf import describe_urdf
 from .mujoco.described import describe_mjcf
+from .observation import EngineCannotRead
 
 _READERS = {"urdf": describe_urdf, "sdf": describe_sdf, "mjcf": describe_mjcf}
 
@@ -19,4 +20,6 @@ def describe(file: str, written_in: str) -> Description:
         EngineRefused: It contradicts its format.
         EngineCannotRead: It uses what its reader does not support.
     """
+    if written_in not in _READERS:
+        raise EngineCannotRead(f"only {', '.join(_READERS)} can be read as descriptions, not {written_in}")
     return _READERS[written_in](file)

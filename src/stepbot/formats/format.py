@@ -44,7 +44,7 @@ class Format:
     suffix: str
     """Suffix of its main file."""
     root: str
-    """Root element of its files, by which ``stepbot verify`` recognizes them."""
+    """Root element of its files, by which ``stepbot verify`` recognizes them; empty if they are not XML."""
     order: int
     """Lowest for the format that is listed and written first."""
     scene: str = ""
@@ -53,6 +53,10 @@ class Format:
     """Further names in commands, in lower case."""
     default: bool = True
     """Whether it is written when no format is selected."""
+    signatures: tuple[bytes, ...] = ()
+    """First bytes of files that are not XML, by which ``stepbot verify`` recognizes them."""
+    mesh_files: bool = True
+    """Whether its files refer to meshes as files of their own; otherwise they contain them."""
 
     @property
     def writer(self) -> Writer:

@@ -34,11 +34,11 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
 
 
 def files_of(lowered: Robot, written: Format) -> dict[str, bytes]:
-    """The files of a robot lowered for the format: the main file, its companions and scenes, then its meshes."""
+    """The files of a robot lowered for the format: the main file, its companions and scenes, then its mesh files."""
     files = {main_file(lowered, written): written.writer.render(lowered)}
     files |= {beside.path: beside.content for beside in written.writer.companions(lowered)}
     files |= written.writer.scenes(lowered)
-    for asset in used_meshes(lowered):
+    for asset in used_meshes(lowered) if written.mesh_files else ():
         if asset not in _OBJ:
             _OBJ[asset] = obj_bytes(asset.mesh, asset.name)
         files[asset.path] = _OBJ[asset]

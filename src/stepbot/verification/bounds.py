@@ -1,17 +1,34 @@
-"""Numbers that mean unlimited: formats that require a number get an unreachable one."""
+"""Numbers that stand in for none: formats that require a limit get an unreachable one, or a mass, a tiny one."""
 
 from dataclasses import replace
 from math import inf
 
-from stepbot.engines.observation import Observation, ObservedJoint
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.formats.lowering import UNLIMITED
+from stepbot.formats.lowering.masses import STAND_IN_MASS
+from stepbot.geometry.spatial import ZERO3, ZERO33
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
 
+_ROUNDING = 1e-6
+"""Relative error of numbers in single precision."""
+
 
 def without_stand_ins(observation: Observation) -> Observation:
-    """The observation with infinite limits in place of such numbers."""
-    return replace(observation, joints=tuple(_freed(joint) for joint in observation.joints))
+    """The observation with infinite limits, and massless links, in place of such numbers."""
+    return replace(
+        observation,
+        links=tuple(_massless(link) if _has_stand_in(link) else link for link in observation.links),
+        joints=tuple(_freed(joint) for joint in observation.joints),
+    )
+
+
+def _has_stand_in(link: ObservedLink) -> bool:
+    return link.mass is not None and abs(link.mass - STAND_IN_MASS) < _ROUNDING * STAND_IN_MASS
+
+
+def _massless(link: ObservedLink) -> ObservedLink:
+    return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
 
 
 def _freed(joint: ObservedJoint) -> ObservedJoint:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines import engine_of
 from stepbot.engines.observation import Quantity
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.report.record import Check, Status
@@ -101,6 +102,14 @@ def report_failure(subject: Subject, compared: Compared, warning_code: str, foun
         notes.append(f"and {len(failures) - 1 - MOST_NOTES} more")
     message = f"{subject.words}: {compared.quantity.value}: {failures[0]}"
     found.add(code, message, Span(subject.file), notes=notes)
+
+
+def report_unread(file: str, outcomes: Sequence[Outcome], found: Diagnostics) -> None:
+    """A diagnostic of a file that no engine read, with what to install (SB815)."""
+    reasons = "; ".join(f"{outcome.engine}: {outcome.reason}" for outcome in outcomes)
+    absent = [engine_of(outcome.engine) for outcome in outcomes if outcome.fate is Fate.ABSENT]
+    help = dict.fromkeys(engine.install for engine in absent if engine.install)
+    found.add("SB815", f"no engine read the file: {reasons}", Span(file), help=tuple(help))
 
 
 def checks_without_observation(

@@ -5,18 +5,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import own_parsers
+from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.observation import Observation, Quantity
 from stepbot.engines.observation_cache import ObservationCache
 from stepbot.engines.reference import observe_robot
-from stepbot.engines.workers import Engines, Outcome, check_required, check_started
+from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
 from stepbot.report.record import Check, Report, Status
 from stepbot.robot.closures import DoesNotClose, degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, WorkerDied
 
-from .checks import Subject, check_of, checks_without_observation, report_failure
+from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
 from .compare import compare
 from .expectation import mechanism, requests
 from .self_collision.drawn_pose import Overlap
@@ -111,6 +111,8 @@ def verify(
     outcomes = provers.engines.results(timeout)
     check_started(required, outcomes, found)
     checks: list[Check] = []
+    for key, one in written.items():
+        _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], found)
     for outcome in outcomes:
         file = written[outcome.key].path.name
         checks += _checks(Subject(file, outcome.format, outcome.engine), expected[outcome.key], outcome, found)
@@ -125,6 +127,13 @@ def verify(
         notes=_notes(written, outcomes),
         own_parsers=own_parsers(),
     )
+
+
+def _check_read(file: str, outcomes: list[Outcome], found: Diagnostics) -> None:
+    """Warn of a file that no installed engine reads, unless most installations lack all of its engines."""
+    usual = any(not engine_of(outcome.engine).optional for outcome in outcomes)
+    if usual and all(outcome.fate is Fate.ABSENT for outcome in outcomes):
+        report_unread(file, outcomes, found)
 
 
 def _open_loop(robot: Robot, error: DoesNotClose, found: Diagnostics) -> Report:

@@ -26,7 +26,7 @@ from stepbot.robot.model import Link, Robot
 from stepbot.runtime.worker import DEFAULT_TIMEOUT
 
 from .admission import admitted
-from .checks import Subject, check_of, checks_without_observation, report_failure
+from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
 from .compare import Compared, compare
 from .correspondence import Correspondence
 from .expectation import CONFIGURATIONS, SECONDS, SEED
@@ -39,6 +39,8 @@ from .restated import normalized_joints
 
 ENGINE_WARNING = "SB813"
 
+_SIGNATURE = 16
+"""Number of bytes that signatures of formats are within."""
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Diagnostics of an engine's own result, independent of others."""
 _STILL = frozenset(
@@ -140,7 +142,7 @@ def _observed(
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:
-    """Format of a file by its root element; None, and a diagnostic, if it has none."""
+    """Format of a file by its first bytes or its root element; None, and a diagnostic, if it has none."""
     from lxml import etree
 
     span = Span(_key(path))
@@ -150,16 +152,26 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     if not path.stat().st_size:
         found.add("SB814", "the file is empty", span)
         return None
+    signed = _signed(path)
+    if signed is not None:
+        return signed
     try:
         element = first_element(path)
     except etree.XMLSyntaxError as error:
         found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0))
         return None
-    by_root = {written.root: written.name for written in FORMATS.values()}
+    by_root = {written.root: written.name for written in FORMATS.values() if written.root}
     name = by_root.get(str(element.tag))
     if name is None:
         found.add("SB814", f"root element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
     return name
+
+
+def _signed(path: Path) -> str | None:
+    """Format of a file that is not XML, by its first bytes."""
+    with path.open("rb") as file:
+        start = file.read(_SIGNATURE)
+    return next((one.name for one in FORMATS.values() if one.signatures and start.startswith(one.signatures)), None)
 
 
 def _key(path: Path) -> str:
@@ -267,8 +279,7 @@ def _checks_within(
 ) -> Iterator[Check]:
     """Every engine of a file against the one that reports most; that one only for its own result."""
     if reference is None and all(outcome.fate in (Fate.ABSENT, Fate.UNREADABLE) for outcome in outcomes):
-        reasons = "; ".join(f"{outcome.engine}: {outcome.reason}" for outcome in outcomes)
-        found.add("SB815", f"no engine read the file: {reasons}", Span(key))
+        report_unread(key, outcomes, found)
     for outcome in outcomes:
         alone = reference is None or outcome is reference
         against = "itself" if alone or reference is None else reference.engine

@@ -63,6 +63,21 @@ ENGINE_TOLERANCES: Mapping[tuple[str, Quantity], Tolerance] = {
     ("pybullet", Quantity.INVERSE_DYNAMICS): Tolerance(relative=1e-6),
     # It closes loops by constraints of a simulation with steps of 1 ms, with gaps of 2e-6 of the lengths of the links.
     ("pybullet", Quantity.CLOSURES): Tolerance(absolute=1e-5, relative=5e-6),
+    # UsdPhysics stores numbers in single precision, accurate to 6e-8 of each; a pose is a product of several.
+    ("usd", Quantity.AXES): Tolerance(absolute=1e-6),
+    ("usd", Quantity.LIMITS): Tolerance(absolute=1e-9, relative=2e-7),
+    ("usd", Quantity.DYNAMICS): Tolerance(absolute=1e-9, relative=2e-7),
+    ("usd", Quantity.MIMIC): Tolerance(absolute=1e-9, relative=2e-7),
+    ("usd", Quantity.MASS): Tolerance(relative=1e-7),
+    ("usd", Quantity.COM): Tolerance(relative=2e-7),
+    ("usd", Quantity.INERTIA): Tolerance(relative=5e-7),
+    ("usd", Quantity.POSES): Tolerance(absolute=1e-6),
+    ("usd", Quantity.MASS_MATRIX): Tolerance(relative=1e-6),
+    ("usd", Quantity.GRAVITY): Tolerance(relative=1e-6),
+    ("usd", Quantity.INVERSE_DYNAMICS): Tolerance(relative=1e-6),
+    ("usd", Quantity.CLOSURES): Tolerance(absolute=1e-6),
+    ("usd", Quantity.ACTUATORS): Tolerance(absolute=1e-9, relative=2e-7),
+    ("usd", Quantity.INITIAL): Tolerance(absolute=1e-6),
     # It computes hulls of collision meshes on a grid of 1/10216 of their extent.
     ("pybullet", Quantity.MESHES): Tolerance(absolute=1e-6, relative=2e-4),
 }

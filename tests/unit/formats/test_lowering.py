@@ -11,6 +11,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.codes import CODES
 from stepbot.formats import FORMATS, lowering
 from stepbot.formats.lowering import UNLIMITED, Feature, Level, lower
+from stepbot.formats.lowering.masses import STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.formats.mapping import mapping_page
 from stepbot.formats.rendering import render
@@ -50,7 +51,12 @@ from tests.robots import (
 
 every_format = pytest.mark.parametrize("format_", FORMATS)
 ALWAYS_IN_URDF = "SB707"
-LEFT_OUT = {"urdf": ["SB703", "SB727"], "sdf": ["SB703", "SB727", "SB729"], "mjcf": ["SB727"]}
+LEFT_OUT = {
+    "urdf": ["SB703", "SB727"],
+    "sdf": ["SB703", "SB727", "SB729"],
+    "mjcf": ["SB727"],
+    "usd": ["SB703", "SB729", "SB743", "SB745"],
+}
 """Features that each format lacks, of a robot with every actuator and sensor."""
 
 
@@ -124,13 +130,19 @@ def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
     assert lower(once, FORMATS[format_], Diagnostics()) == once
 
 
-@every_format
-@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "sliding_closure"])  # cut open elsewhere in MJCF
+MOVES_OTHERWISE = {("sliding_closure", "mjcf"), ("screw", "usd"), ("left_screw", "usd")}
+"""Robots that are cut open elsewhere, and joints that the format cannot couple."""
+
+
+@pytest.mark.parametrize(
+    ("name", "format_"), [(name, one) for name in ROBOTS for one in FORMATS if (name, one) not in MOVES_OTHERWISE]
+)
 def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
-    """Lowering keeps mass and the poses of links, in the drawn pose and around it."""
+    """Lowering keeps mass, except of links without, and the poses of links, in the drawn pose and around it."""
     robot = ROBOTS[name]()
     stated = lower(robot, FORMATS[format_], Diagnostics())
-    assert sum(link.mass_properties.mass for link in stated.links) == pytest.approx(
+    masses = [link.mass_properties.mass for link in stated.links]
+    assert sum(mass for mass in masses if mass != STAND_IN_MASS) == pytest.approx(
         sum(link.mass_properties.mass for link in robot.links), rel=1e-15
     )
     # Names and zeros may differ, the parent joint of a link may not.
@@ -339,3 +351,33 @@ def test_concave_collisions_are_named_for_mujoco(facets: int) -> None:
     robot = replace(robot, links=(link,), meshes=(*robot.meshes, asset))
     assert lowered(robot, "mjcf", "SB717") == robot
     assert lowered(robot, "urdf") == robot
+    assert lowered(robot, "usd", "SB744") == robot
+
+
+def test_links_without_mass_get_some_in_usd() -> None:
+    """In USD a mass or an inertia of 0 means that an engine computes it: links without get a milligram."""
+    robot = pendulum()
+    point = MassProperties(2.0, (0.1, 0.2, 0.3))
+    bodies = (replace(robot.root, mass_properties=MassProperties()), replace(robot.links[1], mass_properties=point))
+    stated = lowered(replace(robot, links=bodies), "usd", "SB741")
+    base, bob = (link.mass_properties for link in stated.links)
+    assert (base.mass, bob.mass, bob.com) == (STAND_IN_MASS, 2.0, point.com)
+    for body in (base, bob):
+        np.testing.assert_array_equal(body.inertia, STAND_IN_MOMENT * np.eye(3))
+
+
+def test_a_mimic_between_an_angle_and_a_distance_is_left_out_of_usd(found: ReadDiagnostics) -> None:
+    """Newton's mimics relate joints of one type; a screw's two halves are of two."""
+    stated = lower(ROBOTS["screw"](), FORMATS["usd"], found)
+    assert stated.joint_by_name["spindle_slide"].mimic is None
+    assert stated.joint_by_name["hinge"].mimic == ROBOTS["screw"]().joint_by_name["hinge"].mimic
+    assert "'spindle_slide' after 'spindle'" in next(one.message for one in found if one.code == "SB742")
+
+
+def test_usd_has_one_actuator_for_each_joint(found: ReadDiagnostics) -> None:
+    """A joint with several actuators keeps the first."""
+    robot = equipped()
+    stated = lower(robot, FORMATS["usd"], found)
+    first = {actuator.joint: actuator.name for actuator in reversed(robot.actuators)}
+    assert [one.name for one in stated.actuators] == [a.name for a in robot.actuators if a.name in first.values()]
+    assert len(stated.actuators) == len(first) < len(robot.actuators)

@@ -245,4 +245,49 @@ CODES: tuple[Code, ...] = (
         "A reader of the URDF alone checks these pairs, and reports contacts between links that always overlap.",
         "Load the SRDF with the URDF, or exclude these pairs in the program that loads the URDF.",
     ),
+    Code(
+        "SB741",
+        "warning",
+        "stand-in mass for a massless link",
+        "A link has no mass or no inertia. In the format, a mass or an inertia of 0 means that the simulator computes it "
+        "from collision shapes, or takes 1 kg.",
+        "The link gets 1 mg and 1e-9 kg m^2. The motion of the robot changes by as little as that, but a simulation with "
+        "maximal coordinates needs smaller steps.",
+        "Give the link its mass in the sidecar, or merge it with its parent.",
+    ),
+    Code(
+        "SB742",
+        "warning",
+        "mimic not written",
+        "A joint that turns mimics one that slides, or the other way round. The mimics of the format relate joints of the "
+        "same type only.",
+        "In this file, the joint moves on its own.",
+        "Couple the joints in the simulator, or use MJCF or SDFormat.",
+    ),
+    Code(
+        "SB743",
+        "warning",
+        "sensor not written",
+        "The format has no such sensor, or each simulator has its own.",
+        "The loaded robot does not measure this quantity.",
+        "Add the sensor in the simulator. `robot.sensors` in `report.json` has its link, pose and settings.",
+    ),
+    Code(
+        "SB744",
+        "note",
+        "collision mesh left to the simulator's decomposition",
+        "A collision mesh is not convex or not closed. The file has the mesh, and asks for its convex decomposition, which "
+        "the simulator computes when it loads the file.",
+        "Contacts depend on the simulator, and loading takes longer. A simulator without decomposition uses the convex "
+        "hull.",
+        "Decompose the mesh in the sidecar (`collision: decompose`), or list primitives under `collision`.",
+    ),
+    Code(
+        "SB745",
+        "warning",
+        "second actuator of a joint not written",
+        "A joint has several actuators, and the format has one drive for each joint.",
+        "In this file, the joint has the first of its actuators only.",
+        "Add the others in the simulator, or leave out of the sidecar those that are not used there.",
+    ),
 )

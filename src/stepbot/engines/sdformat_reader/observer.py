@@ -5,23 +5,18 @@ limits, closing joints, frames and mimics, which PyBullet ignores; poses and dyn
 kinematics from the parsed values, so they confirm the text, not the behaviour of an engine.
 """
 
-from dataclasses import replace
 from math import inf, nan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
-from stepbot.robot.dynamics import GRAVITY, equations_of_motion
-from stepbot.robot.kinematics import MOVING, Tree, link_poses
-from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, Mimic, Robot
+from stepbot.robot.dynamics import GRAVITY
+from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.version import __version__
 
 from ..observation import (
-    Dynamics,
-    EngineCannotRead,
     EngineRefused,
     Observation,
     ObservedClosure,
@@ -30,6 +25,7 @@ from ..observation import (
     Quantity,
     Request,
 )
+from ..parsed_motion import with_motion
 from . import ENGINE
 from .frames import Frames, bool_at, number_at, numbers, read_pose
 from .gz_plugins import plugin_actuators, plugin_sensors
@@ -45,8 +41,6 @@ else:
 
 NO_LIMIT = 1e15
 """Limits beyond this are the format's value for unlimited, 1e16."""
-_MOVED = MOVING | {JointKind.FIXED, JointKind.BALL, JointKind.UNIVERSAL}
-"""Joint types that both the format and the model have."""
 _NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 
 
@@ -91,7 +85,13 @@ def observe(request: Request) -> Observation:
         },
         notes=(_NOTE,),
     )
-    return _with_motion(observation, tree, frames, request)
+    return with_motion(
+        observation,
+        _joint_frames(observation, tree, frames),
+        # The root link's pose in the world is its pose in the model.
+        lambda root: vector3(frames.X_M(root).inverse().turn(GRAVITY)),
+        request,
+    )
 
 
 def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
@@ -221,73 +221,11 @@ def _frame(frame: Element, frames: Frames) -> tuple[str, Pose]:
     return link, frames.X_M(link).inverse() @ frames.X_M(frame.get("name", ""))
 
 
-def _with_motion(observation: Observation, tree: list[Element], frames: Frames, request: Request) -> Observation:
-    """The observation with poses and equations of motion, by stepbot's kinematics from the parsed values."""
-    strange = sorted({joint.kind for joint in observation.joints} - {kind.value for kind in _MOVED})
-    if strange:
-        reason = f"stepbot has no kinematics for {', '.join(strange)} joints"
-        moving = (Quantity.POSES, Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)
-        not_run = dict.fromkeys(moving, reason)
-        return replace(observation, not_run={**observation.not_run, **not_run})
-    X_LJ = {
-        observed.child: frames.X_M(observed.child).inverse() @ frames.X_M(joint.get("name", ""))
-        for observed, joint in zip(observation.joints, tree, strict=True)
-    }
-    robot = _robot(observation, X_LJ, frames)
-    layout = Tree(robot)
-    # The root link's pose in the world is its pose in the model.
-    gravity = vector3(frames.X_M(robot.root.name).inverse().turn(GRAVITY))
-    poses, dynamics = [], []
-    for q in [*request.configurations, *(q for way in request.ways for q in way)]:
-        X_WJ = link_poses(robot, {name: q.get(name, 0.0) for name in layout.joints})
-        poses.append({name: X @ X_LJ.get(name, Pose()).inverse() for name, X in X_WJ.items()})
-    for q, rates in request.moments:
-        known = {name: q.get(name, 0.0) for name in layout.joints}
-        seen = equations_of_motion(robot, known, rates, gravity=gravity, tree=layout)
-        dynamics.append(Dynamics(seen.mass_matrix, seen.gravity, seen.inverse))
-    return replace(observation, coordinates=layout.joints, poses=tuple(poses), dynamics=tuple(dynamics))
-
-
-def _robot(observation: Observation, X_LJ: dict[str, Pose], frames: Frames) -> Robot:
-    """The parsed robot with each link frame at the joint above; without mimics, as engines move joints.
-
-    Raises:
-        EngineRefused: A joint refers to a link that does not exist.
-        EngineCannotRead: The links do not form a single tree.
-    """
-    links = {link.name: link for link in observation.links}
-    joint_of = {joint.child: joint for joint in observation.joints}
-    for joint in observation.joints:
-        for name in (joint.parent, joint.child):
-            if name not in links:
-                raise EngineRefused(f"joint '{joint.name}': no link '{name}'")
-    roots = [name for name in links if name not in joint_of]
-    if len(roots) != 1:
-        raise EngineCannotRead(f"{len(roots)} root links, one expected: {', '.join(roots)}")
-    order = list(roots)
-    for name in order:  # grows during the loop
-        order += [joint.child for joint in observation.joints if joint.parent == name]
-
-    def X_MJ(name: str) -> Pose:
-        return frames.X_M(name) @ X_LJ.get(name, Pose())
-
-    def joint_above(name: str) -> Joint:
-        seen = joint_of[name]
-        return Joint(
-            seen.name,
-            JointKind(seen.kind),
-            seen.parent,
-            name,
-            X_MJ(seen.parent).inverse() @ X_MJ(name),
-            vector3(X_LJ[name].inverse().turn(seen.axis or (0.0, 0.0, 1.0))),
-            vector3(X_LJ[name].inverse().turn(seen.axis2 or (1.0, 0.0, 0.0))),
-            limit=seen.limit or Limit(),
-            pitch=seen.pitch or 0.0,
-        )
-
-    bodies = []
-    for name in order:
-        link = links[name]
-        body = MassProperties(link.mass or 0.0, link.com or (0.0, 0.0, 0.0), link.inertia or matrix3(np.zeros((3, 3))))
-        bodies.append(Link(name, body.moved(X_LJ.get(name, Pose()).inverse())))
-    return Robot("model", tuple(bodies), tuple(joint_above(name) for name in order[1:]))
+def _joint_frames(observation: Observation, tree: list[Element], frames: Frames) -> dict[str, tuple[Pose, Pose]]:
+    """For each link with a parent, the pose of the joint above it in its parent, and in itself."""
+    found: dict[str, tuple[Pose, Pose]] = {}
+    for observed, joint in zip(observation.joints, tree, strict=True):
+        X_MJ = frames.X_M(joint.get("name", ""))
+        parent, child = (frames.X_M(link).inverse() @ X_MJ for link in (observed.parent, observed.child))
+        found[observed.child] = parent, child
+    return found

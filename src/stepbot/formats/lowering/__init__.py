@@ -29,6 +29,7 @@ from .devices import (
     bound_actuators,
     bound_views,
     bounded_by_joints,
+    further_actuators,
     gears_at_joints,
     has_camera_extras,
     has_place,
@@ -45,6 +46,7 @@ from .devices import (
     without_actuators,
     without_camera_extras,
     without_encoder_rates,
+    without_further_actuators,
     without_rates,
     without_sensors,
 )
@@ -67,12 +69,15 @@ from .joints import (
     lacks_effort,
     loop_zeros,
     mimic_followers,
+    mixed_mimics,
     move_loop_zeros,
     without_armature,
     without_ball_force,
     without_ball_limit,
+    without_mixed_mimics,
     without_spring,
 )
+from .masses import massless_links, with_stand_in_masses
 from .names import rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
 from .rerooted_loops import reroot_loops, sliding_closures
 from .shapes import (
@@ -177,10 +182,12 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     ),
     Feature.MIMIC: _Handling(joints_where(lambda joint: joint.mimic is not None)),
     Feature.MIMIC_CHAIN: _Handling(chained_mimics, flatten_mimics),
+    Feature.MIXED_MIMIC: _Handling(mixed_mimics, leave_out=without_mixed_mimics),
     Feature.FRAME: _Handling(
         lambda robot: [f"'{frame.name}' on '{frame.link}'" for frame in robot.frames], frames_as_links
     ),
     Feature.ACTUATOR: _Handling(actuators_where(lambda _robot, _actuator: True), leave_out=without_actuators),
+    Feature.SECOND_ACTUATOR: _Handling(further_actuators, leave_out=without_further_actuators),
     Feature.GEAR: _Handling(actuators_where(lambda _robot, actuator: actuator.gear != 1.0), gears_at_joints),
     Feature.ACTUATOR_INPUT: _Handling(actuators_where(is_bounded_actuator), leave_out=bounded_by_joints),
     Feature.UNLIMITED_ACTUATOR: _Handling(actuators_where(is_unlimited_actuator), bound_actuators),
@@ -203,6 +210,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.EXCLUDED_CONTACT: _Handling(excluded_pairs),
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(concave_collisions),
+    Feature.MASSLESS: _Handling(massless_links, with_stand_in_masses),
     Feature.FIXED_BASE: _Handling(_root_if(Base.FIXED)),
     Feature.FLOATING_BASE: _Handling(_root_if(Base.FLOATING)),
 }

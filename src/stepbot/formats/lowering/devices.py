@@ -43,6 +43,20 @@ def without_actuators(robot: Robot) -> Robot:
     return replace(robot, actuators=())
 
 
+def further_actuators(robot: Robot) -> list[str]:
+    """Actuators on a joint that another one before them is on."""
+    return [f"'{actuator.name}' on '{actuator.joint}'" for actuator in robot.actuators if actuator not in _first(robot)]
+
+
+def without_further_actuators(robot: Robot) -> Robot:
+    """The robot with the first actuator of each joint."""
+    return replace(robot, actuators=_first(robot))
+
+
+def _first(robot: Robot) -> tuple[Actuator, ...]:
+    return tuple({actuator.joint: actuator for actuator in reversed(robot.actuators)}.values())[::-1]
+
+
 def without_sensors(kind: SensorKind) -> Callable[[Robot], Robot]:
     """The robot without its sensors of a kind."""
     return lambda robot: replace(robot, sensors=tuple(s for s in robot.sensors if s.kind is not kind))

@@ -110,6 +110,25 @@ def flatten_mimics(robot: Robot) -> Robot:
     return each_joint(flat)(robot)
 
 
+def mixed_mimics(robot: Robot) -> list[str]:
+    """Joints that turn and mimic one that slides, or the other way round."""
+    return [
+        f"'{joint.name}' after '{joint.mimic.joint}'"
+        for joint in robot.joints
+        if joint.mimic and _is_mixed(robot, joint)
+    ]
+
+
+def without_mixed_mimics(robot: Robot) -> Robot:
+    """The robot without mimics between angles and distances."""
+    return each_joint(lambda joint: replace(joint, mimic=None) if _is_mixed(robot, joint) else joint)(robot)
+
+
+def _is_mixed(robot: Robot, joint: Joint) -> bool:
+    kinds = [] if joint.mimic is None else [joint.kind, robot.joint_by_name[joint.mimic.joint].kind]
+    return len({kind is JointKind.PRISMATIC for kind in kinds}) > 1
+
+
 def describe_closures(condition: Callable[[LoopClosure], bool]) -> Callable[[Robot], list[str]]:
     """The closures that satisfy a condition, with their links."""
     return lambda robot: [

@@ -65,7 +65,12 @@ def drop_flat_collisions(robot: Robot) -> Robot:
 
 def concave_collisions(robot: Robot) -> list[str]:
     """Collision meshes that are not convex, or not closed."""
-    return [f"'{name}'" for name in sorted(_touched(robot)) if not _is_convex(robot.mesh_by_name[name].mesh)]
+    return [f"'{name}'" for name in sorted(concave_meshes(robot))]
+
+
+def concave_meshes(robot: Robot) -> set[str]:
+    """Names of the meshes of collisions that are not convex, or not closed."""
+    return {name for name in _touched(robot) if not _is_convex(robot.mesh_by_name[name].mesh)}
 
 
 def _split(shape: _Shape) -> tuple[_Shape, ...]:

@@ -46,6 +46,7 @@ EXPRESSES = {
     Feature.FIXED_BASE: exact("child body of the world without a joint"),
     Feature.FLOATING_BASE: exact("`<freejoint>`, standing on z = 0"),
     Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
+    Feature.MASSLESS: exact("`<inertial>` with a mass of 0"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
     Feature.CAPSULE: exact("`capsule`"),
@@ -77,6 +78,7 @@ EXPRESSES = {
     Feature.ARMATURE: exact("`armature`"),
     Feature.MIMIC: exact("`<equality>` of two joints"),
     Feature.MIMIC_CHAIN: exact("`<equality>` of two joints"),
+    Feature.MIXED_MIMIC: exact("`<equality>` of two joints"),
     Feature.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
     Feature.SLIDING_CLOSURE: lowered(
         "SB722", "no equality constraint allows sliding; the loops are cut at another joint"
@@ -89,6 +91,7 @@ EXPRESSES = {
     Feature.INITIAL_POSE: exact("keyframe `home`"),
     Feature.FRAME: exact("`<site>`"),
     Feature.ACTUATOR: exact("`<position>`, `<velocity>`, `<motor>`"),
+    Feature.SECOND_ACTUATOR: exact("as any actuator"),
     Feature.GEAR: exact("`gear`"),
     Feature.ACTUATOR_INPUT: exact("`ctrlrange`"),
     Feature.UNLIMITED_ACTUATOR: exact("no attribute"),

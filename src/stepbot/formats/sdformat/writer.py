@@ -49,6 +49,7 @@ EXPRESSES = {
     Feature.FIXED_BASE: exact("fixed joint to `world`"),
     Feature.FLOATING_BASE: exact("no joint to `world`"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
+    Feature.MASSLESS: exact("`<mass>` of 0"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: exact("`<capsule>`"),
@@ -78,6 +79,7 @@ EXPRESSES = {
     Feature.ARMATURE: reported("SB703", "armatures are omitted"),
     Feature.MIMIC: lowered("SB715", "`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
     Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
+    Feature.MIXED_MIMIC: exact("`<mimic>`"),
     Feature.CLOSURE: exact(
         "a second joint to the child, which Gazebo's DART ignores; `drake:ball_constraint` in `<robot>.drake.sdf`"
     ),
@@ -88,6 +90,7 @@ EXPRESSES = {
     Feature.INITIAL_POSE: reported("SB706", "the drawn pose of these joints is omitted"),
     Feature.FRAME: exact("`<frame>` attached to its link"),
     Feature.ACTUATOR: lowered("SB725", "actuators are Gazebo plugins, without a name"),
+    Feature.SECOND_ACTUATOR: exact("a plugin each"),
     Feature.GEAR: lowered("SB726", "gears are folded into gains and inputs, which apply at the joint"),
     Feature.ACTUATOR_INPUT: reported("SB729", "input bounds are the limits of the joints"),
     Feature.UNLIMITED_ACTUATOR: lowered("SB704", "a missing effort limit of an actuator is written as 1e9"),

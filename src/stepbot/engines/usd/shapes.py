@@ -1,0 +1,102 @@
+"""Visuals and collisions of bodies: bounding boxes and colours."""
+
+from typing import Any
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, join_bounds
+from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
+from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+
+from ..observation import ObservedShape
+from .stage import Body, Stage, name_of, rigid
+
+_TO_Z = {
+    "X": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+    "Y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+    "Z": np.eye(3),
+}
+"""Rotations whose z is an axis."""
+
+
+def shapes(stage: Stage, body: Body) -> tuple[tuple[ObservedShape, ...], tuple[ObservedShape, ...]]:
+    """Visuals and collisions of a body; a shape can be both."""
+    from pxr import UsdGeom, UsdPhysics
+
+    visuals, collisions = list[ObservedShape](), list[ObservedShape]()
+    for prim in stage.content(body):
+        if not prim.IsA(UsdGeom.Gprim):
+            continue
+        name, bounds = name_of(_named(prim)), _bounds(stage, prim, body)
+        if prim.HasAPI(UsdPhysics.CollisionAPI) and UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
+            collisions.append(ObservedShape(name, bounds=bounds))
+        if UsdGeom.Imageable(prim).ComputePurpose() != UsdGeom.Tokens.guide:
+            visuals.append(ObservedShape(name, _color(prim), bounds=bounds))
+    return tuple(visuals), tuple(collisions)
+
+
+def box_around(seen: tuple[ObservedShape, ...]) -> Bounds | None:
+    """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
+    known = [shape.bounds for shape in seen if shape.bounds is not None]
+    return join_bounds(known) if known and len(known) == len(seen) else None
+
+
+def _named(prim: Any) -> Any:
+    """The prim that a shape has its name from: the instance that it is in, or itself."""
+    while prim.IsInstanceProxy():
+        prim = prim.GetParent()
+    return prim
+
+
+def _bounds(stage: Stage, prim: Any, body: Body) -> Bounds | None:
+    """Lowest and highest corner [m] in the frame of the body; None if this reader does not know the shape."""
+    from pxr import UsdGeom
+
+    M = stage.in_body(prim, body)
+    if prim.IsA(UsdGeom.Mesh):
+        return _mesh_bounds(UsdGeom.Mesh(prim), M)
+    X, scale = rigid(M)
+    if prim.IsA(UsdGeom.Cube):
+        x, y, z = (scale * float(UsdGeom.Cube(prim).GetSizeAttr().Get())).tolist()
+        return primitive_bounds(Box((x, y, z)), X)
+    if float(np.ptp(scale)) > 1e-12 * float(scale.max()):
+        return None
+    size = float(scale[0])
+    if prim.IsA(UsdGeom.Sphere):
+        return primitive_bounds(Sphere(size * float(UsdGeom.Sphere(prim).GetRadiusAttr().Get())), X)
+    for type_, kind in ((UsdGeom.Cylinder, Cylinder), (UsdGeom.Capsule, Capsule)):
+        if prim.IsA(type_):
+            shape = type_(prim)
+            turned = _TO_Z[str(shape.GetAxisAttr().Get())]
+            radius, height = (size * float(a.Get()) for a in (shape.GetRadiusAttr(), shape.GetHeightAttr()))
+            return primitive_bounds(kind(radius, height), type(X).of(X.R @ turned, X.p))
+    return None
+
+
+def _mesh_bounds(mesh: Any, M: Array) -> Bounds | None:
+    points = np.array(mesh.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
+    if not len(points):
+        return None
+    moved = points @ M[:3, :3].T + M[:3, 3]
+    low, high = moved.min(axis=0).tolist(), moved.max(axis=0).tolist()
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+
+def _color(prim: Any) -> tuple[float, ...]:
+    """Colour and opacity of the bound material, or else the display colour; sRGB; empty if there is none."""
+    from pxr import UsdGeom, UsdShade
+
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+    surface = material.ComputeSurfaceSource()[0] if material else None
+    if surface and surface.GetIdAttr().Get() == "UsdPreviewSurface":
+        color, opacity = (surface.GetInput(name) for name in ("diffuseColor", "opacity"))
+        seen = color.Get() if color else None
+        if seen is not None:
+            return (*map(_srgb, seen), float(opacity.Get()) if opacity and opacity.Get() is not None else 1.0)
+    shown = UsdGeom.Gprim(prim).GetDisplayColorAttr().Get()
+    return (*map(_srgb, shown[0]), 1.0) if shown else ()
+
+
+def _srgb(linear: float) -> float:
+    """A channel of sRGB from a linear one."""
+    return 12.92 * linear if linear <= 0.0031308 else 1.055 * float(linear) ** (1.0 / 2.4) - 0.055

@@ -1,0 +1,16 @@
+"""OpenUSD with UsdPhysics, as Isaac Sim and Newton read it."""
+
+from ..format import Format
+
+FORMAT = Format(
+    __name__,
+    "usd",
+    "OpenUSD",
+    suffix=".usda",
+    root="",
+    order=40,
+    aliases=("usda", "openusd"),
+    default=False,
+    signatures=(b"#usda ", b"PXR-USDC"),
+    mesh_files=False,
+)

@@ -1,0 +1,153 @@
+"""Joints and closures of UsdPhysics: https://openusd.org/release/api/usd_physics_page_front.html.
+
+Angles are in degrees, and so are speeds, gains and damping of joints that turn. UsdPhysics has neither passive forces
+nor velocity limits nor mimics; they are in the schemas of Newton, https://pypi.org/project/newton-usd-schemas, whose
+attributes other programs ignore.
+"""
+
+from collections.abc import Mapping
+from math import degrees, isfinite, radians
+
+from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, perpendicular_frame
+from stepbot.robot.actuators import actuator_limit
+from stepbot.robot.kinematics import initial_configuration
+from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, LoopClosure, Robot
+
+from .names import Names, named
+from .usda import Prim, quoted, single, singles
+
+_TYPES: Mapping[JointKind, str] = {
+    JointKind.FIXED: "PhysicsFixedJoint",
+    JointKind.REVOLUTE: "PhysicsRevoluteJoint",
+    JointKind.CONTINUOUS: "PhysicsRevoluteJoint",
+    JointKind.PRISMATIC: "PhysicsPrismaticJoint",
+    JointKind.BALL: "PhysicsSphericalJoint",
+}
+_AXES: Mapping[Vector3, str] = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
+_WORLD_JOINT = "world_joint"
+
+
+def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
+    """All joints and closures.
+
+    Args:
+        robot: The robot.
+        top: Path of its prim.
+        paths: Path of each link.
+    """
+    scope, names = Prim("Scope", "joints"), Names()
+    identifiers = {joint.name: names.of(joint.name) for joint in robot.joints}
+    drawn = initial_configuration(robot)
+    for joint in robot.joints:
+        prim = scope.add(_joint(joint, identifiers[joint.name], paths))
+        if joint.kind is not JointKind.FIXED:
+            _passive(prim, joint)
+            leader = f"{top}/joints/{identifiers[joint.mimic.joint]}" if joint.mimic else ""
+            _mimic(prim, joint, leader)
+        if joint.kind in (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC):
+            actuators = [actuator for actuator in robot.actuators if actuator.joint == joint.name]
+            _drive(prim, joint, actuators[0] if actuators else None, drawn[joint.name])
+    for closure in robot.closures:
+        scope.add(_closure(closure, names, paths))
+    if robot.base is Base.FIXED:
+        fixed = scope.add(Prim("PhysicsFixedJoint", names.of(_WORLD_JOINT)))
+        fixed.set("rel physics:body1", f"<{paths[robot.root.name]}>")
+        _frames(fixed, IDENTITY, IDENTITY)
+    return scope
+
+
+def _joint(joint: Joint, identifier: str, paths: Mapping[str, str]) -> Prim:
+    prim = named(_TYPES[joint.kind], joint.name, Names(), identifier)
+    turned = _axis(prim, joint.axis, moves=joint.kind not in (JointKind.FIXED, JointKind.BALL))
+    _bodies(prim, paths[joint.parent], paths[joint.child])
+    _frames(prim, joint.X_PC @ turned, turned)
+    if joint.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC):
+        for name, bound in (("lower", joint.limit.lower), ("upper", joint.limit.upper)):
+            if isfinite(bound):
+                prim.set(f"float physics:{name}Limit", single(_stage_unit(joint, bound)))
+    return prim
+
+
+def _closure(closure: LoopClosure, names: Names, paths: Mapping[str, str]) -> Prim:
+    """A joint that simulators with reduced coordinates enforce as a constraint."""
+    prim = named(_TYPES[closure.kind], closure.name, names)
+    turned = _axis(prim, closure.axis, moves=closure.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC))
+    _bodies(prim, paths[closure.link_a], paths[closure.link_b])
+    _frames(prim, closure.X_AF @ turned, closure.X_BF @ turned)
+    prim.set("uniform bool physics:excludeFromArticulation", "true")
+    return prim
+
+
+def _axis(prim: Prim, axis: Vector3, *, moves: bool) -> Pose:
+    """Set the axis, and return the pose of the joint's frame: axes are X, Y or Z of that."""
+    if not moves:
+        return IDENTITY
+    prim.set("uniform token physics:axis", quoted(_AXES.get(axis, "Z")))
+    return IDENTITY if axis in _AXES else Pose.of(perpendicular_frame(axis))
+
+
+def _bodies(prim: Prim, body0: str, body1: str) -> None:
+    prim.set("rel physics:body0", f"<{body0}>")
+    prim.set("rel physics:body1", f"<{body1}>")
+
+
+def _frames(prim: Prim, X_0J: Pose, X_1J: Pose) -> None:
+    """The joint's frame in both bodies."""
+    for number, X in enumerate((X_0J, X_1J)):
+        prim.set(f"point3f physics:localPos{number}", singles(X.position))
+        prim.set(f"quatf physics:localRot{number}", singles(X.quaternion))
+
+
+def _passive(prim: Prim, joint: Joint) -> None:
+    """Passive forces and the velocity limit, by Newton's schema."""
+    given = {
+        "armature": joint.dynamics.armature,
+        "damping": _per_stage_unit(joint, joint.dynamics.damping),
+        "friction": joint.dynamics.friction,
+    }
+    if isfinite(joint.limit.velocity):
+        given["velocityLimit"] = _stage_unit(joint, joint.limit.velocity)
+    nonzero = {name: value for name, value in given.items() if value or name == "velocityLimit"}
+    if nonzero:
+        prim.schemas.append("NewtonJointAPI")
+        for name, value in nonzero.items():
+            prim.set(f"float newton:{name}", single(value))
+
+
+def _mimic(prim: Prim, joint: Joint, leader: str) -> None:
+    """A mimic, by Newton's schema."""
+    if joint.mimic is not None:
+        prim.schemas.append("NewtonMimicAPI")
+        prim.set("float newton:mimicCoef0", single(_stage_unit(joint, joint.mimic.offset)))
+        prim.set("float newton:mimicCoef1", single(joint.mimic.multiplier))
+        prim.set("rel newton:mimicJoint", f"<{leader}>")
+
+
+def _drive(prim: Prim, joint: Joint, actuator: Actuator | None, drawn: float) -> None:
+    """The drive of a joint, which has the effort limit too: an actuator, or a limit alone."""
+    effort = joint.limit.effort if actuator is None else actuator_limit(actuator, joint).effort
+    if actuator is None and not isfinite(effort):
+        return
+    drive = "linear" if joint.kind is JointKind.PRISMATIC else "angular"
+    prim.schemas.append(f"PhysicsDriveAPI:{drive}")
+    prim.set(f"uniform token drive:{drive}:physics:type", '"force"')
+    if isfinite(effort):
+        prim.set(f"float drive:{drive}:physics:maxForce", single(effort))
+    if actuator is None:
+        return
+    prim.metadata.append(f"customData = {{ string actuator = {quoted(actuator.name)} }}")
+    if actuator.kind is ActuatorKind.POSITION:
+        prim.set(f"float drive:{drive}:physics:stiffness", single(_per_stage_unit(joint, actuator.kp)))
+        prim.set(f"float drive:{drive}:physics:targetPosition", single(_stage_unit(joint, drawn)))
+    if actuator.kind is not ActuatorKind.MOTOR:
+        prim.set(f"float drive:{drive}:physics:damping", single(_per_stage_unit(joint, actuator.kv)))
+
+
+def _stage_unit(joint: Joint, value: float) -> float:
+    """A position [rad], [m] or speed of a joint in the stage's unit: degrees or metres."""
+    return value if joint.kind is JointKind.PRISMATIC else degrees(value)
+
+
+def _per_stage_unit(joint: Joint, value: float) -> float:
+    """A gain or damping per [rad] or [m] in the stage's unit: per degree or metre."""
+    return value if joint.kind is JointKind.PRISMATIC else radians(value)

@@ -1,0 +1,93 @@
+"""USD's text format: prims, metadata and properties, https://openusd.org/release/spec_usda.html.
+
+Most attributes of UsdPhysics and UsdGeom have single precision. Their numbers are written as the shortest text that
+reads back as the same single; those of double precision as the same double.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..xml import number
+
+_INDENT = "    "
+
+
+@dataclass
+class Prim:
+    """A prim: one node of the scene."""
+
+    type: str
+    """``Xform``, ``Mesh``; empty for none."""
+    name: str
+    """A valid identifier, unique among its siblings."""
+    specifier: str = "def"
+    """``def``, or ``class`` for an abstract prim that others refer to."""
+    schemas: list[str] = field(default_factory=list)
+    """Applied API schemas."""
+    metadata: list[str] = field(default_factory=list)
+    """Further metadata, as text."""
+    properties: list[str] = field(default_factory=list)
+    """Attributes and relationships, as text."""
+    children: list["Prim"] = field(default_factory=list)
+
+    def add(self, child: "Prim") -> "Prim":
+        """The child, after it was added."""
+        self.children.append(child)
+        return child
+
+    def set(self, declaration: str, value: str) -> None:
+        """Add an attribute, such as ``float physics:mass``, or a relationship."""
+        self.properties.append(f"{declaration} = {value}")
+
+
+def layer(metadata: Sequence[str], top: Prim) -> bytes:
+    """The bytes of a layer with one root prim."""
+    lines = ["#usda 1.0", "(", *(_INDENT + line for line in metadata), ")", "", *_lines(top, "")]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _lines(prim: Prim, indent: str) -> Iterable[str]:
+    words = [prim.specifier, *([prim.type] if prim.type else []), quoted(prim.name)]
+    schemas = [f"prepend apiSchemas = [{', '.join(map(quoted, prim.schemas))}]"] if prim.schemas else []
+    inside = [*schemas, *prim.metadata]
+    yield indent + " ".join(words) + (" (" if inside else "")
+    yield from (f"{indent}{_INDENT}{line}" for line in inside)
+    if inside:
+        yield f"{indent})"
+    yield f"{indent}{{"
+    yield from (f"{indent}{_INDENT}{line}" for line in prim.properties)
+    for number_, child in enumerate(prim.children):
+        if number_ or prim.properties:
+            yield ""
+        yield from _lines(child, indent + _INDENT)
+    yield f"{indent}}}"
+
+
+def quoted(text: str) -> str:
+    """A string with its quotation marks; control characters and quotation marks are escaped."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(f"\\x{ord(one):02x}" if ord(one) < 32 or ord(one) == 127 else one for one in escaped) + '"'
+
+
+def single(value: float) -> str:
+    """Shortest text that reads back as the same single; whole numbers without a point, no minus on zero.
+
+    Raises:
+        ValueError: Not a number.
+    """
+    rounded = np.float32(value)
+    if np.isnan(rounded):
+        raise ValueError("NaN cannot be written")
+    return "0" if rounded == 0.0 else np.format_float_positional(rounded, trim="-")
+
+
+def singles(values: Iterable[float]) -> str:
+    """A tuple of singles."""
+    return f"({', '.join(map(single, values))})"
+
+
+def doubles(values: Iterable[float]) -> str:
+    """A tuple of doubles."""
+    return f"({', '.join(map(number, values))})"

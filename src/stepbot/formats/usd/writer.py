@@ -1,0 +1,182 @@
+"""OpenUSD with UsdPhysics: https://openusd.org/release/api/usd_physics_page_front.html.
+
+One text file, written without USD's own library (decision 0029): links below the robot's prim, side by side, in the
+drawn pose; joints, meshes and materials in scopes of their own.
+"""
+
+from stepbot.geometry.principal_axes import principal_axes
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.kinematics import initial_configuration, link_poses, without_contacts
+from stepbot.robot.model import Frame, Link, Robot
+from stepbot.robot.standing import standing_height
+from stepbot.version import __version__
+
+from ..companion import Companion
+from ..features import Feature, exact, lowered, reported
+from .joints import joints
+from .names import Names, named
+from .shapes import Library, place
+from .usda import Prim, layer, quoted, single, singles
+
+_SENSORS = reported("SB743", "sensors are omitted")
+EXPRESSES = {
+    Feature.FIXED_BASE: exact("`PhysicsFixedJoint` to the world"),
+    Feature.FLOATING_BASE: exact("no joint to the world; standing on z = 0"),
+    Feature.INERTIA: exact("`PhysicsMassAPI` with principal moments and axes, in single precision"),
+    Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
+    Feature.MESH: exact("`Mesh` in the same file, once for all links; visuals are instances"),
+    Feature.SHAPE: exact("`Cube` with a scale, `Cylinder`, `Sphere`"),
+    Feature.CAPSULE: exact("`Capsule`"),
+    Feature.FLAT_COLLISION: reported(
+        "SB712", "simulators cannot build the convex hull of a flat collision mesh; omitted"
+    ),
+    Feature.CONCAVE_COLLISION: lowered("SB744", "the simulator decomposes these collision meshes into convex pieces"),
+    Feature.COLOR: exact("a `UsdPreviewSurface` for each colour"),
+    Feature.NEIGHBOURS: exact("joints disable it between their bodies"),
+    Feature.EXCLUDED_CONTACT: exact("`PhysicsFilteredPairsAPI`"),
+    Feature.FIXED: exact("`PhysicsFixedJoint`"),
+    Feature.REVOLUTE: exact("`PhysicsRevoluteJoint` with limits"),
+    Feature.CONTINUOUS: exact("`PhysicsRevoluteJoint`"),
+    Feature.PRISMATIC: exact("`PhysicsPrismaticJoint`"),
+    Feature.BALL: exact("`PhysicsSphericalJoint`"),
+    Feature.UNIVERSAL: lowered("SB720", "a universal joint is written as two continuous joints"),
+    Feature.CYLINDRICAL: lowered("SB720", "a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.SCREW: lowered("SB720", "a screw joint is written as a revolute joint and a prismatic one that follows it"),
+    Feature.PLANAR: lowered("SB720", "a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.OPEN_POSITION: exact("no attribute"),
+    Feature.OPEN_EFFORT: exact("no attribute"),
+    Feature.EFFORT: exact("`maxForce` of the joint's drive"),
+    Feature.VELOCITY: exact("`velocityLimit` of Newton's schema"),
+    Feature.FRICTION: exact("`damping`, `friction` of Newton's schema"),
+    Feature.SPRING: reported("SB703", "springs are omitted"),
+    Feature.ARMATURE: exact("`armature` of Newton's schema"),
+    Feature.MIMIC: exact("`NewtonMimicAPI`"),
+    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
+    Feature.MIXED_MIMIC: reported("SB742", "mimics between angles and distances are omitted"),
+    Feature.CLOSURE: exact("a joint that is excluded from the articulation"),
+    Feature.SLIDING_CLOSURE: exact("a joint that is excluded from the articulation"),
+    Feature.STUCK_CLOSURE: exact("a joint that is excluded from the articulation"),
+    Feature.FOLLOWER: exact("held by the closure"),
+    Feature.LOOP_ZERO: exact("links in the drawn pose"),
+    Feature.INITIAL_POSE: exact("links in the drawn pose"),
+    Feature.FRAME: exact("`Xform` in its link"),
+    Feature.ACTUATOR: exact("`PhysicsDriveAPI`, with the name as `customData`"),
+    Feature.SECOND_ACTUATOR: reported("SB745", "a joint has one drive; its further actuators are omitted"),
+    Feature.GEAR: lowered("SB726", "gears are folded into gains and inputs, which apply at the joint"),
+    Feature.ACTUATOR_INPUT: reported("SB729", "input bounds are the limits of the joints"),
+    Feature.UNLIMITED_ACTUATOR: exact("no attribute"),
+    Feature.JOINT_SENSOR: _SENSORS,
+    Feature.IMU: _SENSORS,
+    Feature.FORCE_TORQUE: _SENSORS,
+    Feature.OFF_JOINT: _SENSORS,
+    Feature.CAMERA: _SENSORS,
+    Feature.LIDAR: _SENSORS,
+    Feature.CONTACT: _SENSORS,
+    Feature.SENSOR_PLACE: _SENSORS,
+    Feature.SENSOR_RATE: _SENSORS,
+    Feature.ENCODER_RATE: _SENSORS,
+    Feature.CAMERA_EXTRAS: _SENSORS,
+    Feature.LIDAR_NEAREST: _SENSORS,
+    Feature.OPEN_VIEW: _SENSORS,
+    Feature.TIMESTEP: reported("SB730", "settings of the physics engine"),
+    Feature.SOLVER: reported("SB730", "settings of the physics engine"),
+    Feature.JOINT_NAME: exact("joints have a scope of their own, and any name as `displayName`"),
+    Feature.FRAME_NAME: exact("frames have scopes of their own, and any name as `displayName`"),
+    Feature.RESERVED_NAME: exact("any name as `displayName`"),
+}
+
+_SCOPES = ("joints", "meshes", "materials")
+"""Scopes beside the links."""
+
+
+def reserves(_name: str) -> bool:
+    """No name is reserved: prims have identifiers of their own."""
+    return False
+
+
+def render(robot: Robot) -> bytes:
+    """The text of a lowered robot."""
+    top = named("Xform", robot.name, Names())
+    path = f"/{top.name}"
+    names, library = Names(_SCOPES), Library(robot, path)
+    identifiers = {link.name: names.of(link.name) for link in robot.links}
+    paths = {name: f"{path}/{identifier}" for name, identifier in identifiers.items()}
+    if robot.joints:
+        top.schemas.append("PhysicsArticulationRootAPI")
+    top.metadata.append('kind = "component"')
+    drawn = initial_configuration(robot)
+    X_RL, standing = link_poses(robot, drawn), Pose.of(position=(0.0, 0.0, standing_height(robot, drawn)))
+    for link in robot.links:
+        prim = top.add(named("Xform", link.name, names, identifiers[link.name]))
+        _body(prim, link)
+        _filter(prim, link, robot, paths)
+        place(prim, standing @ X_RL[link.name])
+        _content(prim, link, robot, library)
+    if robot.joints or robot.base == "fixed":
+        top.add(joints(robot, path, paths))
+    top.children += library.prims()
+    origin = f" from {robot.source}" if robot.source else ""
+    metadata = [
+        f"defaultPrim = {quoted(top.name)}",
+        f"doc = {quoted(f'Written by stepbot {__version__}{origin}.')}",
+        "kilogramsPerUnit = 1",
+        "metersPerUnit = 1",
+        'upAxis = "Z"',
+    ]
+    return layer(metadata, top)
+
+
+def companions(_robot: Robot) -> tuple[Companion, ...]:
+    """No files beside the main one."""
+    return ()
+
+
+def scenes(_robot: Robot) -> dict[str, bytes]:
+    """No scene."""
+    return {}
+
+
+def _body(prim: Prim, link: Link) -> None:
+    """A rigid body with its mass properties."""
+    body = link.mass_properties
+    moments, axes = principal_axes(body.inertia)
+    prim.schemas += ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]
+    prim.set("float physics:mass", single(body.mass))
+    prim.set("point3f physics:centerOfMass", singles(body.com))
+    prim.set("float3 physics:diagonalInertia", singles(moments))
+    prim.set("quatf physics:principalAxes", singles(Pose(axes).quaternion))
+
+
+def _filter(prim: Prim, link: Link, robot: Robot, paths: dict[str, str]) -> None:
+    """The links later in the file whose contacts with this one are excluded, unless a joint does."""
+    held = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
+    held |= {frozenset((closure.link_a, closure.link_b)) for closure in robot.closures}
+    order = [one.name for one in robot.links]
+    later = order[order.index(link.name) + 1 :]
+    pairs = without_contacts(robot) - held
+    others = [f"<{paths[other]}>" for other in later if frozenset((link.name, other)) in pairs]
+    if others:
+        prim.schemas.append("PhysicsFilteredPairsAPI")
+        prim.set("rel physics:filteredPairs", f"[{', '.join(others)}]")
+
+
+def _content(prim: Prim, link: Link, robot: Robot, library: Library) -> None:
+    """Visuals, collisions and frames of a link."""
+    visuals, collisions, frames = Names(), Names(), Names()
+    groups = {
+        "visuals": [library.visual(visual, visuals) for visual in link.visuals],
+        "collisions": [library.collision(collision, collisions) for collision in link.collisions],
+        "frames": [_frame(frame, frames) for frame in robot.frames if frame.link == link.name],
+    }
+    for name, prims in groups.items():
+        if prims:
+            prim.add(Prim("Scope", name, children=prims))
+
+
+def _frame(frame: Frame, names: Names) -> Prim:
+    prim = named("Xform", frame.name, names)
+    place(prim, frame.X_LF)
+    return prim

@@ -1,0 +1,161 @@
+"""OpenUSD files, read by USD's library as any program would."""
+
+from dataclasses import replace
+from math import pi, radians
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.formats.rendering import render
+from stepbot.formats.usd.usda import quoted, single
+from stepbot.robot.model import Base, Robot
+from tests.robots import ROBOTS, four_bar, gripper_with_mimic, odd_names, one_link, primitives, two_link_arm
+
+pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
+
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation  # noqa: E402
+
+every_robot = pytest.mark.parametrize("name", ROBOTS)
+
+
+def stage_of(robot: Robot) -> Any:
+    """The stage of a robot's file."""
+    (content,) = render(robot, "usd", Diagnostics()).values()
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    assert layer.ImportFromString(content.decode())
+    return Usd.Stage.Open(layer)
+
+
+@every_robot
+def test_usds_validators_find_nothing(name: str) -> None:
+    """All validators that come with USD, those of UsdPhysics among them, have nothing to report."""
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    errors = context.Validate(stage_of(ROBOTS[name]()))
+    assert [f"{error.GetName()}: {error.GetMessage()}" for error in errors] == []
+
+
+def test_units_and_axis_are_declared() -> None:
+    """Metres, kilograms, z up, and one root prim, which is the default one."""
+    stage = stage_of(two_link_arm())
+    assert UsdGeom.GetStageMetersPerUnit(stage) == UsdPhysics.GetStageKilogramsPerUnit(stage) == 1.0
+    assert UsdGeom.GetStageUpAxis(stage) == "Z"
+    assert stage.GetPseudoRoot().GetChildren() == [stage.GetDefaultPrim()]
+    assert stage.GetDefaultPrim().HasAPI(UsdPhysics.ArticulationRootAPI)
+
+
+def test_angles_are_in_degrees() -> None:
+    """Limits, gains and targets of joints that turn are in degrees, and per degree."""
+    stage = stage_of(two_link_arm())
+    joint = stage.GetPrimAtPath("/two_link_arm/joints/shoulder")
+    limits = UsdPhysics.RevoluteJoint(joint)
+    assert limits.GetLowerLimitAttr().Get() == pytest.approx(-60.0, rel=1e-7)
+    drive = UsdPhysics.DriveAPI(joint, "angular")
+    assert drive.GetStiffnessAttr().Get() == pytest.approx(radians(100.0), rel=1e-7)
+    assert drive.GetMaxForceAttr().Get() == 12.5
+    assert joint.GetAttribute("newton:velocityLimit").Get() == pytest.approx(180.0, rel=1e-7)
+    assert joint.GetAttribute("newton:damping").Get() == pytest.approx(0.05 * pi / 180.0, rel=1e-7)
+    assert joint.GetAttribute("newton:armature").Get() == pytest.approx(0.003, rel=1e-7)
+
+
+def test_closures_are_excluded_from_the_articulation() -> None:
+    """The joint that closes a loop is a constraint beside the tree; the others are in the tree."""
+    stage = stage_of(four_bar())
+    joints = [UsdPhysics.Joint(prim) for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
+    excluded = [one.GetPrim().GetName() for one in joints if one.GetExcludeFromArticulationAttr().Get()]
+    assert excluded == [closure.name for closure in four_bar().closures]
+
+
+def test_a_mesh_is_in_the_file_once() -> None:
+    """Two visuals and a collision with one mesh share it: visuals are instances of one prototype."""
+    robot = one_link()
+    (visual, *_), (collision, *_) = robot.root.visuals, robot.root.collisions
+    link = replace(robot.root, visuals=(visual, replace(visual, name="again")), collisions=(collision,))
+    (content,) = render(replace(robot, links=(link,)), "usd", Diagnostics()).values()
+    assert content.count(b"point3f[] points") == 1
+    stage = stage_of(replace(robot, links=(link,)))
+    assert len(stage.GetPrototypes()) == 1
+    meshes = [prim for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Mesh)]
+    assert len(meshes) == 3
+    assert len({len(UsdGeom.Mesh(prim).GetPointsAttr().Get()) for prim in meshes}) == 1
+
+
+def test_native_shapes_are_native() -> None:
+    """Boxes, cylinders, spheres and capsules are gprims; meshes have an approximation, others none."""
+    stage = stage_of(primitives())
+    colliders = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI)]
+    assert {prim.GetTypeName() for prim in colliders} >= {"Cube", "Cylinder", "Sphere", "Capsule"}
+    for prim in colliders:
+        assert prim.HasAPI(UsdPhysics.MeshCollisionAPI) == prim.IsA(UsdGeom.Mesh)
+        assert UsdGeom.Imageable(prim).ComputePurpose() == "guide"
+
+
+def test_colours_are_linear_materials() -> None:
+    """A material for each colour; USD's colours are linear, those of CAD programs are sRGB."""
+    stage = stage_of(two_link_arm())
+    surfaces = [UsdShade.Shader(prim) for prim in stage.Traverse() if prim.IsA(UsdShade.Shader)]
+    rgba = {visual.rgba for link in two_link_arm().links for visual in link.visuals}
+    assert len(surfaces) == len(rgba)
+    orange = next(one for one in rgba if one[0] > one[2])
+    (seen,) = [one.GetInput("diffuseColor").Get() for one in surfaces if one.GetInput("diffuseColor").Get()[2] < 0.3]
+    for channel, linear in zip(orange, seen, strict=False):
+        assert linear == pytest.approx(((channel + 0.055) / 1.055) ** 2.4 if channel > 0.04045 else channel / 12.92)
+
+
+def test_names_are_identifiers_that_keep_the_name() -> None:
+    """A prim of another name than its link has that as display name; no two prims have one path."""
+    robot = odd_names()
+    stage = stage_of(robot)
+    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    assert [prim.GetDisplayName() or prim.GetName() for prim in bodies] == [link.name for link in robot.links]
+    assert len({prim.GetPath() for prim in bodies}) == len(robot.links)
+    assert stage.GetDefaultPrim().GetDisplayName() == robot.name
+
+
+def test_names_that_become_the_same_are_numbered() -> None:
+    """`a b`, `a-b` and the scopes of the robot are different prims."""
+    robot = gripper_with_mimic()
+    new = dict(zip((link.name for link in robot.links), ("a b", "a-b", "joints", "1", "m"), strict=False))
+    joints = [replace(one, parent=new[one.parent], child=new[one.child]) for one in robot.joints]
+    links = [replace(link, name=new[link.name]) for link in robot.links]
+    frames = [replace(frame, link=new[frame.link]) for frame in robot.frames]
+    stage = stage_of(replace(robot, links=tuple(links), joints=tuple(joints), frames=tuple(frames)))
+    bodies = [prim.GetName() for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    assert bodies[:3] == ["a_b", "a_b_", "joints_"]
+
+
+def test_a_floating_robot_has_no_joint_to_the_world() -> None:
+    """It stands on z = 0 in the drawn pose."""
+    robot = replace(two_link_arm(), base=Base.FLOATING)
+    stage = stage_of(robot)
+    assert not stage.GetPrimAtPath("/two_link_arm/joints/world_joint")
+    box = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default", "guide"]).ComputeWorldBound(stage.GetDefaultPrim())
+    assert box.ComputeAlignedBox().GetMin()[2] == pytest.approx(0.0, abs=1e-6)
+    assert stage_of(two_link_arm()).GetPrimAtPath("/two_link_arm/joints/world_joint")
+
+
+def test_the_file_is_complete(tmp_path: Path) -> None:
+    """It refers to no other file."""
+    for path, content in render(two_link_arm(), "usd", Diagnostics()).items():
+        (tmp_path / path).write_bytes(content)
+    layers, assets, unresolved = UsdUtils.ComputeAllDependencies(str(tmp_path / "two_link_arm.usda"))
+    assert (len(layers), assets, unresolved) == (1, [], [])
+
+
+def test_singles_read_back_as_singles() -> None:
+    """The shortest text of a single, whole numbers without a point, and no minus zero."""
+    assert [single(value) for value in (0.1, 1.0, -0.0, 1 / 3, 1e-9, 16777217.0)] == [
+        "0.1", "1", "0", "0.33333334", "0.000000001", "16777216",
+    ]  # fmt: skip
+    with pytest.raises(ValueError, match="NaN"):
+        single(float("nan"))
+
+
+def test_strings_are_escaped() -> None:
+    """Any name is a string of the text format."""
+    for text in ('a "b"', "back\\slash", "new\nline", "Röhre", "tab\t\x7f"):
+        layer = Sdf.Layer.CreateAnonymous(".usda")
+        assert layer.ImportFromString(f"#usda 1.0\n(\n    doc = {quoted(text)}\n)\n")
+        assert layer.documentation == text
