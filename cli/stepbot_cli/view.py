@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
 from .convert import default_output
-from .diagnostic_text import printable
+from .diagnostic_text import printable, summary
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
@@ -65,6 +65,7 @@ def command(
     drafted = ""
     if edit:
         target, drafted = _editable(target, options, found)
+        _check_writable(target, found)
     if found.has_errors:
         return _say(found, "", as_json, display)
     try:
@@ -126,12 +127,29 @@ def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Pat
     return sidecar, f"wrote {printable(sidecar.as_posix())}, as `stepbot init` does"
 
 
+def _check_writable(sidecar: Path, found: Diagnostics) -> None:
+    """Report in advance that no edit could be written."""
+    from stepbot.runtime.output import check_writable
+
+    try:
+        check_writable(sidecar.parent)
+    except StepbotError as error:
+        found.extend(
+            replace(one, help=("copy the files to a folder that you can write to",)) for one in error.diagnostics
+        )
+
+
 def _say(found: Diagnostics, url: str, as_json: bool, display: Display, drafted: str = "") -> int:
-    """Print diagnostics and the address of the page; returns the exit code."""
+    """Print diagnostics and the address of the page; returns the exit code.
+
+    Of a page that opens, warnings and notes are only counted: it lists them, each beside its place.
+    """
     if as_json:
         write_json({"url": url, "diagnostics": found, "exit_code": found.exit_code})
-    else:
-        show_diagnostics(found, display)
-        for line in filter(None, (drafted, url)):
-            write_result(line)
+        return found.exit_code
+    listed = [one for one in found if one.severity != "error"] if url and not display.verbose else []
+    show_diagnostics([one for one in found if one not in listed] if listed else found, display)
+    counted = f"{summary(listed, explain=False)} in the page, under Findings" if listed and not display.quiet else ""
+    for line in filter(None, (drafted, counted, url)):
+        write_result(line)
     return found.exit_code

@@ -1,14 +1,16 @@
 """``stepbot view --edit``: which file is edited."""
 
+import os
 from pathlib import Path
 
 import click
 import pytest
 
 from stepbot.api import check
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.pipeline.conversion import Options
-from stepbot_cli.view import _editable
+from stepbot_cli.terminal import Display
+from stepbot_cli.view import _check_writable, _editable, _say
 from tests.parts import write_hinge
 
 
@@ -32,3 +34,31 @@ def test_other_files_cannot_be_edited(tmp_path: Path) -> None:
     """A URDF has no sidecar."""
     with pytest.raises(click.UsageError, match="needs a sidecar or a STEP file"):
         _editable(tmp_path / "arm.urdf", Options(output=Path()), Diagnostics())
+
+
+def test_a_folder_without_write_permission_is_reported_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page does not open for edits that could not be written."""
+    sidecar = tmp_path / "arm.robot.yaml"
+    sidecar.write_text("version: 1\n", encoding="utf-8")
+    monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
+    found = Diagnostics()
+    _check_writable(sidecar, found)
+    ((code, message, help),) = [(one.code, one.message, one.help) for one in found]
+    assert code == "SB004"
+    assert "no write permission" in message
+    assert help == ("copy the files to a folder that you can write to",)
+
+
+def test_warnings_are_counted_where_the_page_lists_them(capsys: pytest.CaptureFixture[str]) -> None:
+    """A page that opens lists warnings; the terminal shows errors, the number of warnings, and the address last."""
+    found = Diagnostics()
+    for name in ("a", "b"):
+        found.add("SB305", f"part '{name}'", Span("arm.step"))
+    found.add("SB001", "sidecar: no such file", Span("arm.robot.yaml"))
+    _say(found, "http://127.0.0.1:1/x/", as_json=False, display=Display())
+    out, err = capsys.readouterr()
+    assert "SB001" in err
+    assert "SB305" not in err
+    assert out.splitlines() == ["2 warnings in the page, under Findings", "http://127.0.0.1:1/x/"]
+    _say(found, "", as_json=False, display=Display())
+    assert "SB305" in capsys.readouterr().err
