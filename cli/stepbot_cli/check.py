@@ -71,11 +71,14 @@ def command(
 ) -> int:
     """Check sidecars and report all errors. Folders are searched recursively; the default is the current folder.
 
+    In place of a sidecar, a URDF, SDFormat or MJCF is checked for what a conversion to other formats would lose.
+
     STEP files are read only with --step. A STEP file that differs from the sidecar's lock file (`stepbot lock`) is
     compared with it. No files are written, except by --fix. Diagnostics are printed to standard output.
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.jobs.incremental import check
+    from stepbot.pipeline.source_names import is_description
 
     options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
     found = Diagnostics()
@@ -86,7 +89,7 @@ def command(
     with progress_bar([str(path) for path in sidecars] if open_step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if fix and (fixed := fix_paths(sidecar, options, found)) is not None:
+            if fix and not is_description(sidecar) and (fixed := fix_paths(sidecar, options, found)) is not None:
                 fixes.append(fixed)
             checked[sidecar] = check(sidecar, options, found, open_step=open_step)
     if strict:

@@ -86,13 +86,27 @@ gazebo_option = click.option(
     is_flag=True,
     help="Make the output folder a Gazebo model: model.config, and mesh paths of the SDFormat as model://DIR/meshes/...",
 )
+base_option = click.option(
+    "--base",
+    type=click.Choice(["fixed", "floating"]),
+    help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
+)
+package_path_option = click.option(
+    "--package-path",
+    "package_path",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of a package, or of packages, that a converted file names in package:// or model://; may be repeated.",
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
 @click.command(
     cls=Command,
     short_help=f"Write and verify {_titles()}.",
-    epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm",
+    epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm\n\n"
+    "From another format: stepbot convert robot.urdf -f mjcf,sdf -o robot",
 )
 @click.argument("sidecar", type=click.Path(path_type=Path))
 @click.option(
@@ -116,6 +130,8 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @package_option
 @ros2_option
 @gazebo_option
+@base_option
+@package_path_option
 @junit_option
 @json_option
 @display_options
@@ -134,17 +150,25 @@ def command(
     package: str,
     ros2: str,
     gazebo: bool,
+    base: str | None,
+    package_path: tuple[Path, ...],
     junit: Path | None,
     as_json: bool,
     display: Display,
 ) -> int:
     """Convert the robot of SIDECAR to URDF, SDFormat and MJCF, and verify the files.
 
+    SIDECAR names a STEP file; in its place, a URDF, SDFormat or MJCF is converted to the other formats.
+
     Each file is loaded in every engine that supports its format, and the loaded robot is compared with the CAD model.
     The table lists the largest deviations. If an error occurs, existing files in DIR remain unchanged.
     """
+    from stepbot.pipeline.source_names import is_description
+
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
+    if step is not None and is_description(sidecar):
+        raise click.UsageError(f"--step needs a sidecar, and {sidecar.name} is none")
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar)
     options = replace(
@@ -160,6 +184,8 @@ def command(
         package=package,
         ros2=bool(ros2),
         gazebo=model_of(output, formats) if gazebo else "",
+        base=base or "",
+        package_path=package_path,
     )
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
 

@@ -39,7 +39,7 @@ def _cells(rows: Sequence["Row"]) -> tuple[str, ...]:
     """The line of one file."""
     statuses = [row.status.value for row in rows]
     result = next(status for status in ("failed", "passed", "not run") if status in statuses)
-    engines = [row.engine for row in rows if row.compared]
+    engines = [name for row in rows if row.compared for name in row.engine.split(", ")]
     measured = [row.worst for row in rows if row.worst is not None and row.status.value == result]
     return (
         rows[0].format,

@@ -12,11 +12,10 @@ from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.solids.bounded_hulls import bounded_hull
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.spatial import Array
+from stepbot.robot.mesh_names import FALLBACK, UniqueNames, ascii_name
 from stepbot.robot.model import MeshAsset, MeshRef, Rgba
 from stepbot.step.assembly import Assembly, Component
 from stepbot.step.structure.naming import BODY, base_name
-
-from .names import FALLBACK, UniqueNames, ascii_name
 
 
 @dataclass(frozen=True)

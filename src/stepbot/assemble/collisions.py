@@ -16,6 +16,7 @@ from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylind
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.collision_sets import CollisionSet
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
+from stepbot.robot.mesh_names import ascii_name
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Sphere
 from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
 from stepbot.step.features.axes import axis_faces, lines
@@ -26,7 +27,6 @@ from .binder import Binder, listed
 from .collision_rules import CollisionRule, given_budgets, is_merged, link_rule, rule_of
 from .fitted_collisions import FittedCollisions, joined_part, joined_parts
 from .material_assignment import MaterialAssignment
-from .names import ascii_name
 
 _Placed = tuple[Geometry, Pose]
 

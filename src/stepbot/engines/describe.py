@@ -1,5 +1,7 @@
 """Reads an existing robot description of any format as data; to be called in a worker process."""
 
+from pathlib import Path
+
 from .description import Description
 from .description.sdf import describe_sdf
 from .description.urdf import describe_urdf
@@ -9,12 +11,13 @@ from .observation import EngineCannotRead
 _READERS = {"urdf": describe_urdf, "sdf": describe_sdf, "mjcf": describe_mjcf}
 
 
-def describe(file: str, written_in: str) -> Description:
+def describe(file: str, written_in: str, packages: tuple[Path, ...] = ()) -> Description:
     """Read a description.
 
     Args:
         file: Absolute path.
         written_in: ``urdf``, ``sdf`` or ``mjcf``.
+        packages: Folders of the packages and models that meshes are named in.
 
     Raises:
         EngineRefused: It contradicts its format.
@@ -22,4 +25,4 @@ def describe(file: str, written_in: str) -> Description:
     """
     if written_in not in _READERS:
         raise EngineCannotRead(f"only {', '.join(_READERS)} can be read as descriptions, not {written_in}")
-    return _READERS[written_in](file)
+    return _READERS[written_in](file, packages)

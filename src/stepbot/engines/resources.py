@@ -1,22 +1,23 @@
 """Resolves the mesh files of a description: relative paths, ``file://``, ``package://`` and ``model://``."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 _SCHEMES = ("package", "model", "file")
 
 
-def resolve(uri: str, description: Path) -> Path | None:
+def resolve(uri: str, description: Path, packages: Iterable[Path] = ()) -> Path | None:
     """The file that ``uri`` refers to in a description; None if it does not exist.
 
     A package is searched upwards from the description: ``package://arm/meshes/a.obj`` is ``meshes/a.obj`` in the first
-    folder above that contains it, or in its subfolder ``arm``.
+    folder above that contains it, or in its subfolder ``arm``; before that in ``packages``, folders of packages or the
+    folders that contain them.
     """
-    return next((candidate for candidate in candidates(uri, description) if candidate.is_file()), None)
+    return next((candidate for candidate in candidates(uri, description, packages) if candidate.is_file()), None)
 
 
-def candidates(uri: str, description: Path) -> Iterator[Path]:
+def candidates(uri: str, description: Path, packages: Iterable[Path] = ()) -> Iterator[Path]:
     """Candidate paths of the file that ``uri`` refers to, the likeliest first."""
     scheme, _, rest = uri.partition("://")
     if not rest or scheme not in _SCHEMES:
@@ -25,5 +26,5 @@ def candidates(uri: str, description: Path) -> Iterator[Path]:
         yield Path(unquote(urlsplit(uri).path))
     else:
         inside = Path(*Path(rest).parts[1:])
-        for folder in description.absolute().parents:
+        for folder in (*packages, *description.absolute().parents):
             yield from (folder / rest, folder / inside)

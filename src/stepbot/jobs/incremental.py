@@ -14,6 +14,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Options, write
 from stepbot.pipeline.prestart import started_kernel, started_server
+from stepbot.pipeline.source_names import is_description
 from stepbot.revisions.lock_path import lock_path
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, own_code
 from stepbot.runtime.output import check_writable
@@ -64,7 +65,7 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     before = _content(sidecar, options.cache)
     lock = file_digest(lock_path(sidecar))
     with ExitStack() as running:
-        kernel = started_kernel(sidecar, options)
+        kernel = None if is_description(sidecar) else started_kernel(sidecar, options)
         server = started_server(options) if kernel is None else None  # not in parallel: the kernel would take longer
         for started in (kernel, server):
             if started is not None:
@@ -105,8 +106,11 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
 
 
 def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
-    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing."""
-    cache = options.cache
+    """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
+
+    A URDF, SDFormat or MJCF is read with its meshes; its result is not cached.
+    """
+    cache = None if is_description(sidecar) else options.cache
     key = _check_key(sidecar, options, open_step)
     kept = TypedCache(cache, _Findings).get(key) if key else None
     if kept is not None:

@@ -50,6 +50,10 @@ class Options:
     """Whether to write the report as a page, too."""
     package: str = ""
     """ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file."""
+    package_path: tuple[Path, ...] = ()
+    """Folders of the packages that a source names in ``package://`` and ``model://``."""
+    base: str = ""
+    """``fixed`` or ``floating``, for a source that does not say which: a URDF; empty for fixed."""
     ros2: bool = False
     """Whether to add the files that make the output folder this package, and to search for links that can overlap."""
     gazebo: str = ""

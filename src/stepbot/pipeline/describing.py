@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.openable import openable
@@ -9,7 +10,6 @@ from stepbot.robot.model import Robot
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 from stepbot.verification.admission import admitted
 from stepbot.verification.files import format_of
-from stepbot.viewing.described import robot_of_description
 
 from .conversion import Options
 
@@ -32,7 +32,9 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     span = Span(path.as_posix())
     with Worker(_DESCRIBE, memory_limit=options.memory_limit) as worker:
         try:
-            description: Description = worker.submit(str(openable(path)), written_in).result(options.timeout)
+            description: Description = worker.submit(str(openable(path)), written_in, options.package_path).result(
+                options.timeout
+            )
         except RemoteError as error:
             if error.kind not in ("EngineRefused", "EngineCannotRead"):
                 raise
@@ -42,6 +44,9 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
             message = f"the process that reads the description died: {death.reason}"
             found.add("SB902", message, span, notes=death.last_lines)
             return None
+    if not description.observation.links:
+        found.add("SB823", "the file has no links", span)
+        return None
     return description
 
 
@@ -50,10 +55,7 @@ def described_robot(path: Path, options: Options, found: Diagnostics) -> Robot |
     description = read_description(path, options, found)
     if description is None or found.has_errors:
         return None
-    if not description.observation.links:
-        found.add("SB823", "the file has no links", Span(path.as_posix()))
-        return None
-    described = robot_of_description(description, path.stem, path.name)
+    described = robot_of_description(description, path.stem, path.name, drawn=True)
     if described.missing:
         count = len(described.missing)
         message = f"{count} {'detail' if count == 1 else 'details'} of the file not shown"

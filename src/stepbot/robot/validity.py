@@ -55,7 +55,9 @@ _Extent = tuple[Vector3, Vector3]
 Report = Callable[..., None]
 
 
-def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit: str = "") -> None:
+def check_robot(
+    robot: Robot, found: Diagnostics, span: Span | None = None, unit: str = "", *, massless_between: bool = False
+) -> None:
     """Report properties that no physical robot can have.
 
     Args:
@@ -63,6 +65,7 @@ def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit
         found: Receives SB410 to SB418, SB420, SB508 to SB510.
         span: Where the robot is described; None for its source as a whole.
         unit: Length unit of the robot's source, named if the robot is very large or very light.
+        massless_between: Whether links without mass and shape may stand between joints, as in other descriptions.
     """
     place = span if span is not None else Span(robot.source or robot.name)
 
@@ -71,7 +74,9 @@ def check_robot(robot: Robot, found: Diagnostics, span: Span | None = None, unit
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):
-        for rule in (_check_limits, _check_masses, _check_closures, _check_contacts):
+        _check_limits(robot, report)
+        _check_masses(robot, report, massless_between=massless_between)
+        for rule in (_check_closures, _check_contacts):
             rule(robot, report)
         _check_scale(robot, report, unit)
 
@@ -196,11 +201,13 @@ def _check_limits(robot: Robot, report: Report) -> None:
             report("SB416", f"joint '{joint.name}': a limit of velocity or effort is negative")
 
 
-def _check_masses(robot: Robot, report: Report) -> None:
+def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> None:
     """Moving links have mass, and every inertia is physically possible."""
+    heavy_below = _links_above_mass(robot) if massless_between else frozenset()
     for members in _rigid_groups(robot):
         moves = robot.base is Base.FLOATING or members[0] is not robot.root
-        if moves and not any(link.mass_properties.mass > 0.0 for link in members):
+        between = members[0].name in heavy_below and not any(_shapes(link) for link in members)
+        if moves and not between and not any(link.mass_properties.mass > 0.0 for link in members):
             _report_massless(members, report)
     for link in robot.links:
         fault = inertia_fault(link.mass_properties)
@@ -210,6 +217,15 @@ def _check_masses(robot: Robot, report: Report) -> None:
                 f"link '{link.name}': {fault}",
                 help=("repair its solids in CAD: they are open or self-intersecting; or give it an `inertial`",),
             )
+
+
+def _links_above_mass(robot: Robot) -> frozenset[str]:
+    """Links but the root that carry a mass below them."""
+    above = set()
+    for joint in reversed(robot.joints):
+        if joint.child in above or robot.link_by_name[joint.child].mass_properties.mass > 0.0:
+            above.add(joint.parent)
+    return frozenset(above - {robot.root.name})
 
 
 def _report_massless(members: list[Link], report: Report) -> None:

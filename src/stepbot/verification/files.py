@@ -78,7 +78,7 @@ def verify_files(
     """
     required = tuple(require)
     check_required(required, found)
-    asked, outcomes = _observed(paths, found, timeout=timeout, memory_limit=memory_limit)
+    asked, outcomes = observed(paths, found, timeout=timeout, memory_limit=memory_limit)
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
@@ -106,8 +106,8 @@ def compare_two(
         memory_limit: Address space [bytes] of each engine; None for no limit.
     """
     reported = Diagnostics()
-    asked, outcomes = _observed((old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0)
-    seen = [ranked for path in (old, new) if (ranked := _ranked([o for o in outcomes if o.key == _key(path)]))]
+    asked, outcomes = observed((old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0)
+    seen = [seen_by for path in (old, new) if (seen_by := ranked([o for o in outcomes if o.key == _key(path)]))]
     if len(seen) < 2:
         for path in (old, new):
             of_file = [outcome for outcome in outcomes if outcome.key == _key(path)]
@@ -115,10 +115,10 @@ def compare_two(
         found.extend(one for one in reported if one.severity == "error")
         return None
     ours, theirs = map(gather, seen)
-    return _compared_across(ours, theirs, asked, first=True)
+    return compared_with_first(ours, theirs, asked)
 
 
-def _observed(
+def observed(
     paths: Sequence[Path],
     found: Diagnostics,
     *,
@@ -127,7 +127,16 @@ def _observed(
     count: int = CONFIGURATIONS,
     seconds: float = SECONDS,
 ) -> "tuple[Asked, Sequence[Outcome]]":
-    """Load every file in every engine that reads it."""
+    """Load every file in every engine that reads it.
+
+    Args:
+        paths: The files; the same motions are asked of all, in the coordinates of the first.
+        found: Receives the errors of files that cannot be read.
+        timeout: Time limit [s] of each engine.
+        memory_limit: Address space [bytes] of each engine; None for no limit.
+        count: Number of random configurations.
+        seconds: Duration [s] of the passive simulation.
+    """
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
     with ExitStack() as running:
         server = started_engine_server()
@@ -238,8 +247,8 @@ def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tupl
     checks: list[Check] = []
     for key, of_file in by_file.items():
         checks += _checks_within(key, of_file, _reference(of_file), found)
-    seen = [ranked for of_file in by_file.values() if (ranked := _ranked(of_file))]
-    checks += _checks_across([gather(ranked) for ranked in seen], asked, found)
+    seen = [seen_by for of_file in by_file.values() if (seen_by := ranked(of_file))]
+    checks += _checks_across([gather(one) for one in seen], asked, found)
     return tuple(checks)
 
 
@@ -263,15 +272,15 @@ def _clear_of_locks(
     return tuple(clear)
 
 
-def _ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
-    """Outcomes with an observation of the file, the engine that reports most first."""
+def ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """The outcomes with an observation of the file, the engine that reports most first."""
     seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
     return sorted(seen, key=lambda outcome: engine_of(outcome.engine).order)
 
 
 def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:
     """Diagnostics of the engine that reports most."""
-    return next(iter(_ranked(outcomes)), None)
+    return next(iter(ranked(outcomes)), None)
 
 
 def _checks_within(
@@ -312,6 +321,17 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostic
                 against = f"{ours.key} ({ours.engine(one.quantity)})"
                 subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)
                 yield from _reported(subject, [one], found)
+
+
+def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:
+    """The comparison of a file with the first one.
+
+    Args:
+        ours: The first file.
+        theirs: The other file.
+        asked: The requests.
+    """
+    return _compared_across(ours, theirs, asked, first=True)
 
 
 def _compared_across(ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool) -> tuple[Compared, ...]:

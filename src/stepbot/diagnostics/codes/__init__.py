@@ -19,6 +19,7 @@ from . import (
     self_collision,
     sidecar,
     simulators,
+    sources,
 )
 from .code import Code, Severity
 
@@ -37,6 +38,7 @@ CODES: dict[str, Code] = {
         self_collision,
         formats,
         simulators,
+        sources,
         internal,
     )
     for code in module.CODES

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from stepbot.geometry.spatial import Array, Pose, Vector3
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from ..observation import Observation
+from .vocabulary import Unread
 
 Primitive = Box | Cylinder | Sphere | Capsule
 
@@ -27,6 +29,8 @@ class DescribedShape:
     """Colour; None if the file gives none."""
     collides: bool = False
     """Whether it is a collision; otherwise a visual."""
+    mesh: str = ""
+    """Its mesh, as named in the description; empty for a primitive."""
 
     @property
     def points(self) -> Array:
@@ -61,6 +65,14 @@ class Description:
     """Visuals and collisions, in the order of the file."""
     unread: tuple[str, ...] = ()
     """Mesh files that are missing or of an unsupported type, as named in the description."""
+    lost: tuple[Unread, ...] = ()
+    """Elements and attributes of the file that are not read."""
+    files: tuple[Path, ...] = ()
+    """The other files that were read: included files, meshes."""
+    free_roots: tuple[str, ...] = ()
+    """Links that nothing holds in the world."""
+    assumed: tuple[str, ...] = ()
+    """Links whose mass properties the file does not give: the format defines them otherwise."""
 
     @property
     def seen(self) -> tuple[DescribedShape, ...]:

@@ -1,5 +1,6 @@
 """Mesh files of a description, without materials and without opening referenced files."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from stepbot.geometry.mesh import TriMesh
@@ -11,9 +12,10 @@ from ..resources import resolve
 class MeshFiles:
     """Reads each mesh file of a description once."""
 
-    def __init__(self, description: Path) -> None:
-        self._description = description
+    def __init__(self, description: Path, packages: Iterable[Path] = ()) -> None:
+        self._description, self._packages = description, tuple(packages)
         self._meshes: dict[str, TriMesh | None] = {}
+        self._files: list[Path] = []
 
     def mesh(self, uri: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0)) -> TriMesh | None:
         """Triangles in the file, scaled; None if it is missing or unreadable."""
@@ -30,8 +32,14 @@ class MeshFiles:
         """The unreadable files, as named in the description, sorted."""
         return tuple(sorted(uri for uri, mesh in self._meshes.items() if mesh is None))
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that were read, in the order of the description."""
+        return tuple(dict.fromkeys(self._files))
+
     def _read(self, uri: str) -> TriMesh | None:
-        path = resolve(uri, self._description)
+        path = resolve(uri, self._description, self._packages)
         if path is None or path.suffix.lower() not in KINDS:
             return None
+        self._files.append(path.resolve())
         return read_mesh(path)

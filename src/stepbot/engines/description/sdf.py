@@ -1,6 +1,6 @@
 """SDFormat by stepbot's own reader."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,15 +21,15 @@ else:
     Element = object
 
 
-def describe_sdf(file: str) -> Description:
-    """Read an SDFormat file.
+def describe_sdf(file: str, packages: Iterable[Path] = ()) -> Description:
+    """Read an SDFormat file; its meshes are searched for in ``packages``, too.
 
     Raises:
         EngineRefused: It violates its format.
         EngineCannotRead: It uses unsupported features.
     """
     observation = engine_of("reader").observer.observe(Request(file, "sdf", configurations=({},), simulate=0.0))
-    files = MeshFiles(Path(file))
+    files = MeshFiles(Path(file), packages)
     shapes = tuple(shape for link in read_model(Path(file)).findall("link") for shape in _shapes(link, files))
     return Description(observation, _at_zero(observation), shapes, files.unread)
 

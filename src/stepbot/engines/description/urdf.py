@@ -1,6 +1,10 @@
-"""URDF: links and joints as yourdfpy reads them, shapes and the poses of the joints from the XML."""
+"""URDF: links and joints as yourdfpy reads them, shapes and the poses of the joints from the XML.
+
+Springs, actuators and sensors are those of the blocks for Gazebo and ros2_control.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,9 +13,10 @@ from stepbot.geometry.spatial import ZERO3, Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
-from ..observation import EngineRefused, Request
+from ..observation import EngineRefused, Observation, Request
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
+from .urdf_vocabulary import URDF
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -19,24 +24,47 @@ else:
     Element = object
 
 
-def describe_urdf(file: str) -> Description:
-    """Read a URDF.
+def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
+    """Read a URDF; its meshes are searched for in ``packages``, too.
 
     Raises:
         EngineRefused: It contradicts its format.
     """
     from lxml import etree
 
-    observation = engine_of("yourdfpy").observer.observe(Request(file, "urdf", simulate=0.0))
+    request = Request(file, "urdf", simulate=0.0)
+    seen: Observation = engine_of("yourdfpy").observer.observe(request)
+    observation = _with_extensions(seen, engine_of("extensions").observer.observe(request))
     top = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
-    files = MeshFiles(Path(file))
+    files = MeshFiles(Path(file), packages)
     try:
         X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
         materials = {_name(material): material for material in top.findall("material")}
         shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
     except ValueError as error:
         raise EngineRefused(str(error)) from error
-    return Description(observation, X_PC, shapes, files.unread)
+    return Description(observation, X_PC, shapes, files.unread, URDF.unread(top), files.files)
+
+
+def _with_extensions(seen: Observation, blocks: Observation) -> Observation:
+    """The robot with springs, actuators, sensors, and links without gravity of the extension blocks."""
+    springs = {joint.name: joint.dynamics for joint in blocks.joints}
+    weightless = {link.name: link.gravity_compensation for link in blocks.links}
+    joints = []
+    for joint in seen.joints:
+        spring = springs.get(joint.name)
+        if joint.dynamics is not None and spring is not None:
+            dynamics = replace(joint.dynamics, stiffness=spring.stiffness, spring_reference=spring.spring_reference)
+            fields = (*joint.dynamics_fields, "stiffness", "spring_reference")
+            joint = replace(joint, dynamics=dynamics, dynamics_fields=fields)
+        joints.append(joint)
+    return replace(
+        seen,
+        joints=tuple(joints),
+        links=tuple(replace(link, gravity_compensation=weightless.get(link.name)) for link in seen.links),
+        actuators=blocks.actuators,
+        sensors=blocks.sensors,
+    )
 
 
 def _name(element: Element | None, key: str = "name") -> str:
@@ -50,9 +78,10 @@ def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -
             mesh = None if geometry is None else geometry.find("mesh")
             found = _primitive(geometry) if mesh is None else _mesh(mesh, files)
             if found is not None:
-                name = shape.get("name", "") or Path(_name(mesh, "filename")).stem
+                uri, collides = _name(mesh, "filename"), kind == "collision"
+                name = shape.get("name", "") or Path(uri).stem
                 rgba = _color(shape.find("material"), materials)
-                yield DescribedShape(_name(link), name, found, _origin(shape), rgba, kind == "collision")
+                yield DescribedShape(_name(link), name, found, _origin(shape), rgba, collides, uri)
 
 
 def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba | None:

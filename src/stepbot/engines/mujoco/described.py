@@ -1,6 +1,6 @@
 """MJCF as MuJoCo compiles it, without the meshes and textures whose files are missing."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,8 @@ from .warnings import collected_warnings
 
 
 @collected_warnings()
-def describe_mjcf(file: str) -> Description:
-    """Read an MJCF.
+def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
+    """Read an MJCF, whose meshes are relative to it.
 
     Raises:
         EngineRefused: MuJoCo does not compile it, or it has no bodies.

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.describe import describe
 from stepbot.formats import FORMATS
@@ -15,7 +16,6 @@ from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import show
 from stepbot.robot.kinematics import independent_joints, initial_configuration, link_poses, moving_joints
 from stepbot.robot.model import JointKind, Robot
-from stepbot.viewing.described import robot_of_description
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
 
@@ -37,7 +37,7 @@ AWKWARD = """<mujoco><worldbody>
 
 def robot_of(path: Path, written_in: str) -> Robot:
     """The robot that a page shows of a file."""
-    described = robot_of_description(describe(str(path), written_in), path.stem, path.name)
+    described = robot_of_description(describe(str(path), written_in), path.stem, path.name, drawn=True)
     assert described.missing == ()
     return described.robot
 

@@ -4,7 +4,7 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-from stepbot.robot.file_names import is_device
+from .file_names import is_device
 
 LONGEST = 60
 """Maximum length [characters] of a name, before a number is added."""

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stepbot.assemble.names import UniqueNames, ascii_name
+from stepbot.robot.mesh_names import UniqueNames, ascii_name
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,85 @@
+"""The actuators and sensors of a description."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import inf, isfinite
+
+from stepbot.engines.description import Description
+from stepbot.engines.observation import ObservedActuator, ObservedSensor
+from stepbot.geometry.spatial import IDENTITY
+from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
+from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind, View
+from stepbot.robot.unique_names import free_name
+
+from .finding import DEVICE, Finding
+
+_ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
+
+
+def actuators_of(description: Description, joints: Mapping[str, Joint], found: list[Finding]) -> tuple[Actuator, ...]:
+    """The actuators that move one joint; others are listed."""
+    actuators = []
+    taken: set[str] = set()
+    for one in description.observation.actuators or ():
+        joint = joints.get(one.joint)
+        if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind):
+            on = f" on '{one.joint}'" if one.joint else ""
+            found.append(Finding(DEVICE, f"actuator '{one.name}' of type '{one.kind}'{on}: not converted"))
+            continue
+        name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
+        gear = one.gear or 1.0
+        limit = _own_limit(one, gear, joint.limit)
+        actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), one.kp, one.kv, gear, limit))
+    return tuple(actuators)
+
+
+def _own_limit(one: ObservedActuator, gear: float, joint: Limit) -> Limit:
+    """What the actuator's ranges limit beyond its joint, at the joint.
+
+    A range that is not symmetric where the model's is has the narrower side on both.
+    """
+    motor = one.kind == ActuatorKind.MOTOR
+    low, high = sorted(bound * (gear if motor else 1.0 / gear) for bound in one.control or (-inf, inf))
+    effort = abs(gear) * _smaller(one.force)
+    limit = Limit()
+    if one.kind == ActuatorKind.POSITION:
+        limit = Limit(low, high, effort=effort)
+    elif one.kind == ActuatorKind.VELOCITY:
+        limit = Limit(velocity=_smaller((low, high)), effort=effort)
+    elif motor:
+        limit = Limit(effort=min(_smaller((low, high)), effort))
+    return Limit(
+        limit.lower if limit.lower > joint.lower else -inf,
+        limit.upper if limit.upper < joint.upper else inf,
+        limit.velocity if limit.velocity < joint.velocity else inf,
+        limit.effort if limit.effort < joint.effort else inf,
+    )
+
+
+def _smaller(bounds: tuple[float, float] | None) -> float:
+    return inf if bounds is None else min(abs(bounds[0]), abs(bounds[1]))
+
+
+def sensors_of(
+    seen: Iterable[ObservedSensor], joints: Sequence[Joint], links: set[str], found: list[Finding]
+) -> tuple[Sensor, ...]:
+    """The sensors of the model's kinds; others are listed."""
+    children = {joint.name: joint.child for joint in joints}
+    sensors = []
+    taken: set[str] = set()
+    for number, one in enumerate(seen, start=1):
+        kind = SensorKind(one.kind) if one.kind in set(SensorKind) else None
+        link = children.get(one.joint or "", "") if kind in _ON_JOINTS else one.link
+        if kind is None or not link or link not in links:
+            found.append(Finding(DEVICE, f"sensor '{one.name}' of type '{one.kind}': not converted"))
+            continue
+        name = free_name(one.name or f"{one.joint or link}_{kind.value}_{number}", "_2", taken)
+        X_LS = (one.X_LS or IDENTITY) if kind in PLACED else IDENTITY
+        joint = (one.joint or "") if kind in _ON_JOINTS else ""
+        view = _view(one) if kind in SEEING else View()
+        sensors.append(Sensor(name, kind, link, X_LS, joint, one.rate or 0.0, view))
+    return tuple(sensors)
+
+
+def _view(one: ObservedSensor) -> View:
+    farthest = one.farthest if one.farthest is not None and isfinite(one.farthest) and one.farthest > 0.0 else inf
+    return View(one.fov or 0.0, one.columns or 0, one.rows or 0, one.nearest or 0.0, farthest)

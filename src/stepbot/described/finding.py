@@ -1,0 +1,22 @@
+"""What is found while a description becomes a robot; the caller decides where it is reported."""
+
+from dataclasses import dataclass
+
+MESH = "SB861"
+UNSUPPORTED = "SB862"
+DEVICE = "SB863"
+RENAMED = "SB864"
+REARRANGED = "SB865"
+DROPPED_INERTIA = "SB866"
+
+NOT_SHOWN = (MESH, UNSUPPORTED)
+"""Codes of what a picture of the robot lacks or shows otherwise."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A difference between a description and its robot."""
+
+    code: str
+    text: str
+    """``subject: problem``, as the message of a diagnostic."""

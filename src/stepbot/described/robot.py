@@ -1,0 +1,119 @@
+"""The robot of a URDF, SDFormat or MJCF file, as the file describes it.
+
+A body that MJCF moves by several joints, or by a joint beside its origin, gets links without shape in between. What the
+model cannot hold is listed, never left out in silence.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stepbot.engines.description import Description
+from stepbot.engines.observation import ObservedLink
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import ZERO3, ZERO33
+from stepbot.robot.model import Base, Frame, Link, Robot
+from stepbot.robot.shared_meshes import share_meshes
+
+from .closures import closures_of
+from .devices import actuators_of, sensors_of
+from .finding import DROPPED_INERTIA, MESH, NOT_SHOWN, REARRANGED, Finding
+from .names import with_valid_names
+from .shapes import Shapes
+from .tree import tree_of, without_broken_mimics
+
+_WORLD = "world"
+
+
+@dataclass(frozen=True)
+class Described:
+    """A robot, and where it differs from its file."""
+
+    robot: Robot
+    findings: tuple[Finding, ...]
+    is_base_known: bool
+    """Whether the file says if its base is fixed: a URDF only by a root link ``world``."""
+    names: Mapping[str, str]
+    """New names by the old ones, of links, joints and frames that cannot keep theirs."""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What a picture of the robot lacks, or shows otherwise."""
+        return tuple(one.text for one in self.findings if one.code in NOT_SHOWN)
+
+
+def robot_of_description(
+    description: Description, name: str, source: str, base: Base | None = None, *, drawn: bool = False
+) -> Described:
+    """The robot of a description with at least one link.
+
+    Args:
+        description: The content of the file.
+        name: Name of the robot if the file has none.
+        source: File name.
+        base: Whether the base is fixed, for files that do not tell; None for the default, fixed.
+        drawn: Whether the robot is for a picture, in which a link without visuals shows its collisions.
+    """
+    seen = description.observation
+    found = [Finding(MESH, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
+    shapes = Shapes(description, drawn=drawn)
+    links = {link.name: _link(link, shapes, found) for link in seen.links}
+    joints, extra = tree_of(description, found)
+    root = joints[0].parent if joints else next(iter(links))
+    order = [root, *(joint.child for joint in joints)]
+    kept = without_broken_mimics(joints, found)
+    robot = Robot(
+        seen.name or name,
+        tuple(links.get(one) or extra[one] for one in order),
+        kept,
+        tuple(closures_of(seen.closures or (), set(links), found)),
+        tuple(Frame(one, link, X_LF) for one, (link, X_LF) in (seen.frames or {}).items() if link in links),
+        actuators_of(description, {joint.name: joint for joint in kept}, found),
+        shapes.assets,
+        _base(seen.base, base),
+        source,
+        sensors_of(seen.sensors or (), kept, set(links), found),
+    )
+    rooted = _without_world(robot, found)
+    known = seen.base is not None or rooted is not robot
+    robot, names = with_valid_names(_at_initial(share_meshes(rooted), seen.initial or {}), found)
+    return Described(robot, tuple(found), known, names)
+
+
+def _base(seen: str | None, wanted: Base | None) -> Base:
+    """The file's own base; if it has none, the wanted one."""
+    return wanted or Base.FIXED if seen is None else Base(seen)
+
+
+def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
+    mass = MassProperties()
+    if link.mass:
+        mass = MassProperties.of(link.mass, link.com or ZERO3, np.array(link.inertia or ZERO33))
+    elif link.inertia is not None and np.any(link.inertia):
+        found.append(Finding(DROPPED_INERTIA, f"link '{link.name}': inertia without mass is not converted"))
+    return Link(link.name, mass, shapes.visuals(link.name), shapes.collisions(link.name))
+
+
+def _without_world(robot: Robot, found: list[Finding]) -> Robot:
+    """A bare root link called ``world`` on one fixed joint is the world: the link below it is the root."""
+    below = [joint for joint in robot.joints if joint.parent == robot.root.name]
+    root, first = robot.root, robot.joints[0] if robot.joints else None
+    bare = not (root.mass_properties.mass or root.visuals or root.collisions)
+    if root.name != _WORLD or not bare or first is None or len(below) != 1 or first.kind != "fixed":
+        return robot
+    if any(frame.link == root.name for frame in robot.frames):
+        return robot
+    if not first.X_PC.is_identity:
+        x, y, z = first.X_PC.position
+        where = f"at ({x:g}, {y:g}, {z:g}) m in the world"
+        found.append(
+            Finding(REARRANGED, f"link '{first.child}' is the root, {where} until now, at its origin from now on")
+        )
+    return replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=Base.FIXED)
+
+
+def _at_initial(robot: Robot, initial: Mapping[str, float]) -> Robot:
+    """The robot in the initial pose of its file."""
+    joints = tuple(replace(joint, drawn_position=initial.get(joint.name, 0.0)) for joint in robot.joints)
+    return replace(robot, joints=joints)

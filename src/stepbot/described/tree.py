@@ -1,0 +1,200 @@
+"""The joints of a description as a tree from one root, each joint above one link and at its frame.
+
+A joint beside the origin of its link gets a link without shape in between, and so does each of several joints in one
+body, unless together they are one multi-dof joint of the model.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from math import inf, isnan
+
+import numpy as np
+
+from stepbot.engines.description import Description
+from stepbot.engines.observation import ObservedJoint
+from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose
+from stepbot.robot.kinematics import MOVING
+from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
+from stepbot.robot.unique_names import free_name
+
+from .finding import REARRANGED, UNSUPPORTED, Finding
+
+_WITH_AXIS = MOVING | {JointKind.PLANAR, JointKind.CYLINDRICAL, JointKind.UNIVERSAL}
+_UNLIMITED = (("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf))
+
+
+def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint], dict[str, Link]]:
+    """Joints from the root on, each parent before its children, and the links that stand between several joints."""
+    seen = description.observation
+    names = [link.name for link in seen.links]
+    above: dict[str, list[ObservedJoint]] = {}
+    for joint in seen.joints:
+        if joint.child in names and joint.parent in names:
+            above.setdefault(joint.child, []).append(joint)
+        else:
+            found.append(Finding(UNSUPPORTED, f"joint '{joint.name}' between '{joint.parent}' and '{joint.child}'"))
+    root = next((name for name in names if name not in above), names[0])
+    found.extend(
+        Finding(UNSUPPORTED, f"joint '{joint.name}' closes a circle of links") for joint in above.pop(root, [])
+    )
+    return _Tree(description, above, found).grown(root)
+
+
+class _Tree:
+    """A tree that grows from its root."""
+
+    def __init__(
+        self, description: Description, above: Mapping[str, list[ObservedJoint]], found: list[Finding]
+    ) -> None:
+        seen = description.observation
+        self._X_PC, self._poses = description.X_PC, seen.poses[0] if seen.poses else {}
+        self._free = set(description.free_roots)
+        self._names = [link.name for link in seen.links]
+        self._above, self._found = above, found
+        self._below: dict[str, list[str]] = {}
+        for child, joints in above.items():
+            self._below.setdefault(joints[0].parent, []).append(child)
+        self._joints: list[Joint] = []
+        self._extra: dict[str, Link] = {}
+        self._taken = {*self._names, *(joint.name for joint in seen.joints)}
+
+    def grown(self, root: str) -> tuple[list[Joint], dict[str, Link]]:
+        """All joints; links that none of them connects to the root are fixed to it."""
+        reached = [root]
+        while True:
+            for parent in reached:
+                for child in self._below.pop(parent, []):
+                    self._joints += self._chain(child)
+                    reached.append(child)
+            left = [name for name in self._names if name not in reached]
+            if not left:
+                return self._joints, self._extra
+            loose = next((name for name in left if name not in self._above), left[0])
+            self._join(root, loose)
+            reached.append(loose)
+            for children in self._below.values():
+                children[:] = [child for child in children if child != loose]
+
+    def _join(self, root: str, loose: str) -> None:
+        """Fix the root of another tree to the root."""
+        known = root in self._poses and loose in self._poses
+        X_RL = self._poses[root].inverse() @ self._poses[loose] if known else IDENTITY
+        name = free_name(f"{loose}_fixed", "_joint", self._taken)
+        self._joints.append(Joint(name, JointKind.FIXED, root, loose, X_RL))
+        if loose in self._free or root in self._free:
+            self._found.append(Finding(UNSUPPORTED, f"link '{loose}' is not connected to '{root}', and moves freely"))
+        else:
+            text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
+            self._found.append(Finding(REARRANGED, text))
+
+    def _chain(self, child: str) -> list[Joint]:
+        """The joints above a link; anchors beside its origin become links in between."""
+        found = self._above[child]
+        parent = found[0].parent
+        strange = [joint for joint in found if joint.parent != parent]
+        for joint in strange:
+            text = f"joint '{joint.name}': a second parent '{joint.parent}' of link '{child}'"
+            self._found.append(Finding(UNSUPPORTED, text))
+        whole = found[0] if len(found) == 1 and _is_one(found[0]) else None
+        steps = [whole] if whole else [step for joint in found for step in (joint.steps or (joint,))]
+        steps = [replace(step, anchor=ZERO3) if step.kind == JointKind.FIXED else step for step in steps]
+        chain: list[Joint] = []
+        X_PJ = self._X_PC.get(child, IDENTITY) @ Pose.of(position=steps[0].anchor)
+        before = len(self._extra)
+        for index, step in enumerate(steps):
+            is_last = index == len(steps) - 1
+            to = child if is_last and step.anchor == ZERO3 else self._between(child, index)
+            name = step.name or free_name(f"{child}_fixed", "_joint", self._taken)
+            chain.append(_joint(step, name, parent, to, X_PJ, self._found))
+            if not is_last:
+                X_PJ = Pose.of(position=np.subtract(steps[index + 1].anchor, step.anchor))
+            parent = to
+        if parent != child:
+            X_JC = Pose.of(position=np.negative(steps[-1].anchor))
+            name = free_name(f"{child}_fixed", "_joint", self._taken)
+            chain.append(Joint(name, JointKind.FIXED, parent, child, X_JC))
+        added = list(self._extra)[before:]
+        if added:
+            many = f"{len(steps)} joints" if len(steps) > 1 else f"joint '{steps[0].name}' beside its origin"
+            links = ", ".join(f"'{name}'" for name in added)
+            self._found.append(Finding(REARRANGED, f"link '{child}': {many}, so links without mass are added: {links}"))
+        return chain
+
+    def _between(self, child: str, index: int) -> str:
+        name = free_name(f"{child}_{index + 1}", "_link", self._taken)
+        self._extra[name] = Link(name)
+        return name
+
+
+def _is_one(joint: ObservedJoint) -> bool:
+    """Whether a joint of several steps is one joint of the model, with the same limits and forces in all of them."""
+    numbers = [getattr(part, one.name) for part in (joint.limit, joint.dynamics) if part for one in fields(part)]
+    anchors = {step.anchor for step in joint.steps}
+    return not any(map(isnan, numbers)) and anchors <= {ZERO3} and not _differing(joint)
+
+
+def _differing(joint: ObservedJoint) -> bool:
+    """Whether the steps of a multi-dof joint have limits or forces that the model's one joint cannot have."""
+    if not joint.steps or joint.kind == JointKind.UNIVERSAL:
+        return False
+    of_steps = [step for step in joint.steps if step.kind != "ball"]
+    bare = all((step.limit or Limit()).effort == inf and step.dynamics in (None, JointDynamics()) for step in of_steps)
+    free = all((step.limit or Limit()).lower == -inf and (step.limit or Limit()).upper == inf for step in of_steps)
+    return not (bare and free)
+
+
+def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, found: list[Finding]) -> Joint:
+    known = seen.kind in set(JointKind)
+    kind = JointKind(seen.kind) if known else JointKind.FIXED
+    if not known:
+        found.append(Finding(UNSUPPORTED, f"joint '{name}' of type '{seen.kind}' is not supported: fixed in its place"))
+    limit = seen.limit or Limit()
+    axis = seen.axis or (0.0, 0.0, 1.0)
+    if kind in _WITH_AXIS and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
+        found.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))
+        kind = JointKind.FIXED
+    if kind is JointKind.FIXED:
+        return Joint(name, kind, parent, child, X_PC)
+    return Joint(
+        name,
+        kind,
+        parent,
+        child,
+        X_PC,
+        axis,
+        seen.axis2 or (1.0, 0.0, 0.0),
+        Limit(*(_bound(getattr(limit, field), other) for field, other in _UNLIMITED)),
+        _dynamics(seen.dynamics or JointDynamics()),
+        seen.mimic if kind in MOVING else None,
+        seen.pitch or 0.0,
+    )
+
+
+def _bound(value: float, unlimited: float) -> float:
+    """A bound; unlimited if the engine could not express it."""
+    return unlimited if isnan(value) else value
+
+
+def _dynamics(seen: JointDynamics) -> JointDynamics:
+    """Passive forces; the rest position of a spring without stiffness has no meaning."""
+    values = {one.name: getattr(seen, one.name) for one in fields(seen)}
+    known = {name: 0.0 if isnan(value) else value for name, value in values.items()}
+    return JointDynamics(**(known if known["stiffness"] else {**known, "spring_reference": 0.0}))
+
+
+def without_broken_mimics(joints: Sequence[Joint], found: list[Finding]) -> tuple[Joint, ...]:
+    """The joints; a mimic whose leader does not move, or that follows itself, is dropped and listed."""
+    by_name = {joint.name: joint for joint in joints if joint.kind in MOVING}
+    kept = []
+    for joint in joints:
+        leader: Joint | None = joint
+        for _ in joints:
+            if leader is None or leader.mimic is None:
+                break
+            leader = by_name.get(leader.mimic.joint)
+        if joint.mimic is not None and (leader is None or leader.mimic is not None):
+            text = f"joint '{joint.name}' mimics '{joint.mimic.joint}', which does not move by itself"
+            found.append(Finding(UNSUPPORTED, text))
+            joint = replace(joint, mimic=None)
+        kept.append(joint)
+    return tuple(kept)

@@ -1,0 +1,92 @@
+"""SB86x: conversion of a URDF, SDFormat or MJCF to other formats."""
+
+from .code import Code
+
+CODES: tuple[Code, ...] = (
+    Code(
+        "SB860",
+        "warning",
+        "part of the source not converted",
+        "An element or attribute of the converted URDF, SDFormat or MJCF has no counterpart in stepbot's model.",
+        "It is absent from the written files. The note states the physical consequence, where there is one.",
+        "Add it to the written files by hand if it matters. `--ignore SB860` confirms that none of them do.",
+    ),
+    Code(
+        "SB861",
+        "error",
+        "mesh of the source not readable",
+        "A mesh that the converted file names does not exist, or its type or content cannot be read.",
+        "A link would lose its shape.",
+        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert it to STL, "
+        "OBJ, PLY, Collada or glTF.",
+    ),
+    Code(
+        "SB862",
+        "error",
+        "unsupported joint or closure in the source",
+        "A joint, mimic or closure of the converted file is of a type that stepbot's model does not have, or does not belong to "
+        "one tree of links.",
+        "The robot would move differently.",
+        "Express it by supported joints: fixed, revolute, continuous, prismatic, ball, universal, cylindrical, screw, planar, "
+        "floating; closures: fixed, revolute, prismatic, ball.",
+    ),
+    Code(
+        "SB863",
+        "warning",
+        "actuator or sensor of the source not converted",
+        "An actuator or sensor of the converted file is of a type that stepbot's model does not have, or moves something else than "
+        "one joint.",
+        "The written files lack it.",
+        "Add it to the written files by hand, or express it by a position, velocity or motor actuator of a joint.",
+    ),
+    Code(
+        "SB864",
+        "note",
+        "name changed",
+        "A name in the converted file is reserved or contains characters that a format cannot hold, is missing, or is used twice.",
+        "Controllers and scripts must use the new name.",
+        "No action is needed. To choose the name, change it in the source.",
+    ),
+    Code(
+        "SB865",
+        "note",
+        "links rearranged",
+        "The converted file moves a link by several joints, has a joint beside the origin of its link, or has links without a joint "
+        "to the others. The model has one joint above each link, at its frame.",
+        "The written files have additional links without mass, or fixed joints. All links of the source keep their frames.",
+        "No action is needed.",
+    ),
+    Code(
+        "SB866",
+        "warning",
+        "inertia without mass",
+        "A link of the converted file has an inertia, but no mass. No body has that; it is not written.",
+        "Engines differ in what they make of it: some reject it, some ignore it, some add it to the neighbouring link.",
+        "Give the link a mass, or remove its inertia.",
+    ),
+    Code(
+        "SB867",
+        "warning",
+        "source not confirmed",
+        "No engine could read the converted file, so the written files are compared with stepbot's own reading of it alone; or the "
+        "file does not give the mass properties of a link, and those that its format defines are written.",
+        "A misreading would not be noticed.",
+        "Install an engine that reads the format (`pip install stepbot[verify]`), or give the missing values in the source.",
+    ),
+    Code(
+        "SB868",
+        "warning",
+        "base taken as fixed",
+        "A URDF does not say whether its root link is fixed to the world; the written SDFormat and MJCF must.",
+        "A mobile or legged robot would hang in the air.",
+        "State it with `--base floating` or `--base fixed`. A root link named `world` means fixed, too.",
+    ),
+    Code(
+        "SB869",
+        "error",
+        "output would overwrite the source",
+        "A file to be written has the path of the converted file, or of a mesh that it refers to.",
+        "The source would be lost.",
+        "Choose another folder with `-o`.",
+    ),
+)

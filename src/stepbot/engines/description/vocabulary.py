@@ -1,0 +1,91 @@
+"""What a reader of a description takes from its XML: everything else is listed, with the place where it first occurs.
+
+A vocabulary lists what is read, not what is lost: an element that nobody thought of is reported, not forgotten.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+Element = Any
+"""``lxml.etree._Element``; the stubs lack ``sourceline``."""
+
+
+@dataclass(frozen=True)
+class Unread:
+    """Elements or attributes of one kind that do not reach the model."""
+
+    what: str
+    """``<safety_controller> in <joint>``, or ``attribute 'group' of <geom>``."""
+    count: int
+    line: int
+    """Line of the first one; 0 if unknown."""
+    file: str = ""
+    """The file that it is in, relative to the description's folder; empty for the description itself."""
+    effect: str = ""
+    """Physical consequence; empty if there is none beyond its absence."""
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """The elements and attributes that are read, by path from the root element, as in ``robot/link/inertial``."""
+
+    read: Mapping[str, str]
+    """For each path the attributes that are read, separated by spaces; ``*`` for all."""
+    neutral: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Values without effect, of attributes (``path@name``) and of elements that are not read (``path``)."""
+    effects: Mapping[str, str] = field(default_factory=dict)
+    """Consequence of the loss of a path, of an attribute (``path@name``), or of the last part of either."""
+    nests: tuple[str, ...] = ()
+    """Elements that contain themselves: a path has each of them once."""
+
+    def unread(self, root: Element, file: str = "") -> tuple[Unread, ...]:
+        """What of a document is not read, in the order of its first occurrence.
+
+        Args:
+            root: The root element, without expanded entities.
+            file: The file, relative to the description's folder; empty for the description itself.
+        """
+        found: dict[tuple[str, str], list[int]] = {}
+        for what, path, line in self._lost(root, str(root.tag)):
+            found.setdefault((what, path), []).append(line)
+        return tuple(
+            Unread(what, len(lines), lines[0], file, self._effect(path)) for (what, path), lines in found.items()
+        )
+
+    def _lost(self, element: Element, path: str) -> Iterator[tuple[str, str, int]]:
+        line = element.sourceline or 0
+        known = self.read[path].split()
+        for name, value in element.attrib.items():
+            key = f"{path}@{name}"
+            if "*" not in known and name not in known and str(value).strip() not in self.neutral.get(key, ()):
+                yield f"attribute '{name}' of <{element.tag}>", key, line
+        for child in element:
+            if not isinstance(child.tag, str):  # a comment
+                continue
+            below = self._below(path, child.tag)
+            if below in self.read:
+                yield from self._lost(child, below)
+            elif not self._is_neutral(child, below):
+                yield f"<{child.tag}> in <{element.tag}>", below, child.sourceline or 0
+
+    def _below(self, path: str, tag: str) -> str:
+        return path if tag in self.nests and path.rpartition("/")[2] == tag else f"{path}/{tag}"
+
+    def _is_neutral(self, element: Element, path: str) -> bool:
+        """Whether an element that is not read has a value without effect."""
+        values = self.neutral.get(path)
+        return values is not None and (element.text or "").strip() in values
+
+    def _effect(self, path: str) -> str:
+        return self.effects.get(path) or self.effects.get(path.rpartition("/")[2], "")
+
+
+def paths(prefix: str, read: Mapping[str, str]) -> dict[str, str]:
+    """The entries of a vocabulary below an element; an empty path is the element itself."""
+    return {f"{prefix}/{path}" if path else prefix: names for path, names in read.items()}
+
+
+def each(prefixes: Iterable[str], read: Mapping[str, str]) -> dict[str, str]:
+    """The same entries below each of several elements."""
+    return {path: names for prefix in prefixes for path, names in paths(prefix, read).items()}

@@ -1,0 +1,76 @@
+"""Comparison of converted files with the file that they came from, as engines read both.
+
+The written files are compared with the model elsewhere; this finds what was misread on the way into the model.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from stepbot.described.finding import DEVICE, DROPPED_INERTIA
+from stepbot.described.robot import Described
+from stepbot.diagnostics import Diagnostics
+from stepbot.engines.observation import Quantity
+from stepbot.engines.openable import openable
+from stepbot.formats import format_named
+from stepbot.formats.rendering import joined, main_file
+from stepbot.report.record import Report
+from stepbot.runtime.output import write_atomically
+from stepbot.runtime.temporary import run_folder
+from stepbot.runtime.worker import Worker
+from stepbot.verification.source import verify_against_source
+
+from .conversion import Options
+from .writing import Rendered
+
+_LOCATED = "stepbot.engines.located_copy:located_copy"
+
+
+def compared_with_source(
+    path: Path, described: Described, written: Rendered, report: Report, options: Options, found: Diagnostics
+) -> Report:
+    """The report with the comparison of each written file with the description that it came from.
+
+    Args:
+        path: The description.
+        described: What was read of it.
+        written: The converted robot.
+        report: The report on the written files.
+        options: Limits.
+        found: Receives SB8xx and SB9xx.
+    """
+    with TemporaryDirectory(dir=run_folder()) as folder:
+        place = Path(folder) / options.package  # where `package://` finds the meshes
+        write_atomically(joined(written.by_format), place)
+        files: Mapping[Path, str] = {
+            place / main_file(one, format_named(name)): main_file(one, format_named(name))
+            for name, one in written.lowered.items()
+        }
+        source = path
+        if options.package_path:
+            source = Path(folder) / f"source{path.suffix}"
+            with Worker(_LOCATED, memory_limit=options.memory_limit) as worker:
+                worker.submit(str(openable(path)), str(source), options.package_path).result(options.timeout)
+        checks = verify_against_source(
+            source,
+            path.name,
+            files,
+            _lost(described),
+            found,
+            timeout=options.timeout,
+            memory_limit=options.memory_limit,
+        )
+    return replace(report, checks=(*report.checks, *checks))
+
+
+def _lost(described: Described) -> dict[Quantity, str]:
+    """Quantities that a declared loss changes."""
+    codes = {one.code for one in described.findings}
+    lost: dict[Quantity, str] = {}
+    if DEVICE in codes:
+        lost |= dict.fromkeys((Quantity.ACTUATORS, Quantity.SENSORS), f"a loss is declared ({DEVICE})")
+    if DROPPED_INERTIA in codes:
+        dynamics = (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS)
+        lost |= dict.fromkeys(dynamics, f"a loss is declared ({DROPPED_INERTIA})")
+    return lost

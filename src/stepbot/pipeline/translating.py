@@ -1,0 +1,149 @@
+"""A URDF, SDFormat or MJCF converted to other formats, through the same model as a STEP file and its sidecar.
+
+What of the file does not reach the model is reported; the engines compare the written files with the model, and with
+the file that they came from.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack, closing
+from dataclasses import replace
+from pathlib import Path
+
+from stepbot.described.inertials import check_inertials
+from stepbot.described.robot import Described, robot_of_description
+from stepbot.diagnostics import Diagnostics, Ignore, Span
+from stepbot.engines.description import Description
+from stepbot.engines.workers import check_required
+from stepbot.formats import format_named
+from stepbot.robot.model import Base, Robot
+from stepbot.robot.validity import check_robot
+from stepbot.runtime.fork_server import ForkServer
+from stepbot.sidecar.self_collision import SelfCollisionSection
+
+from .conversion import Checked, Conversion, Options
+from .describing import read_description
+from .self_collisions import with_self_collision
+from .source_names import is_description
+from .writing import Rendered, all_files, judged_by_files, proven, rendered, report_unused, started_proof
+
+__all__ = ["check_description", "is_description", "produce_translation"]
+
+_JUDGED = ("SB4", "SB5", "SB86")
+"""Codes that are checked whenever a description becomes a robot."""
+
+
+def produce_translation(
+    path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None], server: ForkServer | None
+) -> Conversion:
+    """Convert a description, and verify the files; writes nothing.
+
+    Raises:
+        StepbotError: There are errors.
+    """
+    progress("read")
+    formats = [format_named(name) for name in dict.fromkeys(options.formats)]
+    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    if options.verify:
+        check_required(options.require, found)
+    with ExitStack() as running:
+        proof = started_proof(formats, options, server)
+        if proof is not None:
+            running.enter_context(closing(proof))
+        description = _read(path, options, found)
+        progress("build")
+        robot, described = _robot(path, description, options, found)
+        if options.ros2:
+            progress("self-collision")
+            robot = with_self_collision(robot, SelfCollisionSection(), options, found)
+        progress("write")
+        written = rendered(robot, formats, options, found)
+        _check_overwritten(written, (path, *description.files), options, found)
+        if options.strict:
+            found.make_strict()
+        found.raise_if_errors()
+        progress("verify")
+        report = proven(written, proof, found)
+    if options.verify:
+        from .source_proof import compared_with_source
+
+        report = compared_with_source(path, described, written, report, options, found)
+    report_unused(found, _JUDGED + judged_by_files(options))
+    report = replace(report, inputs=_hashes(path, description.files))
+    if options.strict:
+        found.make_strict()
+    return Conversion(found, robot, all_files(written, report, options, found), report)
+
+
+def check_description(path: Path, options: Options, found: Diagnostics) -> Checked:
+    """Check that a description can be converted; writes nothing.
+
+    Raises:
+        StepbotError: There are errors.
+    """
+    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    robot, _ = _robot(path, _read(path, options, found), options, found)
+    return Checked("", len(robot.links), len(robot.joints) + len(robot.closures))
+
+
+def _read(path: Path, options: Options, found: Diagnostics) -> Description:
+    description = read_description(path, options, found)
+    found.raise_if_errors()
+    assert description is not None  # otherwise there is an error with the reason
+    return description
+
+
+def _robot(path: Path, description: Description, options: Options, found: Diagnostics) -> tuple[Robot, Described]:
+    """The checked robot of a description; all differences from its file are reported."""
+    span = Span(path.as_posix())
+    base = Base(options.base) if options.base else None
+    described = robot_of_description(description, path.stem, path.name, base)
+    for lost in description.lost:
+        place = Span((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line)
+        times = f" ({lost.count} times)" if lost.count > 1 else ""
+        found.add("SB860", f"{lost.what}: not converted{times}", place, notes=[lost.effect] if lost.effect else ())
+    for one in described.findings:
+        found.add(one.code, one.text, span)
+    if description.assumed:
+        links = ", ".join(f"'{link}'" for link in description.assumed)
+        found.add("SB867", f"mass properties not given in the file: {links}", span)
+    if not (described.is_base_known or base or found.has_errors):
+        _report_base(described.robot, span, found)
+    check_robot(described.robot, found, span, massless_between=True)
+    if not found.has_errors:
+        check_inertials(described.robot, found, span)
+    found.raise_if_errors()
+    return described.robot, described
+
+
+def _report_base(robot: Robot, span: Span, found: Diagnostics) -> None:
+    message = f"link '{robot.root.name}': taken as fixed to the world"
+    help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]
+    found.add("SB868", message, span, help=help)
+
+
+def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, found: Diagnostics) -> None:
+    """Report files that the conversion would write over its own source (SB869)."""
+    read = {source.resolve() for source in sources}
+    for path in (path for files in written.by_format.values() for path in files):
+        if (options.output / path).resolve() in read:
+            found.add(
+                "SB869",
+                f"the conversion would overwrite '{path}', which it reads",
+                Span((options.output / path).as_posix()),
+                help=["convert into another folder: `-o FOLDER`"],
+            )
+    found.raise_if_errors()
+
+
+def _hashes(path: Path, others: Iterable[Path]) -> dict[str, str]:
+    """SHA-256 of each file that was read, by its path relative to the folder of the first, or its name outside it."""
+    found = {}
+    for file in (path.resolve(), *others):
+        inside = file.is_relative_to(path.resolve().parent)
+        name = file.relative_to(path.resolve().parent).as_posix() if inside else file.name
+        try:
+            found[name.encode("utf-8", "backslashreplace").decode()] = hashlib.sha256(file.read_bytes()).hexdigest()
+        except OSError:
+            return {}
+    return found

@@ -1,0 +1,124 @@
+"""A robot as the bytes of its files in all formats, with the report: the end of every conversion."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics.source_lines import source_lines
+from stepbot.formats import default_formats, format_named
+from stepbot.formats.format import Format
+from stepbot.formats.lowering import lower
+from stepbot.formats.rendering import files_of, joined, main_file
+from stepbot.formats.sdformat import FORMAT as SDFORMAT
+from stepbot.formats.sdformat.gazebo_model import gazebo_model
+from stepbot.formats.urdf import FORMAT as URDF
+from stepbot.formats.urdf.package import with_package
+from stepbot.formats.urdf.ros2.package import ros2_package
+from stepbot.report.document import report_bytes
+from stepbot.report.record import Content, Report, WrittenFile
+from stepbot.robot.closures import degrees_of_freedom, driven_joints
+from stepbot.robot.model import Robot
+from stepbot.runtime.fork_server import ForkServer
+
+from .conversion import REPORT, REPORT_PAGE, Options
+
+if TYPE_CHECKING:
+    from .proof import Proof
+
+_OF_REVISIONS = ("SB31", "SB408", "SB517")
+"""Codes of CAD changes: they come with a change and go with the next lock file, so ignoring them is never unused."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """A robot in several formats."""
+
+    robot: Robot
+    lowered: Mapping[str, Robot]
+    """For each format, the robot as that format expresses it."""
+    by_format: Mapping[str, Mapping[str, bytes]]
+    """For each format, the bytes of its files."""
+    listed: tuple[WrittenFile, ...]
+    """The written files, for the report."""
+
+
+def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: Diagnostics) -> Rendered:
+    """The files of a robot in each format.
+
+    Raises:
+        StepbotError: A format cannot express the robot.
+    """
+    lowered = {written.name: lower(robot, written, found) for written in formats}
+    found.raise_if_errors()
+    by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
+    listed = _listed(by_format)
+    if options.package and URDF.name in by_format:
+        urdf = main_file(lowered[URDF.name], URDF)
+        by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
+        if options.ros2:
+            by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package))
+    if options.gazebo and SDFORMAT.name in by_format:
+        by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
+    return Rendered(robot, lowered, by_format, listed)
+
+
+def _listed(by_format: Mapping[str, Mapping[str, bytes]]) -> tuple[WrittenFile, ...]:
+    """The written files, for the report."""
+    listed = []
+    for name, files in by_format.items():
+        main, *others = [path for path in files if "/" not in path]
+        scene = format_named(name).scene
+        listed.append(WrittenFile(main, name, Content.ROBOT))
+        for path in others:
+            content = Content.SCENE if scene and path.endswith(scene) else Content.VARIANT
+            listed.append(WrittenFile(path, name, content))
+    return tuple(listed)
+
+
+def started_proof(formats: Sequence[Format], options: Options, server: ForkServer | None) -> "Proof | None":
+    """The engines that will verify the files; None if verification is disabled."""
+    if not options.verify:
+        return None
+    from .proof import Proof
+
+    return Proof([written.name for written in formats], options, server)
+
+
+def proven(written: Rendered, proof: "Proof | None", found: Diagnostics) -> Report:
+    """The report on the files; without a proof, on the robot alone."""
+    robot = written.robot
+    if proof is not None:
+        report = proof.report(robot, written.lowered, written.by_format, found)
+    else:
+        driven = driven_joints(robot) if robot.closures else ()
+        report = Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
+    return replace(report, files=written.listed, names={asset.path: asset.source for asset in robot.meshes})
+
+
+def all_files(written: Rendered, report: Report, options: Options, found: Diagnostics) -> dict[str, bytes]:
+    """All files to write, by path: those of the formats, and the report."""
+    files = {**joined(written.by_format), REPORT: report_bytes(report, found)}
+    if options.html:
+        from stepbot.viewing.report.page import report_page
+
+        files[REPORT_PAGE] = report_page(written.robot, report, tuple(found), source_lines(found))
+    return files
+
+
+def judged_by_files(options: Options) -> tuple[str, ...]:
+    """Codes checked when all formats were written, or the files verified."""
+    losses = ("SB7",) if set(options.formats) >= set(default_formats()) else ()
+    return (*losses, *(("SB8",) if options.verify else ()))
+
+
+def report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
+    """Report ignore rules that match nothing (SB142), among the checked codes."""
+    for rule in found.unused_ignores:
+        if rule.code.startswith(judged) and not rule.code.startswith(_OF_REVISIONS):
+            about = f"{rule.subject}: " if rule.subject else ""
+            found.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])
+
+
+Progress = Callable[[str], None]
+"""Called at the start of each stage."""

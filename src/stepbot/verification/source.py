@@ -1,0 +1,68 @@
+"""Compares converted files with the file that they were converted from.
+
+Quantities with a declared loss are not compared: their difference is the loss that was reported.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.observation import Quantity
+from stepbot.report.record import Check
+from stepbot.runtime.worker import DEFAULT_TIMEOUT
+
+from .checks import Subject, check_of, report_failure
+from .files import ENGINE_WARNING, compared_with_first, observed, ranked
+from .merged_observation import gather
+
+NOT_CONFIRMED = "SB867"
+_OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
+"""Quantities of one file alone."""
+
+
+def verify_against_source(
+    source: Path,
+    name: str,
+    files: Mapping[Path, str],
+    lost: Mapping[Quantity, str],
+    found: Diagnostics,
+    *,
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+) -> tuple[Check, ...]:
+    """The checks of every file against the file that it was converted from.
+
+    Args:
+        source: The file that was converted, or a copy of it.
+        name: Its name in the report.
+        files: The files that were written, each with its name in the report.
+        lost: Quantities with declared losses, each with the reason not to compare it.
+        found: Receives differences, and SB867 if no engine reads the source.
+        timeout: Time limit [s] of each engine.
+        memory_limit: Address space [bytes] of each engine; None for no limit.
+    """
+    reported = Diagnostics()  # engines that reject a written file are reported by the comparison with the model
+    asked, outcomes = observed((source, *files), reported, timeout=timeout, memory_limit=memory_limit)
+    of_source = [outcome for outcome in outcomes if outcome.key == source.as_posix()]
+    first = ranked(of_source)
+    if not first:
+        reasons = [f"{outcome.engine}: {outcome.reason}" for outcome in of_source]
+        found.add(NOT_CONFIRMED, "no engine read the file", Span(source.as_posix()), notes=reasons)
+        return ()
+    ours, checks = gather(first), list[Check]()
+    for path, written in files.items():
+        seen = ranked([outcome for outcome in outcomes if outcome.key == path.as_posix()])
+        if not seen:
+            continue
+        theirs = gather(seen)
+        for compared in compared_with_first(ours, theirs, asked):
+            if compared.quantity in _OWN:
+                continue
+            if compared.quantity in lost:
+                compared = replace(compared, not_run=lost[compared.quantity])
+            against = f"{name} ({ours.engine(compared.quantity)})"
+            subject = Subject(written, theirs.format, theirs.engine(compared.quantity), against)
+            report_failure(subject, compared, ENGINE_WARNING, found)
+            checks.append(check_of(subject, compared))
+    return tuple(checks)

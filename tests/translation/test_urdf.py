@@ -1,0 +1,156 @@
+"""A URDF as the source of a conversion."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.jobs.incremental import check, convert
+from stepbot.pipeline import writing
+from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.robot.model import Robot
+from tests.conftest import ReadDiagnostics
+
+from .arm import ARM, write_arm
+
+
+def options_of(folder: Path, *formats: str, verify: bool = True) -> Options:
+    """Options of a conversion into a folder, with the package of the arm."""
+    return Options(folder / "out", formats=formats, verify=verify, package_path=(folder / "packages",))
+
+
+@pytest.fixture(scope="module")
+def converted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Conversion]:
+    """The arm in MJCF and SDFormat, proven."""
+    folder = tmp_path_factory.mktemp("arm")
+    return folder, convert(write_arm(folder), options_of(folder, "mjcf", "sdf"))
+
+
+def test_conversion_is_proven_against_model_and_source(converted: tuple[Path, Conversion]) -> None:
+    """Engines compare the written files with the model, and with what they read of the source."""
+    folder, conversion = converted
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    report = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
+    assert report["summary"]["failed"] == 0
+    for file in ("arm.xml", "arm.sdf"):
+        of_source = {
+            one["quantity"]
+            for one in report["checks"]
+            if one["file"] == file and one["against"].startswith("arm.urdf (") and one["status"] == "passed"
+        }
+        assert {"links", "joints", "axes", "limits", "mass", "com", "inertia", "poses", "mass matrix"} <= of_source
+    assert set(report["inputs"]) == {"arm.urdf", "upper.stl"}
+
+
+def test_mujoco_sees_what_the_source_states(converted: tuple[Path, Conversion]) -> None:
+    """Mass, centre of mass, inertia, limits and the scaled mesh are those of the URDF's text."""
+    folder, _ = converted
+    model = mujoco.MjModel.from_xml_path(str(folder / "out" / "arm.xml"))
+    upper = model.body("upper")
+    assert upper.mass == pytest.approx(2.0)
+    assert upper.ipos == pytest.approx([0.01, 0.02, 0.15])
+    stated = ET.fromstring(ARM).find(".//link[@name='upper']/inertial/inertia")
+    assert stated is not None
+    i = {name: float(value) for name, value in stated.attrib.items()}
+    tensor = np.array([[i["ixx"], i["ixy"], i["ixz"]], [i["ixy"], i["iyy"], i["iyz"]], [i["ixz"], i["iyz"], i["izz"]]])
+    assert sorted(upper.inertia) == pytest.approx(np.linalg.eigvalsh(tensor))
+    assert model.joint("shoulder").range == pytest.approx([-1.5, 2.0])
+    assert model.joint("shoulder").axis == pytest.approx([0.0, 0.5**0.5, 0.5**0.5])
+    lines = (folder / "out" / "meshes" / "upper.obj").read_text(encoding="ascii").splitlines()
+    vertices = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=float)
+    assert np.ptp(vertices, axis=0) == pytest.approx([0.1, 0.11, 0.3])  # millimetres, scaled
+    assert model.actuator("shoulder_motor").gear[0] == pytest.approx(50.0)
+    assert model.neq == 1
+
+
+def test_losses_are_declared(converted: tuple[Path, Conversion]) -> None:
+    """What the model cannot hold is reported at its line, and nothing else."""
+    _, conversion = converted
+    lost = [(one.message, one.span.line) for one in conversion.diagnostics if one.code == "SB860"]
+    line = next(i for i, text in enumerate(ARM.splitlines(), start=1) if "safety_controller" in text)
+    assert lost == [("<safety_controller> in <joint>: not converted", line)]
+    assert not [one for one in conversion.diagnostics if one.code in ("SB861", "SB862", "SB863", "SB868")]
+
+
+def test_same_source_gives_same_bytes(converted: tuple[Path, Conversion], tmp_path: Path) -> None:
+    """A second conversion writes the same bytes, from another folder."""
+    _, conversion = converted
+    again = convert(write_arm(tmp_path), options_of(tmp_path, "mjcf", "sdf", verify=False))
+    files = {name: content for name, content in conversion.files.items() if name != "report.json"}
+    assert {name: content for name, content in again.files.items() if name != "report.json"} == files
+
+
+def test_misreading_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Were a mass misread, the files would be equal to the model, but not to the source."""
+    described = writing.rendered
+
+    def misread(robot: Robot, *rest: object) -> writing.Rendered:
+        upper = robot.link_by_name["upper"]
+        heavier = replace(upper, mass_properties=replace(upper.mass_properties, mass=2.1))
+        links = tuple(heavier if link is upper else link for link in robot.links)
+        return described(replace(robot, links=links), *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("stepbot.pipeline.translating.rendered", misread)
+    conversion = convert(write_arm(tmp_path), options_of(tmp_path, "mjcf"))
+    wrong = [one for one in conversion.diagnostics if one.severity == "error"]
+    assert {one.code for one in wrong} >= {"SB805"}
+    assert all("against arm.urdf" in one.message for one in wrong)
+
+
+def test_check_reads_the_source(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """`check` reports the losses of a conversion, and the missing package as an error."""
+    path = write_arm(tmp_path)
+    checked = check(path, options_of(tmp_path), found)
+    assert (checked.links, checked.joints) == (4, 3)
+    assert found.codes() == ["SB860"]
+    lost = ReadDiagnostics()
+    check(path, Options(tmp_path / "out"), lost)
+    assert "SB861" in lost.codes()
+
+
+def test_nothing_is_written_over_the_source(tmp_path: Path) -> None:
+    """A conversion into the folder of its source is refused where a file would be replaced."""
+    path = write_arm(tmp_path)
+    conversion = convert(path, replace(options_of(tmp_path, "urdf", verify=False), output=path.parent))
+    assert [one.code for one in conversion.diagnostics if one.severity == "error"] == ["SB869"]
+    assert path.read_text(encoding="utf-8") == ARM
+
+
+BARE = """<link name="{0}"><inertial>
+  <mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>
+</inertial></link>"""
+
+
+def test_base_of_a_urdf_is_a_stated_guess(tmp_path: Path) -> None:
+    """A URDF without a world link is converted as fixed with a warning, or as the option says without one."""
+    path = tmp_path / "cart.urdf"
+    path.write_text(f'<robot name="cart">{BARE.format("chassis")}</robot>', encoding="utf-8")
+    bare = Options(tmp_path / "out", formats=("mjcf",), verify=False)
+    guessed = convert(path, bare)
+    assert [one.code for one in guessed.diagnostics] == ["SB868"]
+    assert b"freejoint" not in guessed.files["cart.xml"]
+    stated = convert(path, replace(bare, base="floating"))
+    assert not list(stated.diagnostics)
+    assert b"freejoint" in stated.files["cart.xml"]
+
+
+@pytest.mark.long
+@pytest.mark.pybullet
+@pytest.mark.parametrize(
+    ("name", "links"),
+    [("r2d2.urdf", 16), ("kuka_iiwa/model.urdf", 8), ("racecar/racecar.urdf", 13), ("franka_panda/panda.urdf", 13)],
+)
+def test_urdfs_of_others_convert_with_proof(name: str, links: int, tmp_path: Path) -> None:
+    """Robots of pybullet_data convert to MJCF and SDFormat, and engines find no difference from their URDFs."""
+    data = pytest.importorskip("pybullet_data")
+    conversion = convert(Path(data.getDataPath(), name), Options(tmp_path / "out", formats=("mjcf", "sdf")))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert len(conversion.robot.links if conversion.robot else ()) == links
+    against = {check.file for check in conversion.report.checks if check.against.startswith(f"{Path(name).name} (")}
+    assert len(against) == 2
+    assert not conversion.report.failed
