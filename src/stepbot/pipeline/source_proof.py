@@ -41,7 +41,7 @@ def compared_with_source(
         found: Receives SB8xx and SB9xx.
     """
     with TemporaryDirectory(dir=run_folder()) as folder:
-        place = Path(folder) / options.package  # where `package://` finds the meshes
+        place = Path(folder) / (options.package or options.gazebo)  # where meshes are found by the name of the folder
         write_atomically(joined(written.by_format), place)
         files: Mapping[Path, str] = {
             place / main_file(one, format_named(name)): main_file(one, format_named(name))
