@@ -1,6 +1,9 @@
 """``stepbot convert --ros2``: a ROS 2 package, read by xacro, by the URDF parser of ROS and by engines."""
 
+import importlib.util
+import re
 import runpy
+import shlex
 import shutil
 import subprocess
 import sys
@@ -20,10 +23,16 @@ from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import main_file
 from stepbot.formats.urdf.chains import chains
+from stepbot.formats.urdf.grippers import groups
+from stepbot.formats.urdf.ros2.gazebo_launch import gazebo_launch
 from stepbot.formats.urdf.ros2.package import ros2_package
+from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Robot
+from stepbot.jobs.library import library_robot
+from stepbot.robot.model import Joint, JointKind, Limit, Link, Mimic, Robot
+from stepbot.robot.standing import standing_height
+from stepbot_cli import main
 from tests.devices import equipped
 from tests.robots import floating_biped, gripper_with_mimic, odd_names, pendulum, tree, two_link_arm
 
@@ -34,13 +43,19 @@ URDF = format_named("urdf")
 MADE = (two_link_arm, gripper_with_mimic, tree, equipped, odd_names, floating_biped)
 
 
-@pytest.fixture
-def package(stepbot: Stepbot, arm: Path) -> Path:
-    """The package of the arm, in a workspace."""
-    folder = arm / "src" / PACKAGE
-    run = stepbot("convert", "arm2.robot.yaml", "-o", str(folder), "--ros2", "arm2", "-f", "urdf", "--no-verify")
-    assert run.code == 0, run.err
+@pytest.fixture(scope="module")
+def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The package of the arm, converted once."""
+    folder = tmp_path_factory.mktemp("workspace") / "src" / PACKAGE
+    sidecar = str(library_robot("arm2").sidecar)
+    assert main(["convert", sidecar, "-o", str(folder), "--ros2", "arm2", "-f", "urdf", "--no-verify"]) == 0
     return folder
+
+
+@pytest.fixture
+def package(converted: Path, tmp_path: Path) -> Path:
+    """A copy of the package, in a workspace."""
+    return Path(shutil.copytree(converted, tmp_path / "src" / PACKAGE))
 
 
 def xacro(file: Path, **arguments: str) -> ET.Element:
@@ -162,10 +177,12 @@ def test_moveit_groups_are_chains_of_the_urdf(package: Path) -> None:
     above = {j.find("child").attrib["link"]: j for j in urdf.findall("joint")}  # type: ignore[union-attr]
     srdf = ET.parse(package / "arm2.srdf").getroot()
     solvers = YAML(typ="safe").load(package / "config" / "kinematics.yaml")
-    states = {state.attrib["group"]: state for state in srdf.findall("group_state")}
-    groups = srdf.findall("group")
-    assert {group.attrib["name"] for group in groups} == set(solvers) == set(states)
-    for group in groups:
+    states = {state.attrib["group"]: state for state in srdf.findall("group_state[@name='home']")}
+    named = srdf.findall("group")
+    assert {group.attrib["name"] for group in named} == set(states)
+    chained = [group for group in named if group[0].tag == "chain"]
+    assert {group.attrib["name"] for group in chained} == set(solvers)
+    for group in chained:
         (chain,) = group
         at, joints = chain.attrib["tip_link"], []
         while at != chain.attrib["base_link"]:
@@ -192,23 +209,34 @@ def test_chains_of_trees() -> None:
     assert all(joint.mimic is None for chain in chains(jaws) for joint in chain.joints)
 
 
-def test_the_launch_file_starts_three_nodes(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With stand-ins for ROS, the launch file runs xacro on the installed file and shows it in RViz."""
-    share = {"get_package_share_directory": lambda name: str(package) if name == PACKAGE else ""}
+def launched(package: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What a launch file starts, with stand-ins for ROS: nodes are mappings, other actions tuples."""
+    share = {
+        "get_package_share_directory": lambda name: str(package if name == PACKAGE else package.parent / name),
+    }
     modules = {
         "ament_index_python.packages": share,
         "launch": {"LaunchDescription": list},
-        "launch.actions": {"DeclareLaunchArgument": lambda name, default_value: (name, default_value)},
+        "launch.actions": {
+            "AppendEnvironmentVariable": lambda name, value: (name, value),
+            "DeclareLaunchArgument": lambda name, default_value: (name, default_value),
+            "IncludeLaunchDescription": lambda source, launch_arguments: (source, dict(launch_arguments)),
+        },
+        "launch.launch_description_sources": {"PythonLaunchDescriptionSource": str},
         "launch.substitutions": {"Command": list, "LaunchConfiguration": lambda name: f"<{name}>"},
         "launch_ros.actions": {"Node": dict},
         "launch_ros.parameter_descriptions": {"ParameterValue": lambda value, value_type: value},
     }
-    for name, content in modules.items():
-        for part in (name.partition(".")[0], name):
+    for module, content in modules.items():
+        for part in (module.partition(".")[0], module):
             monkeypatch.setitem(sys.modules, part, sys.modules.get(part) or types.ModuleType(part))
-        vars(sys.modules[name]).update(content)
-    described = runpy.run_path(str(package / "launch" / "view.launch.py"))["generate_launch_description"]()
-    nodes = [one for one in described if isinstance(one, dict)]
+        vars(sys.modules[module]).update(content)
+    return list(runpy.run_path(str(package / "launch" / name))["generate_launch_description"]())
+
+
+def test_the_launch_file_starts_three_nodes(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With stand-ins for ROS, the launch file runs xacro on the installed file and shows it in RViz."""
+    nodes = [one for one in launched(package, "view.launch.py", monkeypatch) if isinstance(one, dict)]
     assert [node["package"] for node in nodes] == ["robot_state_publisher", "joint_state_publisher_gui", "rviz2"]
     command = "".join(nodes[0]["parameters"][0]["robot_description"])
     file = package / "urdf" / "arm2.urdf.xacro"
@@ -217,6 +245,167 @@ def test_the_launch_file_starts_three_nodes(package: Path, monkeypatch: pytest.M
     assert Path(nodes[2]["arguments"][1]).is_file()
     view = YAML(typ="safe").load(Path(nodes[2]["arguments"][1]))
     assert view["Visualization Manager"]["Global Options"]["Fixed Frame"] == "base"
+
+
+def test_the_launch_file_for_gazebo_starts_controllers(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its xacro command gives a robot fixed to the world, with Gazebo's hardware; each spawner has a controller."""
+    actions = launched(package, "gazebo.launch.py", monkeypatch)
+    assert ("GZ_SIM_RESOURCE_PATH", str(package.parent)) in actions
+    nodes = [one for one in actions if isinstance(one, dict)]
+    described = next(node for node in nodes if node["package"] == "robot_state_publisher")
+    program, file, *arguments = shlex.split("".join(described["parameters"][0]["robot_description"]))
+    assert program == "xacro"
+    given = dict(argument.split(":=") for argument in arguments)
+    urdf = xacro(Path(file), **given)
+    assert [joint.find("child").attrib for joint in urdf.iter("joint") if joint.attrib["name"] == "mount"] == [  # type: ignore[union-attr]
+        {"link": "base"}
+    ]
+    assert [plugin.text for plugin in urdf.iterfind("ros2_control/hardware/plugin")] == [GAZEBO_HARDWARE]
+    (settings,) = (plugin.findtext("parameters") or "" for plugin in urdf.iterfind("gazebo/plugin"))
+    manager = YAML(typ="safe").load(Path(settings))["controller_manager"]["ros__parameters"]
+    spawned = [node["arguments"][0] for node in nodes if node["executable"] == "spawner"]
+    assert set(spawned) == {name for name, value in manager.items() if isinstance(value, dict)}
+    (created,) = (node for node in nodes if node["executable"] == "create")
+    assert created["arguments"] == ["-topic", "robot_description", "-name", "arm2", "-z", "0.0"]
+
+
+def test_a_floating_robot_stands_on_the_floor_of_gazebo() -> None:
+    """It is not mounted on the world; the height is the report's."""
+    robot = lower(floating_biped(), URDF, Diagnostics())
+    text = gazebo_launch(robot, "the_package")
+    assert "parent:=world" not in text
+    (height,) = re.findall(r"^HEIGHT = '(.*)'$", text, re.MULTILINE)
+    assert float(height) == standing_height(robot, {}) > 0.0
+
+
+def test_grippers_are_end_effectors(package: Path) -> None:
+    """The fingers are one group without a solver, at the end of the arm; its link is in the arm's chain."""
+    srdf = ET.parse(package / "arm2.srdf").getroot()
+    (end,) = srdf.findall("end_effector")
+    assert end.attrib == {
+        "name": "forearm_gripper",
+        "parent_link": "forearm",
+        "group": "forearm_gripper",
+        "parent_group": "tool0",
+    }
+    (group,) = (one for one in srdf.findall("group") if one.attrib["name"] == "forearm_gripper")
+    assert [(one.tag, one.attrib["name"]) for one in group] == [("joint", "finger"), ("joint", "finger_mirror")]
+    states = [state for state in srdf.findall("group_state") if state.attrib["group"] == "forearm_gripper"]
+    assert [[joint.attrib["name"] for joint in state] for state in states] == [["finger"]] * len(states)
+    assert set(YAML(typ="safe").load(package / "config" / "kinematics.yaml")) == {"tool0"}
+
+
+def hand(*fingers: Joint) -> Robot:
+    """A hand at the end of an arm of one joint, with a flange between."""
+    turned = Pose.from_xyz_rpy((0.0, 0.0, 0.1), (0.3, 0.2, 1.0))
+    arm = (
+        Joint("wrist", JointKind.REVOLUTE, "base", "forearm", limit=Limit(-1.0, 1.0)),
+        Joint("flange", JointKind.FIXED, "forearm", "palm", turned),
+    )
+    links = tuple(Link(name) for name in ("base", "forearm", "palm", *(finger.child for finger in fingers)))
+    return Robot("hand", links, (*arm, *fingers))
+
+
+def finger(name: str, axis: tuple[float, float, float], kind: JointKind, mimic: Mimic | None = None) -> Joint:
+    """A finger on the palm."""
+    return Joint(name, kind, "palm", f"{name}_link", Pose.of(position=(0.0, 0.02, 0.0)), axis, mimic=mimic)
+
+
+SLIDE, TURN = JointKind.PRISMATIC, JointKind.REVOLUTE
+
+
+@pytest.mark.parametrize(
+    ("fingers", "grips"),
+    [
+        ((finger("a", (0, 1, 0), SLIDE), finger("b", (0, -1, 0), SLIDE)), True),
+        ((finger("a", (0, 1, 0), SLIDE), finger("b", (0, 1, 0), SLIDE, Mimic("a", -1.0))), True),
+        ((finger("a", (1, 0, 0), TURN), finger("b", (1, 0, 0), TURN, Mimic("a", -1.0))), True),
+        ((finger("a", (0, 1, 0), SLIDE), finger("b", (0, 1, 0), SLIDE)), False),  # side by side
+        ((finger("a", (1, 0, 0), TURN), finger("b", (-1, 0, 0), TURN)), False),  # two wheels
+        ((finger("a", (1, 0, 0), TURN), finger("b", (1, 0, 0), TURN, Mimic("a", 1.0))), False),  # a parallelogram
+        ((finger("a", (1, 0, 0), TURN, Mimic("wrist")), finger("b", (-1, 0, 0), TURN, Mimic("wrist"))), False),
+        ((finger("a", (1, 0, 0), TURN),), False),
+    ],
+)
+def test_what_is_a_gripper(fingers: tuple[Joint, ...], grips: bool) -> None:
+    """Fingers that move in opposite directions, by one joint or each by a slide of its own."""
+    robot = hand(*fingers)
+    chains_left, grippers = groups(robot)
+    found = [(one.name, one.arm, one.link, [joint.name for joint in one.joints]) for one in grippers]
+    assert found == ([("palm_gripper", "palm", "palm", [joint.name for joint in fingers])] if grips else [])
+    assert len(chains_left) == (1 if grips else len(chains(robot)))
+
+
+def test_parallel_fingers_on_the_root_have_no_arm() -> None:
+    """A gripper on its own keeps its chains: MoveIt's end effectors have a parent group."""
+    left, right = finger("a", (0, 1, 0), SLIDE), finger("b", (0, -1, 0), SLIDE)
+    robot = Robot("gripper", (Link("palm"), Link("a_link"), Link("b_link")), (left, right))
+    assert groups(robot) == (chains(robot), ())
+
+
+def test_pinocchio_reads_the_srdf(package: Path) -> None:
+    """Pinocchio's parser finds the states, and removes the pairs that need no check."""
+    if importlib.util.find_spec("pinocchio") is None:
+        pytest.skip("pinocchio is not installed")
+    program = """
+import sys
+import pinocchio
+urdf, srdf = sys.argv[1:]
+model = pinocchio.buildModelFromUrdf(urdf)
+shapes = pinocchio.GeometryModel()
+pinocchio.loadReferenceConfigurations(model, srdf)
+found = model.referenceConfigurations
+home = dict(zip(model.names.tolist()[1:], found["home"].tolist()))
+print(sorted(one.key() for one in found), *(repr(home[name]) for name in ("shoulder", "elbow")))
+"""
+    command = [sys.executable, "-c", program, str(package / "arm2.urdf"), str(package / "arm2.srdf")]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == 0, run.stderr
+    srdf = ET.parse(package / "arm2.srdf").getroot()
+    drawn = {one.attrib["name"]: one.attrib["value"] for one in srdf.iterfind("group_state[@name='home']/joint")}
+    states, shoulder, elbow = run.stdout.rsplit(maxsplit=2)
+    assert states == str(sorted({state.attrib["name"] for state in srdf.iter("group_state")}))
+    assert (float(shoulder), float(elbow)) == (float(drawn["shoulder"]), float(drawn["elbow"]))
+
+
+def test_a_fresh_tree_has_all_that_ros_reads(package: Path, tmp_path: Path) -> None:
+    """What CMake installs is enough: xacro, check_urdf and the paths of all meshes, in a tree with nothing else."""
+    share = tmp_path / "install" / "share" / PACKAGE
+    lines = (package / "CMakeLists.txt").read_text(encoding="utf-8").splitlines()
+    for what, names in re.findall(r"^install\((FILES|DIRECTORY) (.*) DESTINATION", "\n".join(lines), re.MULTILINE):
+        for name in names.replace('"', "").split():
+            share.mkdir(parents=True, exist_ok=True)
+            (shutil.copytree if what == "DIRECTORY" else shutil.copy)(package / name, share / name)
+    shutil.rmtree(package)
+    urdf = xacro(share / "urdf" / "arm2.urdf.xacro", parent="world")
+    meshes = [mesh.attrib["filename"] for mesh in urdf.iter("mesh")]
+    assert meshes
+    assert all((share.parent / mesh.removeprefix("package://")).is_file() for mesh in meshes)
+    file = tmp_path / "robot.urdf"
+    file.write_bytes(ET.tostring(urdf))
+    if shutil.which("check_urdf") is None:
+        pytest.skip("check_urdf of liburdfdom-tools is not installed")
+    run = subprocess.run(["check_urdf", str(file)], capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == 0, run.stderr
+    assert "root Link: world has 1 child(ren)" in run.stdout
+
+
+def test_the_manifest_states_what_the_sidecar_does(stepbot: Stepbot, arm: Path) -> None:
+    """Maintainer, licence and version are the sidecar's; without them there is a warning with what to write."""
+    command = ("convert", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf", "--no-verify")
+    run = stepbot(*command)
+    assert run.code == 0
+    (remedy,) = re.findall(r"metadata: \{.*\}", run.err)
+    sidecar = arm / "arm2.robot.yaml"
+    sidecar.write_text(
+        f"{sidecar.read_text(encoding='utf-8')}\n{remedy.strip('`')[:-1]}, version: '2.0.1'}}\n", encoding="utf-8"
+    )
+    run = stepbot(*command)
+    assert "SB640" not in run.err
+    manifest = ET.parse(arm / "out" / "package.xml").getroot()
+    (maintainer,) = manifest.findall("maintainer")
+    assert (maintainer.text, maintainer.attrib) == ("Ada Lovelace", {"email": "ada@example.com"})
+    assert [manifest.findtext(name) for name in ("license", "version")] == ["Apache-2.0", "2.0.1"]
 
 
 def test_engines_prove_the_urdf_of_the_package(stepbot: Stepbot, arm: Path) -> None:

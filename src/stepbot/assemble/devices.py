@@ -1,10 +1,11 @@
-"""Devices mounted on the robot: named frames, actuators and sensors; and the settings for simulations."""
+"""Devices mounted on the robot: named frames, actuators and sensors; settings for simulations, and metadata."""
 
 from math import inf, pi
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.robot.gains import tuned
+from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Actuator, Frame, JointKind, Limit, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.simulation import Simulation
@@ -71,6 +72,13 @@ def build_simulation(document: Document) -> Simulation:
     """The settings for simulations."""
     given = document.simulation
     return Simulation(given.timestep, given.integrator, given.closure_stiffness)
+
+
+def build_metadata(document: Document) -> Metadata:
+    """Maintainer and licence; the sidecar has checked that the address is in angle brackets."""
+    given = document.metadata
+    name, _, email = (given.maintainer or "").removesuffix(">").partition(" <")
+    return Metadata(name, email, given.license or "", given.version or "", given.description or "")
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

@@ -22,6 +22,7 @@ from stepbot.geometry.spatial import (
     Vector3,
 )
 
+from .metadata import NO_METADATA, Metadata
 from .self_collision import SelfCollision
 from .sensors import Sensor
 from .simulation import DEFAULTS, Simulation
@@ -279,6 +280,8 @@ class Robot:
     """Settings that the sidecar gives for simulations; :func:`.simulation_settings.settings_of` has the defaults."""
     self_collision: SelfCollision | None = None
     """Which links can overlap, if that was searched."""
+    metadata: Metadata = NO_METADATA
+    """Maintainer and licence, for packages."""
 
     @property
     def root(self) -> Link:

@@ -15,6 +15,7 @@ from stepbot.robot.model import Base, JointKind
 
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
+from .metadata import MetadataSection
 from .motion import DynamicsSection, JointLimits, LimitsSection
 from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
 from .quantities import (
@@ -295,6 +296,8 @@ class Document(Section):
     """Time step, integrator and stiffness of closures, for formats and engines that have them."""
     self_collision: SelfCollisionSection | None = None
     """Search for the links that can overlap: MJCF excludes pairs that always do, and an SRDF lists all pairs."""
+    metadata: MetadataSection = MetadataSection()
+    """Maintainer, licence, version and description, for packages of ROS 2, Gazebo and Webots."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes to suppress everywhere."""
 

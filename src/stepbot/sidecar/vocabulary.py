@@ -23,6 +23,8 @@ ALSO_CALLED = {
     "ft": "force_torque",
     "motors": "actuators",
     "transmissions": "actuators",
+    "author": "maintainer",
+    "licence": "license",
     "physics": "simulation",
     "option": "simulation",
     "time_step": "timestep",

@@ -37,7 +37,11 @@ def gazebo_model(robot: Robot, files: Mapping[str, bytes], name: str) -> dict[st
 def _config(robot: Robot) -> bytes:
     top = root("model", robot.source)
     element(top, "name", robot.name)
-    element(top, "version", "1.0")
+    element(top, "version", robot.metadata.version or "1.0")
     element(top, "sdf", f"{robot.name}{FORMAT.suffix}", version=sdf_version(robot))
-    element(top, "description", f"Description of {robot.name}")
+    if robot.metadata.maintainer:
+        author = element(top, "author")
+        element(author, "name", robot.metadata.maintainer)
+        element(author, "email", robot.metadata.email)
+    element(top, "description", robot.metadata.description or f"Description of {robot.name}")
     return document(top)

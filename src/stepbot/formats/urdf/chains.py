@@ -25,11 +25,7 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
 
     Links fixed to each other count as one. A chain all of whose joints mimic others has nothing to plan.
     """
-    body = rigid_bodies(robot.root.name, robot.joints)
-    moving: dict[str, list[Joint]] = {}
-    for joint in robot.joints:
-        if joint.kind is not JointKind.FIXED:
-            moving.setdefault(body[joint.parent], []).append(joint)
+    body, moving = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
     last = {body[link.name]: link.name for link in robot.links}  # parents come before their children
     found = []
     starts = [joint for at, joints in moving.items() if at == robot.root.name or len(joints) > 1 for joint in joints]
@@ -43,3 +39,12 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
         if independent:
             found.append(Chain(tip, start.parent, tip, independent))
     return tuple(found)
+
+
+def moving_joints(robot: Robot) -> dict[str, list[Joint]]:
+    """For each body, by its first link, the joints between it and those that move on it."""
+    body, moving = rigid_bodies(robot.root.name, robot.joints), dict[str, list[Joint]]()
+    for joint in robot.joints:
+        if joint.kind is not JointKind.FIXED:
+            moving.setdefault(body[joint.parent], []).append(joint)
+    return moving

@@ -3,16 +3,20 @@
 Its links and joints are the URDF's.
 """
 
-from stepbot.robot.model import Base, Robot
+from collections.abc import Sequence
+
+from stepbot.robot.model import Base, Joint, Robot
 from stepbot.robot.self_collision import PairClass, SelfCollision
 
 from ..xml import Element, document, element, root
-from .chains import chains
+from .grippers import groups
 
 REASONS = {PairClass.ADJACENT: "Adjacent", PairClass.ALWAYS: "Always", PairClass.NEVER: "Never"}
 """As MoveIt's setup assistant words them; pairs that sometimes overlap are checked."""
 HOME = "home"
 """Name of the state with the drawn pose."""
+ZERO = "zero"
+"""Name of the state with all joints at q = 0, where their limits allow it."""
 
 
 def srdf(name: str, found: SelfCollision, source: str, robot: Robot | None = None) -> bytes:
@@ -35,13 +39,30 @@ def srdf(name: str, found: SelfCollision, source: str, robot: Robot | None = Non
 
 
 def _groups(top: Element, robot: Robot) -> None:
-    found = chains(robot)
+    found, grippers = groups(robot)
     for chain in found:
         element(element(top, "group", name=chain.name), "chain", base_link=chain.base, tip_link=chain.tip)
+    for gripper in grippers:
+        group = element(top, "group", name=gripper.name)
+        for joint in gripper.joints:
+            element(group, "joint", name=joint.name)
     for chain in found:
-        state = element(top, "group_state", name=HOME, group=chain.name)
-        for joint in chain.joints:
-            element(state, "joint", name=joint.name, value=joint.drawn_position)
+        _states(top, chain.name, chain.joints)
+    for gripper in grippers:
+        _states(top, gripper.name, gripper.independent)
+        ends = {"parent_link": gripper.link, "group": gripper.name, "parent_group": gripper.arm}
+        element(top, "end_effector", name=gripper.name, **ends)
     kind = "fixed" if robot.base is Base.FIXED else "floating"
     name = f"{robot.root.name}_to_world"
     element(top, "virtual_joint", name=name, type=kind, parent_frame="world", child_link=robot.root.name)
+
+
+def _states(top: Element, group: str, joints: Sequence[Joint]) -> None:
+    """The drawn pose, and q = 0 if that is another pose and within the limits."""
+    poses = {HOME: {joint.name: joint.drawn_position for joint in joints}}
+    if any(poses[HOME].values()) and all(joint.limit.lower <= 0.0 <= joint.limit.upper for joint in joints):
+        poses[ZERO] = dict.fromkeys(poses[HOME], 0.0)
+    for name, pose in poses.items():
+        state = element(top, "group_state", name=name, group=group)
+        for joint, position in pose.items():
+            element(state, "joint", name=joint, value=position)

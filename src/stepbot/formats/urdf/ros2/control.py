@@ -23,6 +23,11 @@ def driven(robot: Robot, kind: ActuatorKind) -> list[str]:
     return list(dict.fromkeys(actuator.joint for actuator in robot.actuators if actuator.kind is kind))
 
 
+def controller_names(robot: Robot) -> list[str]:
+    """The controllers of a robot with actuators, the broadcaster first."""
+    return [_BROADCASTER, *(name for kind, (name, _) in CONTROLLERS.items() if driven(robot, kind))]
+
+
 def controllers(robot: Robot) -> str:
     """``controllers.yaml``: a broadcaster of joint states, and a controller for each kind of actuator."""
     types: dict[str, Any] = {_BROADCASTER: {"type": f"{_BROADCASTER}/JointStateBroadcaster"}}
@@ -30,7 +35,11 @@ def controllers(robot: Robot) -> str:
     for kind, (name, type_) in CONTROLLERS.items():
         if joints := driven(robot, kind):
             types[name] = {"type": type_}
-            interfaces = {"command_interfaces": ["position"], "state_interfaces": ["position", "velocity"]}
+            interfaces = {
+                "command_interfaces": ["position"],
+                "state_interfaces": ["position", "velocity"],
+                "allow_partial_joints_goal": True,  # MoveIt moves one group at a time
+            }
             more = interfaces if kind is ActuatorKind.POSITION else {}
             settings[name] = {"ros__parameters": {"joints": joints, **more}}
     manager = {"controller_manager": {"ros__parameters": {"update_rate": UPDATE_RATE, **types}}}

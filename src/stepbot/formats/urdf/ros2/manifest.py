@@ -5,19 +5,24 @@ from stepbot.robot.model import Robot
 from ...rendering import used_meshes
 from ...xml import document, element, root
 
-_RUN = ("robot_state_publisher", "joint_state_publisher_gui", "rviz2", "xacro")
+MANIFEST = "package.xml"
+_RUN = ("robot_state_publisher", "joint_state_publisher_gui", "rviz2", "ros_gz_bridge", "ros_gz_sim", "xacro")
+_CONTROL = ("controller_manager", "gz_ros2_control", "ros2_controllers")
+"""Further packages for a robot with actuators."""
+UNKNOWN = "unknown"
 
 
 def package_xml(robot: Robot, package: str) -> str:
-    """The manifest; maintainer and licence are the user's to fill in."""
+    """The manifest; a maintainer or licence that the sidecar does not state is unknown."""
+    metadata = robot.metadata
     top = root("package", robot.source, format="3")
     element(top, "name", package)
-    element(top, "version", "0.0.0")
-    element(top, "description", f"Description of {robot.name}")
-    element(top, "maintainer", "unknown", email="unknown@example.com")
-    element(top, "license", "unknown")
+    element(top, "version", metadata.version or "0.0.0")
+    element(top, "description", metadata.description or f"Description of {robot.name}")
+    element(top, "maintainer", metadata.maintainer or UNKNOWN, email=metadata.email or f"{UNKNOWN}@example.com")
+    element(top, "license", metadata.license or UNKNOWN)
     element(top, "buildtool_depend", "ament_cmake")
-    for name in _RUN:
+    for name in (*_RUN, *(_CONTROL if robot.actuators else ())):
         element(top, "exec_depend", name)
     element(element(top, "export"), "build_type", "ament_cmake")
     return document(top).decode()

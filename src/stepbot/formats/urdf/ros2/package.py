@@ -1,11 +1,13 @@
 """All files of the package beside the URDF, its SRDF and its meshes."""
 
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.model import Robot
 
-from ..chains import chains
+from ..grippers import groups
 from .control import controllers
+from .gazebo_launch import gazebo_launch
 from .launch import rviz, view_launch
-from .manifest import cmake_lists, package_xml
+from .manifest import MANIFEST, cmake_lists, package_xml
 from .moveit import joint_limits, kinematics, moveit_controllers
 from .xacro import instance_xacro, macro_xacro
 
@@ -17,11 +19,12 @@ def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
         robot: The robot as URDF expresses it.
         package: Name of the package.
     """
-    found = chains(robot)
+    found, _ = groups(robot)
     texts = {
-        "package.xml": package_xml(robot, package),
+        MANIFEST: package_xml(robot, package),
         "CMakeLists.txt": cmake_lists(robot, package),
         "launch/view.launch.py": view_launch(robot, package),
+        "launch/gazebo.launch.py": gazebo_launch(robot, package),
         "rviz/view.rviz": rviz(robot),
         "config/kinematics.yaml": kinematics(found),
         "config/joint_limits.yaml": joint_limits(robot),
@@ -33,3 +36,14 @@ def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
     files[f"urdf/{robot.name}.macro.xacro"] = macro_xacro(robot, package)
     files[f"urdf/{robot.name}.urdf.xacro"] = instance_xacro(robot)
     return files
+
+
+def report_unknown(robot: Robot, found: Diagnostics) -> None:
+    """Warn where the manifest states an unknown maintainer or licence (SB640)."""
+    stated = {"maintainer": robot.metadata.maintainer, "license": robot.metadata.license}
+    missing = [name for name, value in stated.items() if not value]
+    if missing:
+        remedies = {"maintainer": "maintainer: Ada Lovelace <ada@example.com>", "license": "license: Apache-2.0"}
+        keys = ", ".join(remedies[name] for name in missing)
+        message = f"the package has no {' and no '.join(missing)}"
+        found.add("SB640", message, Span(MANIFEST), help=[f"in the sidecar: `metadata: {{{keys}}}`"])

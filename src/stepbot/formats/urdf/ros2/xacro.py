@@ -8,9 +8,15 @@ from stepbot.robot.sensors import Sensor
 
 from ...xml import Element, document, element, root
 from ..package import with_package
+from ..ros2_control import HARDWARE
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _PREFIX = "${prefix}"
+GAZEBO_LIBRARY = "gz_ros2_control-system"
+GAZEBO_PLUGIN = "gz_ros2_control::GazeboSimROS2ControlPlugin"
+GAZEBO_HARDWARE = "gz_ros2_control/GazeboSimSystem"
+_CONTROL = {"hardware": f"'{HARDWARE}'", "controllers": "''"}
+"""The plugin of ros2_control, and the settings of its controllers if Gazebo is to run them."""
 _PLACE = {"parent": "''", "xyz": "'0 0 0'", "rpy": "'0 0 0'"}
 
 
@@ -24,7 +30,7 @@ def macro_xacro(robot: Robot, package: str) -> bytes:
     from ..writer import content
 
     top = _top(robot.source)
-    parameters = " ".join([f"{name}:={value}" for name, value in {"prefix": "''", **_PLACE}.items()])
+    parameters = " ".join(f"{name}:={value}" for name, value in _parameters(robot).items())
     macro = element(top, _tag("macro"), name=macro_name(robot), params=parameters)
     mounted = element(macro, _tag("if"), value="${parent != ''}")
     joint = element(mounted, "joint", name=f"{_PREFIX}mount", type="fixed")
@@ -32,6 +38,8 @@ def macro_xacro(robot: Robot, package: str) -> bytes:
     element(joint, "parent", link="${parent}")
     element(joint, "child", link=_prefixed(robot.root.name))
     content(macro, with_prefix(robot))
+    if robot.actuators:
+        _control(macro)
     return with_package(document(top), package)
 
 
@@ -39,13 +47,28 @@ def instance_xacro(robot: Robot) -> bytes:
     """The file of one robot, which takes the parameters of the macro as arguments; `parent:=world` adds that link."""
     top = _top(robot.source, name=_escaped(robot.name))
     element(top, _tag("include"), filename=f"{_escaped(robot.name)}.macro.xacro")
-    for name, value in {"prefix": "", **{name: value.strip("'") for name, value in _PLACE.items()}}.items():
-        element(top, _tag("arg"), name=name, default=value)
-    parameters = {name: f"$(arg {name})" for name in ("prefix", *_PLACE)}
+    defaults = _parameters(robot)
+    for name, value in defaults.items():
+        element(top, _tag("arg"), name=name, default=value.strip("'"))
+    parameters = {name: f"$(arg {name})" for name in defaults}
     world = element(top, _tag("if"), value="${'$(arg parent)' == 'world'}")
     element(world, "link", name="world")
     element(top, _tag(macro_name(robot)), **parameters)
     return document(top)
+
+
+def _parameters(robot: Robot) -> dict[str, str]:
+    """The parameters of the macro, with their defaults; those of ros2_control for a robot with actuators only."""
+    return {"prefix": "''", **_PLACE, **(_CONTROL if robot.actuators else {})}
+
+
+def _control(macro: Element) -> None:
+    """Let the caller choose the hardware, and Gazebo run the controllers: https://control.ros.org/rolling/doc/gz_ros2_control."""
+    for plugin in macro.iterfind("ros2_control/hardware/plugin"):
+        plugin.text = "${hardware}"
+    gazebo = element(element(macro, _tag("if"), value="${controllers != ''}"), "gazebo")
+    plugin = element(gazebo, "plugin", filename=GAZEBO_LIBRARY, name=GAZEBO_PLUGIN)
+    element(plugin, "parameters", "${controllers}")
 
 
 def with_prefix(robot: Robot) -> Robot:

@@ -1,0 +1,101 @@
+"""The grippers of a robot's tree: what MoveIt calls end effectors.
+
+A gripper is at the end of an arm: several joints of one body, two of which turn or slide in opposite directions. All
+that moves there follows one joint; or each finger is a single prismatic joint of its own.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.geometry.spatial import IDENTITY, Array
+from stepbot.robot.kinematics import rigid_bodies
+from stepbot.robot.model import Joint, JointKind, Robot
+from stepbot.robot.unique_names import free_name
+
+from .chains import Chain, chains, moving_joints
+
+_OPPOSITE = -0.99
+"""Cosine below which two directions are opposite."""
+
+
+@dataclass(frozen=True)
+class Gripper:
+    """The fingers at the end of a chain."""
+
+    name: str
+    """That of the link with the fingers, with ``_gripper``."""
+    arm: str
+    """Name of the chain that carries it."""
+    link: str
+    """The last link of that chain which carries the fingers."""
+    joints: tuple[Joint, ...]
+    """All joints of the fingers, those that follow others too."""
+
+    @property
+    def independent(self) -> tuple[Joint, ...]:
+        """The joints that move on their own."""
+        return tuple(joint for joint in self.joints if joint.mimic is None)
+
+
+def groups(robot: Robot) -> tuple[tuple[Chain, ...], tuple[Gripper, ...]]:
+    """The chains of a robot without those of its grippers, and the grippers."""
+    found = chains(robot)
+    grippers = _grippers(robot, found)
+    fingers = {joint.name for gripper in grippers for joint in gripper.joints}
+    return tuple(one for one in found if one.joints[0].name not in fingers), grippers
+
+
+def _grippers(robot: Robot, found: Sequence[Chain]) -> tuple[Gripper, ...]:
+    body, below = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
+    taken = {chain.name for chain in found}
+    grippers = []
+    for chain in found:
+        hand = body[chain.tip]
+        fingers = below.get(hand, [])
+        if hand != body[robot.root.name] and _grip(robot, fingers, below):
+            name = free_name(f"{fingers[0].parent}_gripper", "_group", taken)
+            link = _on_chain(robot, chain, fingers[0].parent)
+            grippers.append(Gripper(name, chain.name, link, tuple(_all_below(hand, below))))
+    return tuple(grippers)
+
+
+def _all_below(hand: str, below: Mapping[str, Sequence[Joint]]) -> list[Joint]:
+    return [one for joint in below.get(hand, ()) for one in (joint, *_all_below(joint.child, below))]
+
+
+def _grip(robot: Robot, fingers: Sequence[Joint], below: Mapping[str, Sequence[Joint]]) -> bool:
+    """Whether joints of one body, and all that is below them, are the fingers of a gripper."""
+    moving = [one for finger in fingers for one in (finger, *_all_below(finger.child, below))]
+    names = {joint.name for joint in moving}
+    if any(joint.mimic is not None and joint.mimic.joint not in names for joint in moving):
+        return False
+    independent = [joint for joint in moving if joint.mimic is None]
+    slides = all(joint.kind is JointKind.PRISMATIC for joint in moving) and len(moving) == len(fingers)
+    if not (len(independent) == 1 or slides):
+        return False
+    ways = [(joint.kind is JointKind.PRISMATIC, _direction(robot, joint)) for joint in fingers]
+    return any(a[0] == b[0] and float(a[1] @ b[1]) < _OPPOSITE for i, a in enumerate(ways) for b in ways[:i])
+
+
+def _direction(robot: Robot, joint: Joint) -> Array:
+    """The direction in which a joint moves when the gripper does, in the frame of its body at q = 0."""
+    X_BP, link = IDENTITY, joint.parent
+    above = {one.child: one for one in robot.joints}
+    while link in above and above[link].kind is JointKind.FIXED:
+        X_BP, link = above[link].X_PC @ X_BP, above[link].parent
+    axis: Array = (X_BP @ joint.X_PC).R @ np.array(joint.axis)
+    return -axis if joint.mimic is not None and joint.mimic.multiplier < 0.0 else axis
+
+
+def _on_chain(robot: Robot, chain: Chain, link: str) -> str:
+    """The nearest link above that is between the base of a chain and its tip, and so in MoveIt's group."""
+    above = {joint.child: joint.parent for joint in robot.joints}
+    path, at = {chain.tip}, chain.tip
+    while at != chain.base:
+        at = above[at]
+        path.add(at)
+    while link not in path:
+        link = above[link]
+    return link
