@@ -85,6 +85,8 @@ class RobotEnv(gymnasium.Env):  # type: ignore[misc]
             raise ValueError(f"frame_skip must be at least 1, not {self.frame_skip}")
         self.dt = step * self.frame_skip
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / self.dt))}
+        if observe == "state":
+            self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
         self.data: Any = mujoco.MjData(self.model)
         self._configurations = Configurations(self.model, keyframe, home or {})
         self._controls = self._controlled(action or self.mode, normalise=normalise, max_speed=max_speed)
