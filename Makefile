@@ -41,9 +41,9 @@ test: install  ## run the tests
 	$(BIN)/pytest -n $(JOBS) -m "not long"
 
 test-long: install  ## run the tests that `make test` skips; some require build123d, dask, pre-commit
-	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,verify]'
+	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,newton,verify]'
 	$(BIN)/pytest -n $(JOBS) -m long
-	$(BIN)/pytest -n $(JOBS) tests/simulators  # once more, with the engines of stepbot[verify]
+	$(BIN)/pytest -n $(JOBS) tests/simulators  # once more, with the engines of stepbot[newton,verify]
 
 format: install  ## format the code
 	$(BIN)/ruff format

@@ -78,6 +78,18 @@ ENGINE_TOLERANCES: Mapping[tuple[str, Quantity], Tolerance] = {
     ("usd", Quantity.CLOSURES): Tolerance(absolute=1e-6),
     ("usd", Quantity.ACTUATORS): Tolerance(absolute=1e-9, relative=2e-7),
     ("usd", Quantity.INITIAL): Tolerance(absolute=1e-6),
+    # Newton computes in single precision throughout: kinematics, and inertias turned from their principal axes.
+    ("newton", Quantity.AXES): Tolerance(absolute=1e-6),
+    ("newton", Quantity.LIMITS): Tolerance(absolute=1e-9, relative=2e-7),
+    ("newton", Quantity.DYNAMICS): Tolerance(absolute=1e-9, relative=2e-7),
+    ("newton", Quantity.MIMIC): Tolerance(absolute=1e-9, relative=2e-7),
+    ("newton", Quantity.MASS): Tolerance(relative=1e-7),
+    ("newton", Quantity.COM): Tolerance(relative=2e-7),
+    ("newton", Quantity.INERTIA): Tolerance(relative=5e-6),
+    ("newton", Quantity.POSES): Tolerance(absolute=5e-6),
+    ("newton", Quantity.MASS_MATRIX): Tolerance(relative=2e-5),
+    ("newton", Quantity.CLOSURES): Tolerance(absolute=1e-6),
+    ("newton", Quantity.ACTUATORS): Tolerance(absolute=1e-9, relative=2e-7),
     # It computes hulls of collision meshes on a grid of 1/10216 of their extent.
     ("pybullet", Quantity.MESHES): Tolerance(absolute=1e-6, relative=2e-4),
 }

@@ -1,8 +1,8 @@
 """Joints and closures of UsdPhysics: https://openusd.org/release/api/usd_physics_page_front.html.
 
 Angles are in degrees, and so are speeds, gains and damping of joints that turn. UsdPhysics has neither passive forces
-nor velocity limits nor mimics; they are in the schemas of Newton, https://pypi.org/project/newton-usd-schemas, whose
-attributes other programs ignore.
+nor velocity limits nor mimics; they are in Newton's schemas, https://github.com/newton-physics/newton-usd-schemas,
+whose attributes other programs ignore.
 """
 
 from collections.abc import Mapping

@@ -154,8 +154,8 @@ def _filter(prim: Prim, link: Link, robot: Robot, paths: dict[str, str]) -> None
     """The links later in the file whose contacts with this one are excluded, unless a joint does."""
     held = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
     held |= {frozenset((closure.link_a, closure.link_b)) for closure in robot.closures}
-    order = [one.name for one in robot.links]
-    later = order[order.index(link.name) + 1 :]
+    touching = [one.name for one in robot.links if one.collisions]
+    later = touching[touching.index(link.name) + 1 :] if link.collisions else []
     pairs = without_contacts(robot) - held
     others = [f"<{paths[other]}>" for other in later if frozenset((link.name, other)) in pairs]
     if others:
