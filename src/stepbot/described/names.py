@@ -3,7 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from stepbot.robot.file_names import is_device
 from stepbot.robot.model import Joint, Link, Robot
@@ -31,8 +31,17 @@ def valid_file_name(name: str) -> str:
     return f"{valid}_robot" if is_device(valid) else valid
 
 
-def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Mapping[str, str]]:
-    """The robot with valid names, unique within their kind, and the new names of links, joints and frames."""
+@dataclass(frozen=True)
+class Names:
+    """New names by the old ones, of those that change."""
+
+    links: Mapping[str, str]
+    joints: Mapping[str, str]
+    frames: Mapping[str, str]
+
+
+def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
+    """The robot with valid names, unique within their kind, and the new names."""
     taken: set[str] = set()
     links = _renamed((link.name for link in robot.links), "link", taken)
     frames = _renamed((frame.name for frame in robot.frames), "frame", taken)
@@ -65,8 +74,8 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Mapping
             for one in robot.sensors
         ),
     )
-    changed = {old: new for of_kind in (links, joints, frames) for old, new in of_kind.items() if old != new}
-    return renamed, changed
+    changes = ({old: new for old, new in of_kind.items() if old != new} for of_kind in (links, joints, frames))
+    return renamed, Names(*changes)
 
 
 def _renamed(names: Iterable[str], kind: str, taken: set[str]) -> dict[str, str]:

@@ -12,14 +12,14 @@ import numpy as np
 from stepbot.engines.description import Description
 from stepbot.engines.observation import ObservedLink
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.spatial import ZERO3, ZERO33
+from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
 from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.shared_meshes import share_meshes
 
 from .closures import closures_of
 from .devices import actuators_of, sensors_of
 from .finding import DROPPED_INERTIA, MESH, NOT_SHOWN, REARRANGED, Finding
-from .names import with_valid_names
+from .names import Names, with_valid_names
 from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
 
@@ -34,8 +34,8 @@ class Described:
     findings: tuple[Finding, ...]
     is_base_known: bool
     """Whether the file says if its base is fixed: a URDF only by a root link ``world``."""
-    names: Mapping[str, str]
-    """New names by the old ones, of links, joints and frames that cannot keep theirs."""
+    names: Names
+    """New names of links, joints and frames that cannot keep theirs."""
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -76,6 +76,7 @@ def robot_of_description(
         sensors_of(seen.sensors or (), kept, set(links), found),
     )
     rooted = _without_world(robot, found)
+    _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or rooted is not robot
     robot, names = with_valid_names(_at_initial(share_meshes(rooted), seen.initial or {}), found)
     return Described(robot, tuple(found), known, names)
@@ -104,13 +105,17 @@ def _without_world(robot: Robot, found: list[Finding]) -> Robot:
         return robot
     if any(frame.link == root.name for frame in robot.frames):
         return robot
-    if not first.X_PC.is_identity:
-        x, y, z = first.X_PC.position
-        where = f"at ({x:g}, {y:g}, {z:g}) m in the world"
-        found.append(
-            Finding(REARRANGED, f"link '{first.child}' is the root, {where} until now, at its origin from now on")
-        )
+    _report_place(replace(robot, links=robot.links[1:]), first.X_PC, found)
     return replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=Base.FIXED)
+
+
+def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
+    """The pose of the root in the world of the file; a floating robot stands on the floor wherever it is."""
+    (x, y, z), (roll, pitch, yaw) = X_WR.position, X_WR.rpy
+    if X_WR.is_identity or (robot.base is Base.FLOATING and not (x or y or roll or pitch or yaw)):
+        return
+    where = f"({x:g}, {y:g}, {z:g}) m, turned by ({roll:g}, {pitch:g}, {yaw:g}) rad"
+    found.append(Finding(REARRANGED, f"link '{robot.root.name}': the root's place in the world is not kept: {where}"))
 
 
 def _at_initial(robot: Robot, initial: Mapping[str, float]) -> Robot:

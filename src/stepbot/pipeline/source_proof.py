@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from stepbot.described.finding import DEVICE, DROPPED_INERTIA
 from stepbot.described.robot import Described
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
 from stepbot.formats import format_named
@@ -19,6 +19,7 @@ from stepbot.report.record import Report
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import Worker
+from stepbot.verification.renamed import Renaming
 from stepbot.verification.source import verify_against_source
 
 from .conversion import Options
@@ -54,9 +55,10 @@ def compared_with_source(
                 worker.submit(str(openable(path)), str(source), options.package_path).result(options.timeout)
         checks = verify_against_source(
             source,
-            path.name,
+            Span(path.as_posix()),
             files,
             _lost(described),
+            Renaming(described.names.links, described.names.joints, described.names.frames),
             found,
             timeout=options.timeout,
             memory_limit=options.memory_limit,

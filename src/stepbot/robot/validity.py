@@ -208,7 +208,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
         moves = robot.base is Base.FLOATING or members[0] is not robot.root
         between = members[0].name in heavy_below and not any(_shapes(link) for link in members)
         if moves and not between and not any(link.mass_properties.mass > 0.0 for link in members):
-            _report_massless(members, report)
+            _report_massless(members, report, described=massless_between)
     for link in robot.links:
         fault = inertia_fault(link.mass_properties)
         if fault:
@@ -228,11 +228,16 @@ def _links_above_mass(robot: Robot) -> frozenset[str]:
     return frozenset(above - {robot.root.name})
 
 
-def _report_massless(members: list[Link], report: Report) -> None:
+def _report_massless(members: list[Link], report: Report, *, described: bool) -> None:
     parts = [path for link in members for path in link.components]
     if parts:
         why = f"none of its parts, such as '{parts[0]}', encloses a volume"
         help = "give it an `inertial` with mass, com and inertia"
+    elif described:
+        why, help = (
+            "its mass is 0",
+            "give it a mass and an inertia in the source, or fix it to another link or the world",
+        )
     else:
         why = "it has no parts"
         help = "give it parts or an `inertial`, or make it a frame of its parent link"

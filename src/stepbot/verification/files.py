@@ -6,15 +6,15 @@ most, across files with the first file.
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import engine_of, own_parsers
+from stepbot.engines import Engine, engine_of, own_parsers
 from stepbot.engines.file_references import first_element
-from stepbot.engines.observation import Quantity, Request
+from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.openable import openable
 from stepbot.engines.prestart import started_engine_server
 from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
@@ -35,12 +35,14 @@ from .merged_observation import Gathered, gather
 from .naming import Naming, moved
 from .normalized import normalized
 from .probe import Probe, in_a_process
+from .renamed import Renaming
 from .restated import normalized_joints
 
 ENGINE_WARNING = "SB813"
 
 _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""
+_UNCHANGED = Renaming()
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Diagnostics of an engine's own result, independent of others."""
 _STILL = frozenset(
@@ -126,6 +128,7 @@ def observed(
     memory_limit: int | None,
     count: int = CONFIGURATIONS,
     seconds: float = SECONDS,
+    renamed: Mapping[str, Renaming] | None = None,
 ) -> "tuple[Asked, Sequence[Outcome]]":
     """Load every file in every engine that reads it.
 
@@ -136,7 +139,9 @@ def observed(
         memory_limit: Address space [bytes] of each engine; None for no limit.
         count: Number of random configurations.
         seconds: Duration [s] of the passive simulation.
+        renamed: By absolute path, the names under which files are compared.
     """
+    names = renamed or {}
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
     with ExitStack() as running:
         server = started_engine_server()
@@ -144,10 +149,23 @@ def observed(
         formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
-        probe = Probe(in_a_process(timeout, memory_limit, start))
-        asked = ask(formats, probe, count=count, seconds=seconds)  # while the engines start
-        engines.submit(asked.requests)
-        return asked, engines.results(timeout)
+        observe = in_a_process(timeout, memory_limit, start)
+
+        def observe_renamed(engine: Engine, request: Request) -> Observation | None:
+            name = names.get(request.file, _UNCHANGED)
+            seen = observe(engine, name.asked(request))
+            return seen and name.seen(seen)
+
+        asked = ask(formats, Probe(observe_renamed), count=count, seconds=seconds)  # while the engines start
+        engines.submit({key: names.get(one.file, _UNCHANGED).asked(one) for key, one in asked.requests.items()})
+        return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in engines.results(timeout)]
+
+
+def _renamed(outcome: Outcome, name: Renaming | None) -> Outcome:
+    """An outcome with the new names of its file."""
+    if name is None or outcome.observation is None:
+        return outcome
+    return replace(outcome, observation=name.seen(outcome.observation))
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:

@@ -5,16 +5,19 @@ Quantities with a declared loss are not compared: their difference is the loss t
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines import own_parsers
 from stepbot.engines.observation import Quantity
+from stepbot.engines.openable import openable
 from stepbot.report.record import Check
 from stepbot.runtime.worker import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
 from .files import ENGINE_WARNING, compared_with_first, observed, ranked
 from .merged_observation import gather
+from .renamed import Renaming
 
 NOT_CONFIRMED = "SB867"
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
@@ -23,9 +26,10 @@ _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 
 def verify_against_source(
     source: Path,
-    name: str,
+    span: Span,
     files: Mapping[Path, str],
     lost: Mapping[Quantity, str],
+    names: Renaming,
     found: Diagnostics,
     *,
     timeout: float = DEFAULT_TIMEOUT,
@@ -35,20 +39,30 @@ def verify_against_source(
 
     Args:
         source: The file that was converted, or a copy of it.
-        name: Its name in the report.
+        span: It, for messages; its last part is its name in the report.
         files: The files that were written, each with its name in the report.
         lost: Quantities with declared losses, each with the reason not to compare it.
+        names: Names that the conversion changed.
         found: Receives differences, and SB867 if no engine reads the source.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
     """
+    name = PurePath(span.file).name
     reported = Diagnostics()  # engines that reject a written file are reported by the comparison with the model
-    asked, outcomes = observed((source, *files), reported, timeout=timeout, memory_limit=memory_limit)
+    asked, outcomes = observed(
+        (source, *files),
+        reported,
+        timeout=timeout,
+        memory_limit=memory_limit,
+        renamed={str(openable(source)): names},
+    )
     of_source = [outcome for outcome in outcomes if outcome.key == source.as_posix()]
     first = ranked(of_source)
+    if all(outcome.engine in own_parsers() for outcome in first):
+        by = "stepbot's own parser alone read it" if first else "no engine read it"
+        reasons = [f"{one.engine}: {one.reason}" for one in of_source if one.observation is None]
+        found.add(NOT_CONFIRMED, f"not confirmed by an engine: {by}", span, notes=reasons)
     if not first:
-        reasons = [f"{outcome.engine}: {outcome.reason}" for outcome in of_source]
-        found.add(NOT_CONFIRMED, "no engine read the file", Span(source.as_posix()), notes=reasons)
         return ()
     ours, checks = gather(first), list[Check]()
     for path, written in files.items():

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import Array, Pose, Vector3
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from ..observation import Observation
@@ -69,6 +69,8 @@ class Description:
     """Elements and attributes of the file that are not read."""
     files: tuple[Path, ...] = ()
     """The other files that were read: included files, meshes."""
+    X_WR: Pose = IDENTITY
+    """Pose of the root link in the world of the file."""
     free_roots: tuple[str, ...] = ()
     """Links that nothing holds in the world."""
     assumed: tuple[str, ...] = ()

@@ -1,6 +1,7 @@
 """SDFormat by stepbot's own reader."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,10 +11,12 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Request
-from ..sdformat_reader.frames import number_at, numbers, read_pose
-from ..sdformat_reader.tree import read_model
+from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose
+from ..sdformat_reader.tree import parsed, read_model, the_model
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
+from .sdf_vocabulary import AROUND, MODEL
+from .vocabulary import Unread
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -30,8 +33,44 @@ def describe_sdf(file: str, packages: Iterable[Path] = ()) -> Description:
     """
     observation = engine_of("reader").observer.observe(Request(file, "sdf", configurations=({},), simulate=0.0))
     files = MeshFiles(Path(file), packages)
-    shapes = tuple(shape for link in read_model(Path(file)).findall("link") for shape in _shapes(link, files))
-    return Description(observation, _at_zero(observation), shapes, files.unread)
+    model = read_model(Path(file))
+    shapes = tuple(shape for link in model.findall("link") for shape in _shapes(link, files))
+    assumed = tuple(link.get("name", "") for link in model.findall("link") if not _is_weighed(link))
+    return Description(
+        replace(observation, name=model.get("name")),
+        _at_zero(observation),
+        shapes,
+        files.unread,
+        _unread(Path(file)),
+        files.files,
+        assumed=assumed,
+        X_WR=_root_pose(model, observation),
+    )
+
+
+def _unread(file: Path) -> tuple[Unread, ...]:
+    """What is not read of the model, and of the world around it."""
+    top = parsed(file)
+    model = the_model(top)
+    around = model.getparent()
+    own = MODEL.unread(model)
+    if around is not None:
+        around.remove(model)
+    return (*AROUND.unread(top), *own)
+
+
+def _root_pose(model: Element, observation: Observation) -> Pose:
+    """Pose of the root link in the world."""
+    children = {joint.child for joint in observation.joints}
+    root = next((link.name for link in observation.links if link.name not in children), observation.links[0].name)
+    return read_pose(model) @ Frames(model).X_M(root)
+
+
+def _is_weighed(link: Element) -> bool:
+    """Whether a link states its mass and moments of inertia."""
+    needed = ("mass", "inertia/ixx", "inertia/iyy", "inertia/izz")
+    inertial = link.find("inertial")
+    return inertial is not None and all(inertial.find(path) is not None for path in needed)
 
 
 def _at_zero(observation: Observation) -> dict[str, Pose]:
@@ -49,7 +88,8 @@ def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
             found = None if geometry is None else _geometry(geometry, files)
             if found is not None:
                 name, X_LG, rgba = shape.get("name", ""), read_pose(shape), _color(shape)
-                yield DescribedShape(link.get("name", ""), name, found, X_LG, rgba, kind == "collision")
+                uri = (shape.findtext("geometry/mesh/uri") or "").strip()
+                yield DescribedShape(link.get("name", ""), name, found, X_LG, rgba, kind == "collision", uri)
 
 
 def _color(shape: Element) -> Rgba | None:

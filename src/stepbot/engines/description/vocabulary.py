@@ -38,6 +38,10 @@ class Vocabulary:
     """Consequence of the loss of a path, of an attribute (``path@name``), or of the last part of either."""
     nests: tuple[str, ...] = ()
     """Elements that contain themselves: a path has each of them once."""
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    """Attributes that tell elements of a path apart: the path continues with ``[value]``."""
+    twins: Mapping[str, str] = field(default_factory=dict)
+    """Elements that are not read, and have no effect beside an equal element of another tag."""
 
     def unread(self, root: Element, file: str = "") -> tuple[Unread, ...]:
         """What of a document is not read, in the order of its first occurrence.
@@ -63,19 +67,28 @@ class Vocabulary:
         for child in element:
             if not isinstance(child.tag, str):  # a comment
                 continue
-            below = self._below(path, child.tag)
+            below = self._below(path, child)
             if below in self.read:
                 yield from self._lost(child, below)
-            elif not self._is_neutral(child, below):
+            elif not (self._is_neutral(child, below) or self._is_twin(child, below)):
                 yield f"<{child.tag}> in <{element.tag}>", below, child.sourceline or 0
 
-    def _below(self, path: str, tag: str) -> str:
-        return path if tag in self.nests and path.rpartition("/")[2] == tag else f"{path}/{tag}"
+    def _below(self, path: str, child: Element) -> str:
+        tag = str(child.tag)
+        below = path if tag in self.nests and path.rpartition("/")[2] == tag else f"{path}/{tag}"
+        kind = self.kinds.get(below)
+        return below if kind is None else f"{below}[{child.get(kind, '')}]"
 
     def _is_neutral(self, element: Element, path: str) -> bool:
         """Whether an element that is not read has a value without effect."""
         values = self.neutral.get(path)
         return values is not None and (element.text or "").strip() in values
+
+    def _is_twin(self, element: Element, path: str) -> bool:
+        """Whether an element that is not read has the same value as its twin beside it."""
+        twin = self.twins.get(path)
+        other = None if twin is None else element.getparent().findtext(twin)
+        return other is not None and other.split() == (element.text or "").split()
 
     def _effect(self, path: str) -> str:
         return self.effects.get(path) or self.effects.get(path.rpartition("/")[2], "")

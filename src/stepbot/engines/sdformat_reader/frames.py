@@ -12,7 +12,6 @@ import numpy as np
 from stepbot.geometry.spatial import Array, Pose
 
 from ..observation import EngineRefused
-from .tree import ends
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -20,6 +19,7 @@ else:
     Element = object
 
 MODEL = "__model__"
+WORLD = "world"
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -61,6 +61,11 @@ def bool_at(element: Element | None, path: str, default: bool) -> bool:
     if value is None:
         raise EngineRefused(f"<{path}> is '{text.strip()}', true or false expected")
     return value
+
+
+def ends(joint: Element) -> tuple[str, str]:
+    """Names of the parent and the child link of a joint."""
+    return (joint.findtext("parent") or "").strip(), (joint.findtext("child") or "").strip()
 
 
 def read_pose(element: Element | None) -> Pose:

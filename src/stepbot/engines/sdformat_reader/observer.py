@@ -27,11 +27,11 @@ from ..observation import (
 )
 from ..parsed_motion import with_motion
 from . import ENGINE
-from .frames import Frames, bool_at, number_at, numbers, read_pose
+from .frames import MODEL, WORLD, Frames, bool_at, ends, number_at, numbers, read_pose
 from .gz_plugins import plugin_actuators, plugin_sensors
 from .sensors import model_sensors
 from .shapes import box_around, shapes_of
-from .tree import closing_joints, ends, joints_to_world, read_model
+from .tree import closing_joints, joints_to_world, read_model
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -71,12 +71,16 @@ def observe(request: Request) -> Observation:
         engine=ENGINE.name,
         version=__version__,
         format=request.format,
-        base="fixed" if to_world else "floating",
+        base="fixed" if to_world or _is_held(model) else "floating",
         links=tuple(links),
         joints=tuple(_joint(joint, frames) for joint in tree),
         gravity=_gravity(model),
         closures=tuple(_closure(joint, frames) for joint in closing),
-        frames={frame.get("name", ""): _frame(frame, frames) for frame in model.findall("frame")},
+        frames={
+            name: _frame(frame, frames)
+            for frame in model.findall("frame")
+            if not (name := frame.get("name", "")).endswith(MODEL)
+        },
         actuators=tuple(plugin_actuators(model)),
         sensors=(*model_sensors(model, frames), *plugin_sensors(model)),
         missing_meshes=tuple(missing),
@@ -92,6 +96,11 @@ def observe(request: Request) -> Observation:
         lambda root: vector3(frames.X_M(root).inverse().turn(GRAVITY)),
         request,
     )
+
+
+def _is_held(model: Element) -> bool:
+    """Whether a model without a joint to the world is fixed to it: static, or with a link that is the world."""
+    return bool_at(model, "static", False) or any(link.get("name") == WORLD for link in model.findall("link"))
 
 
 def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:

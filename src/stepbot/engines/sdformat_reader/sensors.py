@@ -11,8 +11,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.robot.sensors import SensorKind
 
 from ..observation import ObservedSensor
-from .frames import Frames, number_at, read_pose
-from .tree import ends
+from .frames import Frames, ends, number_at, read_pose
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
+from .frames import ends
+from .plain import plain
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -21,33 +23,45 @@ else:
 
 
 def read_model(file: Path) -> Element:
-    """The only model of an SDFormat file, or of several the only one that is not static.
+    """The only model of an SDFormat file, or of several the only one that is not static, in plain form.
+
+    Nested models are part of it, their elements named ``model::element``; poses of shapes are relative to their link.
 
     Raises:
         EngineRefused: The file is not XML.
-        EngineCannotRead: It has no model, several, nested models, or an include.
+        EngineCannotRead: It has no model, several, or an include.
+    """
+    return plain(the_model(parsed(file)))
+
+
+def parsed(file: Path) -> Element:
+    """The root element of an SDFormat file.
+
+    Raises:
+        EngineRefused: The file is not XML.
     """
     from lxml import etree
 
     try:
-        top = etree.parse(str(file), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
+        return etree.parse(str(file), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
     except etree.XMLSyntaxError as error:
         raise EngineRefused(f"not XML: {error.msg}") from error
+
+
+def the_model(top: Element) -> Element:
+    """The only model below a root element, or of several the only one that is not static.
+
+    Raises:
+        EngineCannotRead: It has no model, several, or an include.
+    """
     models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
     if len(models) > 1:  # a floor is no robot
         models = [model for model in models if (model.findtext("static") or "").strip() not in ("true", "1")]
     if len(models) != 1:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")
-    if models[0].find("model") is not None or models[0].find("include") is not None:
-        raise EngineCannotRead("nested models are not supported")
-    if top.find("include") is not None or top.find("world/include") is not None:
+    if next(top.iter("include"), None) is not None:
         raise EngineCannotRead("<include> is not supported")
     return models[0]
-
-
-def ends(joint: Element) -> tuple[str, str]:
-    """Names of the parent and the child link of a joint."""
-    return (joint.findtext("parent") or "").strip(), (joint.findtext("child") or "").strip()
 
 
 def joints_to_world(model: Element) -> list[Element]:

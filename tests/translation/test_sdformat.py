@@ -1,0 +1,84 @@
+"""An SDFormat file as the source of a conversion: nested models, frames, a joint that moves on the world."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.described.robot import robot_of_description
+from stepbot.engines.describe import describe
+from stepbot.engines.observation import EngineCannotRead
+from stepbot.jobs.incremental import convert
+from stepbot.pipeline.conversion import Options
+from stepbot.robot.kinematics import link_poses
+
+RIG = """<sdf version="1.11"><model name="rig">
+  <link name="base">
+    <inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia></inertial>
+    <collision name="c"><geometry><box><size>0.3 0.3 0.3</size></box></geometry>
+      <surface><friction/></surface></collision>
+  </link>
+  <frame name="flange" attached_to="base"><pose>0 0 0.1 0 0 0.5</pose></frame>
+  <model name="hand">
+    <pose relative_to="flange">0 0 0.05 0 0 0</pose>
+    <link name="palm"><pose>0 0 0.02 0 0 0</pose>
+      <inertial><mass>1</mass><inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.002</izz></inertia></inertial>
+      <visual name="v"><pose relative_to="__model__">0 0 0 0.1 0 0</pose>
+        <geometry><box><size>0.2 0.2 0.2</size></box></geometry></visual>
+    </link>
+    <link name="finger"><pose relative_to="palm">0.05 0 0 0 0 0</pose>
+      <inertial><mass>0.1</mass><inertia><ixx>0.0002</ixx><iyy>0.0002</iyy><izz>0.0002</izz></inertia></inertial>
+    </link>
+    <joint name="grip" type="revolute"><pose>0.01 0 0 0 0 0</pose><parent>palm</parent><child>finger</child>
+      <axis><xyz expressed_in="__model__">0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+  </model>
+  <joint name="wrist" type="revolute"><parent>base</parent><child>hand::palm</child>
+    <axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+  <joint name="rail" type="prismatic"><parent>world</parent><child>base</child>
+    <axis><xyz>1 0 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+</model></sdf>
+"""
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Path:
+    """The file."""
+    path = tmp_path / "rig.sdf"
+    path.write_text(RIG, encoding="utf-8")
+    return path
+
+
+def test_poses_of_nested_models(rig: Path) -> None:
+    """Links of a nested model are where the chain of frames puts them, and turn about axes of its frame."""
+    robot = robot_of_description(describe(str(rig), "sdf"), "rig", rig.name).robot
+    poses = link_poses(robot, {"rail": 0.2, "wrist": 0.3, "hand_grip": 0.4})
+    # By hand: the flange turns x by 0.5, the wrist by 0.3 more; the joint is 0.01 m beyond the finger's origin.
+    turned = np.array([np.cos(0.8), np.sin(0.8), 0.0])
+    further = np.array([np.cos(1.2), np.sin(1.2), 0.0])
+    assert poses["hand_palm"].p == pytest.approx([0.2, 0.0, 0.17])
+    assert poses["hand_finger"].p == pytest.approx(np.array([0.2, 0.0, 0.17]) + 0.06 * turned - 0.01 * further)
+    (visual,) = robot.link_by_name["hand_palm"].visuals
+    assert visual.X_LG.position == pytest.approx((0.0, 0.0, -0.02))
+
+
+def test_conversion_is_proven_and_declares_losses(rig: Path, tmp_path: Path) -> None:
+    """The MJCF moves like the source; contact properties, new names and added links are declared."""
+    conversion = convert(rig, Options(tmp_path / "out", formats=("mjcf",)))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    codes = [one.code for one in conversion.diagnostics]
+    assert codes.count("SB860") == 1
+    assert {"SB864", "SB865", "SB867"} <= set(codes)  # only stepbot's parser reads nested models
+    assert conversion.report is not None
+    passed = {
+        one.quantity for one in conversion.report.checks if one.against == "rig.sdf (reader)" and one.status == "passed"
+    }
+    assert {"links", "joints", "poses", "mass matrix", "inertia", "limits"} <= passed
+
+
+def test_include_is_not_followed(rig: Path) -> None:
+    """A model from another file is an error, not a robot without it."""
+    rig.write_text(
+        RIG.replace("</model></sdf>", "<include><uri>model://x</uri></include></model></sdf>"), encoding="utf-8"
+    )
+    with pytest.raises(EngineCannotRead, match="include"):
+        describe(str(rig), "sdf")
