@@ -107,10 +107,9 @@ def _passive(prim: Prim, joint: Joint) -> None:
     }
     if isfinite(joint.limit.velocity):
         given["velocityLimit"] = _stage_unit(joint, joint.limit.velocity)
-    nonzero = {name: value for name, value in given.items() if value or name == "velocityLimit"}
-    if nonzero:
-        prim.schemas.append("NewtonJointAPI")
-        for name, value in nonzero.items():
+    prim.schemas.append("NewtonJointAPI")
+    for name, value in given.items():
+        if value or name == "velocityLimit":
             prim.set(f"float newton:{name}", single(value))
 
 

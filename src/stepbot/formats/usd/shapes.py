@@ -7,8 +7,8 @@ cannot be changed inside of one. Their purpose is ``guide``, which renderers do 
 import numpy as np
 
 from stepbot.geometry.fixed_point import fixed_point_lines
-from stepbot.geometry.mesh import GRID_DECIMALS, GRID_PER_METRE
-from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.geometry.mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, cross
 from stepbot.robot.model import (
     Box,
     Capsule,
@@ -30,8 +30,8 @@ from .usda import Prim, doubles, single, singles
 
 MESH = "mesh"
 """Name of the mesh in the prim of an asset."""
-_PLACE_DECIMALS, _COLOR_DECIMALS = 12, 9
-"""Decimals of positions [m] and quaternions, and of linear colours: the same on all machines."""
+_PLACE_DECIMALS, _COLOR_DECIMALS, _NORMAL_DECIMALS = 12, 9, 6
+"""Decimals of positions [m] and quaternions, of linear colours, and of normals: the same on all machines."""
 
 
 class Library:
@@ -80,7 +80,7 @@ class Library:
         if isinstance(collision.geometry, MeshRef):
             prim = named("Mesh", collision.name, names)
             prim.metadata.append(f"prepend references = <{self._mesh(collision.geometry)}/{MESH}>")
-            prim.schemas += ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]
+            prim.schemas += ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "NewtonMeshCollisionAPI"]
             concave = collision.geometry.name in self._concave
             prim.set("uniform token physics:approximation", '"convexDecomposition"' if concave else '"convexHull"')
         else:
@@ -144,16 +144,32 @@ def _asset(asset: MeshAsset, identifier: str) -> Prim:
     mesh = asset.mesh
     prim = Prim("Mesh", MESH)
     nanometres = np.rint(mesh.vertices * GRID_PER_METRE).astype(np.int64)
-    lines = fixed_point_lines("", nanometres, GRID_DECIMALS).decode().splitlines()
-    points = [f"({', '.join(line.split())})" for line in lines]
     low, high = (nanometres.min(axis=0), nanometres.max(axis=0)) if len(nanometres) else (np.zeros(3), np.zeros(3))
     corners = ((corner / GRID_PER_METRE).tolist() for corner in (low, high))
     prim.set("float3[] extent", f"[{', '.join(map(singles, corners))}]")
     prim.set("int[] faceVertexCounts", f"[{', '.join(['3'] * len(mesh.faces))}]")
     prim.set("int[] faceVertexIndices", f"[{', '.join(map(str, mesh.faces.ravel().tolist()))}]")
-    prim.set("point3f[] points", f"[{', '.join(points)}]")
+    prim.set("normal3f[] normals", _triples(np.rint(_normals(mesh) * 10**_NORMAL_DECIMALS), _NORMAL_DECIMALS))
+    prim.properties[-1] += ' (interpolation = "uniform")'
+    prim.set("point3f[] points", _triples(nanometres.astype(np.float64), GRID_DECIMALS))
     prim.set("uniform token subdivisionScheme", '"none"')
     return Prim("Xform", identifier, children=[prim])
+
+
+def _triples(rows: Array, decimals: int) -> str:
+    """An array of triples, from integers (n, 3) in units of the last decimal."""
+    lines = fixed_point_lines("", rows.astype(np.int64), decimals).decode().splitlines()
+    return "[" + ", ".join(f"({', '.join(line.split())})" for line in lines) + "]"
+
+
+def _normals(mesh: TriMesh) -> Array:
+    """Unit normal (n, 3) of each face; z for a face without area, as of collinear vertices of a hull."""
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    across = cross(b - a, c - a)
+    x, y, z = across.T
+    length = np.sqrt(x * x + y * y + z * z)
+    flat = length == 0.0
+    return np.where(flat[:, None], (0.0, 0.0, 1.0), across / np.where(flat, 1.0, length)[:, None])
 
 
 def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:

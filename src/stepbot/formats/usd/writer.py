@@ -105,7 +105,8 @@ def render(robot: Robot) -> bytes:
     identifiers = {link.name: names.of(link.name) for link in robot.links}
     paths = {name: f"{path}/{identifier}" for name, identifier in identifiers.items()}
     if robot.joints:
-        top.schemas.append("PhysicsArticulationRootAPI")
+        top.schemas += ["PhysicsArticulationRootAPI", "NewtonArticulationRootAPI"]
+        top.set("bool newton:selfCollisionEnabled", "true")
     top.metadata.append('kind = "component"')
     drawn = initial_configuration(robot)
     X_RL, standing = link_poses(robot, drawn), Pose.of(position=(0.0, 0.0, standing_height(robot, drawn)))
