@@ -1,0 +1,182 @@
+"""Augmented random search: a linear policy, trained with numpy alone.
+
+Mania, Guy, Recht, "Simple random search of static linear policies is competitive for reinforcement learning" (2018),
+version V2-t: each iteration tries random changes of the weights in both directions, and moves them along the best ones.
+Both directions of a change have the same episode, so that their difference is that of the policies.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+
+_LEAST_DEVIATION = 1e-6
+"""Deviation of an observation that does not change."""
+
+
+@dataclass(frozen=True, eq=False)
+class Policy:
+    """Actions linear in some of the observed numbers, which are shifted and scaled to mean 0 and deviation 1."""
+
+    inputs: NDArray[np.intp]
+    """Indices (n,) of the numbers in the observation."""
+    weights: Array
+    """(actions, n)."""
+    mean: Array
+    deviation: Array
+
+    def act(self, observation: Array) -> Array:
+        """The action, between -1 and 1."""
+        action: Array = np.clip(self.weights @ ((observation[self.inputs] - self.mean) / self.deviation), -1.0, 1.0)
+        return action
+
+
+_Job = tuple[Policy, int]
+"""A policy, and the seed of an episode."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to search."""
+
+    iterations: int = 100
+    directions: int = 16
+    """Changes tried in each iteration, each in both directions."""
+    best: int = 8
+    """Number of them along which the weights move."""
+    step: float = 0.05
+    noise: float = 0.05
+    """Standard deviation of a change of a weight."""
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Episode:
+    """What came of an episode."""
+
+    value: float
+    """Sum of its rewards."""
+    success: bool
+    """``is_success`` of its last step."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Number, mean and sum of squared deviations of observations."""
+
+    count: float
+    mean: Array
+    squares: Array
+
+    def __add__(self, other: "_Seen") -> "_Seen":
+        count, apart = self.count + other.count, other.mean - self.mean
+        mean = self.mean + apart * (other.count / count)
+        return _Seen(count, mean, self.squares + other.squares + apart**2 * (self.count * other.count / count))
+
+
+_env: Any = None
+"""The environment of a worker."""
+
+
+def _open(make: Callable[[], Any]) -> None:
+    """In a worker: make its environment."""
+    global _env  # noqa: PLW0603
+    _env = make()
+
+
+def _episode_in_worker(job: _Job) -> tuple[Episode, _Seen]:
+    return _episode(_env, job)
+
+
+def _episode(env: Any, job: _Job) -> tuple[Episode, _Seen]:
+    """Run an episode."""
+    policy, seed = job
+    observation, info = env.reset(seed=seed)
+    seen, value, over = [observation[policy.inputs]], 0.0, False
+    while not over:
+        observation, reward, terminated, truncated, info = env.step(policy.act(observation))
+        seen.append(observation[policy.inputs])
+        value += reward
+        over = terminated or truncated
+    table = np.array(seen)
+    mean = table.mean(axis=0)
+    return Episode(value, bool(info["is_success"])), _Seen(len(table), mean, ((table - mean) ** 2).sum(axis=0))
+
+
+class Search:
+    """Searches for a policy; use it in a ``with`` statement, which ends its processes."""
+
+    def __init__(
+        self, make: Callable[[], Any], settings: Settings, *, inputs: Sequence[str] = ("",), processes: int = 1
+    ) -> None:
+        """Make the environment, and start processes if there are several.
+
+        Args:
+            make: Makes the environment; a picklable function.
+            settings: How to search.
+            inputs: The policy sees observations whose names contain one of these.
+            processes: Number of processes; the results do not depend on it.
+        """
+        env = make()
+        names = env.unwrapped.observation_names
+        chosen = np.array([i for i, name in enumerate(names) if any(part in name for part in inputs)], dtype=np.intp)
+        actions, observations = env.action_space.shape[0], chosen.size
+        self.settings = settings
+        self.policy = Policy(chosen, np.zeros((actions, observations)), np.zeros(observations), np.ones(observations))
+        self._random = np.random.default_rng(settings.seed)
+        self._seen = _Seen(0.0, np.zeros(observations), np.zeros(observations))
+        self._env = env
+        self._pool = get_context("spawn").Pool(processes, _open, (make,)) if processes > 1 else None
+
+    def __enter__(self) -> "Search":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._env.close()
+        if self._pool is not None:
+            self._pool.terminate()
+            self._pool.join()
+
+    def run(self) -> Iterator[float]:
+        """Improve the policy; yields the mean sum of rewards of each iteration's changed policies."""
+        for _ in range(self.settings.iterations):
+            yield self._improve()
+
+    def evaluate(self, policy: Policy, seeds: Sequence[int]) -> list[Episode]:
+        """One episode of a policy with each seed."""
+        return [episode for episode, _ in self._episodes([(policy, seed) for seed in seeds])]
+
+    def _episodes(self, jobs: list[_Job]) -> list[tuple[Episode, _Seen]]:
+        if self._pool is not None:
+            return self._pool.map(_episode_in_worker, jobs)
+        return [_episode(self._env, job) for job in jobs]
+
+    def _improve(self) -> float:
+        settings, weights = self.settings, self.policy.weights
+        changes = self._random.standard_normal((settings.directions, *weights.shape))
+        seeds = self._random.integers(2**31, size=settings.directions).tolist()
+        jobs = [
+            (replace(self.policy, weights=weights + sign * settings.noise * change), seed)
+            for change, seed in zip(changes, seeds, strict=True)
+            for sign in (1.0, -1.0)
+        ]
+        found = self._episodes(jobs)
+        values = np.array([episode.value for episode, _ in found]).reshape(-1, 2)
+        best = np.argsort(-values.max(axis=1), kind="stable")[: settings.best]
+        scale = max(float(values[best].std()), 1e-9)
+        slope = np.tensordot(values[best, 0] - values[best, 1], changes[best], axes=1)
+        for _, seen in found:
+            self._seen = self._seen + seen
+        deviation = np.sqrt(self._seen.squares / self._seen.count)
+        self.policy = Policy(
+            self.policy.inputs,
+            weights + settings.step / (settings.best * scale) * slope,
+            self._seen.mean,
+            np.where(deviation > _LEAST_DEVIATION, deviation, np.inf),
+        )
+        return float(values.mean())
