@@ -34,7 +34,20 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (sidecar,) = re.findall(r"^```yaml\n(.*?)^```$", readme, re.MULTILINE | re.DOTALL)
     (folder / "arm.robot.yaml").write_text(sidecar, encoding="utf-8")
     (folder / "arm2.step").write_bytes(library_robot("arm2").step.read_bytes())
-    assert main(["convert", str(folder / "arm.robot.yaml"), "-o", str(folder / "arm"), "--no-verify"]) == 0
+    assert (
+        main(
+            [
+                "convert",
+                str(folder / "arm.robot.yaml"),
+                "-o",
+                str(folder / "arm"),
+                "--no-verify",
+                "-f",
+                "urdf,sdf,mjcf,usd",
+            ]
+        )
+        == 0
+    )
     return folder
 
 
@@ -44,6 +57,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("MuJoCo", "mujoco", r"^2 joints at \["),
         ("PyBullet", "pybullet", r"^shoulder \S+\nelbow \S+$"),
         ("Drake", "pydrake", r"^2 positions, "),
+        pytest.param("Newton", "newton", r"(?m)^3 joints, masses \[", marks=pytest.mark.long),
     ],
 )
 def test_snippet_runs(heading: str, module: str, printed: str, folder: Path) -> None:

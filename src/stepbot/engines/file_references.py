@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .resources import candidates
+from .usd.layers import layer_references
 
 Element = Any
 """``lxml.etree._Element``; the stubs lack ``sourceline`` and entities."""
@@ -39,14 +40,25 @@ class Refusal:
 
 
 def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
-    """Why engines must not read a file; empty if they may, and if the file is not XML, which they report.
+    """Why engines must not read a file; empty if they may, and if it is neither XML nor USD, which they report.
 
     Args:
         file: Path of the description.
         written_in: Its format.
     """
     given, main = Path(file), Path(file).resolve()  # engines resolve symbolic links
-    return tuple(replace(one, file=_shown(one.file, main, given)) for one in _refusals(main, written_in == "mjcf"))
+    found = _layer_refusals(main) if written_in == "usd" else _refusals(main, written_in == "mjcf")
+    return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
+
+
+def _layer_refusals(main: Path) -> Iterator[Refusal]:
+    """Layers of a stage that are outside of its folder, or not regular files."""
+    for one in layer_references(main):
+        if not one.path.resolve().is_relative_to(main.parent):
+            message = f"refers to '{one.name}', which is outside the folder of {main.name}"
+            yield Refusal(OUTSIDE, message, str(one.layer))
+        elif _is_irregular(one.path):
+            yield Refusal(NOT_REGULAR, f"'{one.name}' is not a regular file", str(one.layer))
 
 
 def _shown(file: str, main: Path, given: Path) -> str:

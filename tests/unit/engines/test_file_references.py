@@ -134,3 +134,34 @@ def test_settings_of_included_files_hold_in_all(tmp_path: Path) -> None:
     for name in ("pipe.obj", "any/pipe.obj"):
         text = f'<mujoco><include file="settings.xml"/><asset><mesh file="{name}"/></asset></mujoco>'
         assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB822"]
+
+
+def test_layers_stay_in_the_folder(tmp_path: Path) -> None:
+    """Sublayers, references and payloads of a stage are in its folder, also those of other layers."""
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    inside = tmp_path / "robot"
+    (inside / "parts").mkdir(parents=True)
+    (tmp_path / "outside.usda").write_text("#usda 1.0\n", encoding="utf-8")
+    (inside / "near.usda").write_text("#usda 1.0\n", encoding="utf-8")
+    far = '#usda 1.0\ndef "a" (payload = @../../outside.usda@</a>)\n{\n}\n'
+    (inside / "parts" / "far.usda").write_text(far, encoding="utf-8")
+
+    def referring(name: str) -> list[str]:
+        text = f'#usda 1.0\ndef "robot" (references = @{name}@</a>)\n{{\n}}\n'
+        return codes(inside / f"robot_{len(list(inside.iterdir()))}.usda", text, "usd")
+
+    assert referring("./near.usda") == []
+    assert referring("./missing.usda") == []
+    assert referring("../outside.usda") == ["SB821"]
+    assert referring(str(tmp_path / "outside.usda")) == ["SB821"]
+    assert referring("./parts/far.usda") == ["SB821"]
+    assert codes(inside / "sub.usda", "#usda 1.0\n(\n    subLayers = [@../outside.usda@]\n)\n", "usd") == ["SB821"]
+    assert codes(inside / "broken.usda", "#usda 1.0\ndef", "usd") == []
+
+
+@pipes
+def test_pipes_are_no_layers(tmp_path: Path) -> None:
+    """A pipe as a layer would block the engine."""
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    os.mkfifo(tmp_path / "pipe.usda")
+    assert codes(tmp_path / "robot.usda", '#usda 1.0\ndef "a" (references = @./pipe.usda@)\n{\n}\n', "usd") == ["SB822"]

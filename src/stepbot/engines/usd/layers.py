@@ -1,0 +1,44 @@
+"""The layers that a stage is composed of."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+_MOST_LAYERS = 1000
+
+
+@dataclass(frozen=True)
+class LayerReference:
+    """A sublayer, reference or payload in another file."""
+
+    layer: Path
+    """The file that has it."""
+    name: str
+    """As it is in the file."""
+    path: Path
+    """Absolute path."""
+
+
+def layer_references(main: Path) -> Iterator[LayerReference]:
+    """References to other files, in the main file and in those that it refers to below its folder; no other is opened.
+
+    A file that USD cannot parse has none; without USD's library there are none, as no engine can read the file.
+    """
+    try:
+        from pxr import Sdf, Tf
+    except ImportError:
+        return
+    pending, seen = [main], {main}
+    while pending and len(seen) <= _MOST_LAYERS:
+        path = pending.pop()
+        try:
+            layer = Sdf.Layer.FindOrOpen(str(path))
+        except Tf.ErrorException:
+            continue
+        for name in () if layer is None else layer.GetCompositionAssetDependencies():
+            target = Path(layer.ComputeAbsolutePath(name.partition("[")[0]))
+            yield LayerReference(path, name, target)
+            inside = target.resolve().is_relative_to(main.parent)
+            if inside and target.is_file() and target.resolve() not in seen:
+                seen.add(target.resolve())
+                pending.append(target)
