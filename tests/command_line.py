@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from stepbot.runtime.cache import Cache
 from stepbot_cli import main
 
 LONGEST = 300.0
@@ -22,6 +23,11 @@ LONGEST = 300.0
 BESIDE = (".drake.sdf", ".world.sdf", ".scene.xml")
 """Ends of the names of files beside the main one of a format."""
 COMMAND = (sys.executable, "-m", "stepbot_cli")
+
+
+def cache_of_this_run() -> Cache:
+    """The cache that commands of this run of the tests share."""
+    return Cache(Path(os.environ["STEPBOT_CACHE"]))
 
 
 @dataclass(frozen=True)

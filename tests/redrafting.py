@@ -11,6 +11,7 @@ from stepbot.authoring.sidecar_text import sidecar_text
 from stepbot.pipeline.drafting import draft_step
 from stepbot.pipeline.stages import Options, convert, produce
 from stepbot.robot.model import JointKind, Robot
+from tests.command_line import cache_of_this_run
 
 MADE_OF_SEVERAL = ("universal", "ball", "cylindrical", "planar", "screw", "floating")
 """Joints that URDF writes as several links and joints."""
@@ -37,7 +38,7 @@ def redrafted(sidecar: Path, step: Path, folder: Path, suffix: str, *, meshes: b
         suffix: Suffix of the description: ``urdf``, ``sdf`` or ``xml``.
         meshes: Whether the description may keep its meshes.
     """
-    options = Options(folder / "out", step=step, verify=False)
+    options = Options(folder / "out", step=step, verify=False, cache=cache_of_this_run())
     converted = convert(sidecar, options)
     assert converted.robot is not None, list(converted.diagnostics)
     if not meshes:
@@ -47,7 +48,7 @@ def redrafted(sidecar: Path, step: Path, folder: Path, suffix: str, *, meshes: b
     assert drafting.draft is not None, list(drafting.diagnostics)
     text = sidecar_text(drafting.draft, step.as_posix(), schema="")
     (folder / "again.robot.yaml").write_text(text, encoding="utf-8")
-    again = produce(folder / "again.robot.yaml", Options(folder / "again", verify=False))
+    again = produce(folder / "again.robot.yaml", Options(folder / "again", verify=False, cache=options.cache))
     assert again.robot is not None, list(again.diagnostics)
     return Redrafted(converted.robot, drafting.draft, again.robot)
 

@@ -223,7 +223,7 @@ def test_unwritable_output_is_found_before_the_work(
     assert snapshot(arm) == before
 
 
-@pytest.mark.slow
+@pytest.mark.long  # test_determinism.py compares one such run with another
 def test_same_bytes_wherever_and_however(arm: Path, stepbot: Stepbot) -> None:
     """Hash seed, locale, time zone and working directory do not change the bytes, report included."""
     import subprocess

@@ -1,5 +1,6 @@
 """Links and joints inferred from the STEP of real assemblies, against hand-made sidecars."""
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.reader import read_assembly
 
 
+@cache
 def read(step: Path) -> Assembly:
     """An assembly with its faces, meshed coarsely."""
     found = Diagnostics()
@@ -27,7 +29,7 @@ def read(step: Path) -> Assembly:
     [
         ("simple_pendulum", "simple_pendulum", 1),
         ("two_joint_servo_arm_ap242", "two_joint", 2),
-        ("openarm_leader_gripper", "openarm_leader_gripper", 7),
+        pytest.param("openarm_leader_gripper", "openarm_leader_gripper", 7, marks=pytest.mark.long),
     ],
 )
 def test_all_joints_of_real_assemblies(corpus: Path, step: str, truth: str, joints: int) -> None:
@@ -39,7 +41,13 @@ def test_all_joints_of_real_assemblies(corpus: Path, step: str, truth: str, join
     assert result.root
 
 
-@pytest.mark.parametrize("step", ["as1-oc-214", "dm1_ideas_inch", "s1_autocad_foot", "eight_cylinders_multi_root"])
+@pytest.mark.parametrize(
+    "step",
+    [
+        pytest.param(step, marks=pytest.mark.xdist_group(step))
+        for step in ("as1-oc-214", "dm1_ideas_inch", "s1_autocad_foot", "eight_cylinders_multi_root")
+    ],
+)
 @pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
 def test_no_unmarked_joint_where_there_is_no_robot(corpus: Path, step: str, sources: Sources) -> None:
     """Brackets, a foot and loose cylinders have no joint without a mark."""
