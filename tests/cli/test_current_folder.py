@@ -88,15 +88,21 @@ def test_no_command_imports_from_the_current_folder(
     written = trap.robot_files("out")
     assert clean
     assert {name: written[name] for name in clean} == clean
-    assert "shoulder" in trap.run(INSTALLED, "inspect", "arm2.step")
-    trap.run(INSTALLED, "check", "--step", "--", "arm2.robot.yaml")
-    trap.run(INSTALLED, "verify", "out/arm2.urdf", "out/arm2.sdf", "out/arm2.xml")
     trap.run(INSTALLED, "batch", "-j", "2", "-o", "many", "--no-verify", "arm2.robot.yaml")
     assert trap.robot_files("many/arm2") == written
-    trap.run(INSTALLED, "uptodate", "-o", "out", "arm2.robot.yaml")
     assert json.loads(trap.run(INSTALLED, "formats", "--json"))
-    trap.run(INSTALLED, "library", "export", "arm2", "-o", "exported")
-    assert (trap.folder / "exported").is_dir()
+
+
+@pytest.mark.long
+def test_no_further_command_imports_from_the_current_folder(tmp_path: Path, robot_library: Path) -> None:
+    """Commands that start the same workers as `convert`."""
+    trap = Trap(tmp_path, robot_library, set())
+    trap.run(INSTALLED, "library", "export", "arm2", "-o", "out")
+    trap.run(INSTALLED, "verify", "out/arm2.urdf", "out/arm2.sdf", "out/arm2.xml")
+    assert "shoulder" in trap.run(INSTALLED, "inspect", "arm2.step")
+    trap.run(INSTALLED, "check", "--step", "--", "arm2.robot.yaml")
+    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "converted", "--no-verify")
+    trap.run(INSTALLED, "uptodate", "-o", "converted", "arm2.robot.yaml")
 
 
 @pytest.mark.slow

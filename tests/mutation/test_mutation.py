@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.devices import equipped
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without, write
 
@@ -127,13 +126,13 @@ def test_changes_are_beyond_the_tolerance() -> None:
 @pytest.mark.slow
 @pytest.mark.pybullet
 @pytest.mark.mujoco
-def test_changed_numbers_are_noticed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["equipped", pytest.param("two_link_arm", marks=pytest.mark.long)])
+def test_changed_numbers_are_noticed(name: str, tmp_path: Path) -> None:
     """`verify` and the conversion detect at least 97 % of changed numbers, with a reason for the rest."""
     for engine in ("yourdfpy", "mujoco", "pybullet"):
         skip_without(engine)
-    robots = {"equipped": equipped, "two_link_arm": ROBOTS["two_link_arm"]}
-    found = list(trials(robots, tmp_path, OF_EACH_CHANGED))
-    assert len(found) == len(robots) * len(FORMATS) * OF_EACH_CHANGED
+    found = list(trials({name: ROBOTS[name]}, tmp_path, OF_EACH_CHANGED))
+    assert len(found) == len(FORMATS) * OF_EACH_CHANGED
     _assert_noticed(found)
 
 

@@ -118,9 +118,9 @@ def _lacks(name: str) -> set[str]:
 
 
 def _marks(name: str) -> list[pytest.MarkDecorator]:
-    """Tests of a robot run in one process; the one with the most loops takes a third of the time."""
+    """Tests of a robot run in one process; the two with the most loops take a third of the time."""
     group = pytest.mark.xdist_group(f"every_robot_{name}")
-    return [group, pytest.mark.long] if name == "stewart" else [group]
+    return [group, pytest.mark.long] if name in ("delta", "stewart") else [group]
 
 
 @pytest.fixture(
