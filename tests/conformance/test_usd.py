@@ -8,9 +8,11 @@ from typing import Any
 import pytest
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.engines import engine_of
+from stepbot.engines.observation import Request
 from stepbot.formats.rendering import render
 from stepbot.formats.usd.usda import quoted, single
-from stepbot.robot.model import Base, Robot
+from stepbot.robot.model import Base, Limit, Robot
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic, odd_names, one_link, primitives, two_link_arm
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
@@ -159,3 +161,16 @@ def test_strings_are_escaped() -> None:
         layer = Sdf.Layer.CreateAnonymous(".usda")
         assert layer.ImportFromString(f"#usda 1.0\n(\n    doc = {quoted(text)}\n)\n")
         assert layer.documentation == text
+
+
+def test_a_joint_drawn_beyond_half_a_turn_is_read_back(tmp_path: Path) -> None:
+    """Poses do not tell full turns apart: the reader reports the turn that is expected, or else the nearest to 0."""
+    robot = two_link_arm()
+    elbow = replace(robot.joints[1], limit=Limit(-4.0, 4.0), drawn_position=3.5)
+    (content,) = render(replace(robot, joints=(robot.joints[0], elbow)), "usd", Diagnostics()).values()
+    (tmp_path / "arm.usda").write_bytes(content)
+    request = Request(str(tmp_path / "arm.usda"), "usd", simulate=0.0)
+    observe = engine_of("usd").observer.observe
+    assert observe(request).initial == pytest.approx({"shoulder": 0.0, "elbow": 3.5 - 2.0 * pi}, abs=1e-6)
+    expected = observe(replace(request, initial={"elbow": 3.5})).initial
+    assert expected == pytest.approx({"shoulder": 0.0, "elbow": 3.5}, abs=1e-6)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf, isfinite, tau
 
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
 from stepbot.geometry.spatial import Pose
@@ -22,15 +22,27 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     A massless link called ``world`` is the world. A link that is only a frame becomes a frame if the other side has no
     link of that name. Mimics refer to the first joint of their chain. Only frames and shapes that both sides name are
     kept, since formats mark different places and split shapes differently; the name of the robot, and colours that one
-    file lacks, are ignored. Actuators are converted to their joints if a format has no gears. A file without any
-    velocity limit is treated as not reporting them: MJCF has no such attribute. Numbers that mean unlimited become
-    infinite.
+    file lacks, are ignored. Initial angles are compared up to full turns with a file that has poses instead. Actuators
+    are converted to their joints if a format has no gears. A file without any velocity limit is treated as not
+    reporting them: MJCF has no such attribute. Numbers that mean unlimited become infinite.
     """
     a, b = (without_stand_ins(_without_world(side)) for side in (a, b))
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
+    a, b = (_within_a_turn(a), _within_a_turn(b)) if "usd" in (a.format, b.format) else (a, b)
     return _with_common_frames(*_with_common_views(*_with_common_gears(a, b)))
+
+
+def _within_a_turn(observation: Observation) -> Observation:
+    """Initial angles within one turn, whose ends are not multiples of 90 degrees, where angles often are."""
+    if observation.initial is None:
+        return observation
+    turning = {joint.name for joint in observation.joints if joint.kind in ("revolute", "continuous")}
+    initial = {
+        name: q - round((q - 0.1) / tau) * tau if name in turning else q for name, q in observation.initial.items()
+    }
+    return replace(observation, initial=initial)
 
 
 def _without_world(observation: Observation) -> Observation:

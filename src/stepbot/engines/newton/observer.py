@@ -20,6 +20,7 @@ from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, Mimic
 
 from ..captured_output import printed
+from ..closure_frames import turned_as_expected
 from ..observation import (
     Dynamics,
     EngineCannotRead,
@@ -243,7 +244,8 @@ class _Loaded:
             frames = _pose(builder.joint_X_p[i]), _pose(builder.joint_X_c[i])
             moves = kind not in (JointKind.FIXED, JointKind.BALL)
             axis = vector3(unit(builder.joint_axis[builder.joint_qd_start[i]])) if moves else None
-            yield ObservedClosure.of_frames(self.named(builder.joint_label[i]), kind, ends, frames, axis)
+            name = self.named(builder.joint_label[i])
+            yield turned_as_expected(name, kind, ends, frames, axis, self.request.closures)
 
     def actuators(self) -> Iterator[ObservedActuator]:
         """The drives that are actuators."""

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose, Vector3, rotation_angle, vector3
-from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, Mimic
+from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, LoopClosure, Mimic
 
+from ..closure_frames import turned_as_expected
 from ..observation import EngineCannotRead, EngineRefused, ObservedActuator, ObservedClosure, ObservedJoint
 from .stage import Body, Stage, name_of
 
@@ -255,13 +256,13 @@ def actuators(stage: Stage, branches: Sequence[Branch], joints: Sequence[Observe
         yield ObservedActuator(drive.name, joint.name, kind.value, drive.stiffness, drive.damping, None, control, bound)
 
 
-def observed_closure(one: Connection) -> ObservedClosure:
-    """A joint that closes a loop."""
+def observed_closure(one: Connection, loops: Sequence[LoopClosure]) -> ObservedClosure:
+    """A joint that closes a loop, in the frames of the expected one."""
     ends = [body.name for body in one.bodies if body is not None]
     axis = one.local_axis if one.turns or one.kind == JointKind.PRISMATIC else None
     # Without limits, a pin that closes a loop is continuous in UsdPhysics, and revolute in the model.
     kind = JointKind.REVOLUTE.value if one.kind == JointKind.CONTINUOUS else one.kind
-    return ObservedClosure.of_frames(one.name, kind, (ends[0], ends[1]), one.frames, axis)
+    return turned_as_expected(one.name, kind, (ends[0], ends[1]), one.frames, axis, loops)
 
 
 def without_residue(q: float) -> float:

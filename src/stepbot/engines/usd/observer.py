@@ -7,6 +7,7 @@ https://openusd.org/release/api/usd_physics_page_front.html
 
 import importlib.metadata
 from dataclasses import replace
+from math import tau
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ def observe(request: Request) -> Observation:
         links=links,
         joints=joints,
         gravity=_gravity(stage),
-        closures=tuple(map(observed_closure, closing)),
+        closures=tuple(observed_closure(one, request.closures) for one in closing),
         frames={name: (body.name, X) for body in stage.bodies.values() for name, X in _frames(stage, body)},
         actuators=tuple(actuators(stage, branches, joints)),
         sensors=(),
@@ -145,7 +146,9 @@ def _initial(branches: list[Branch], request: Request) -> dict[str, float]:
     for branch in branches:
         one = branch.connection
         if one.kind in MOVING:
-            found[one.name] = position(branch)
+            # Poses do not tell full turns apart.
+            turn = round((request.initial.get(one.name, 0.0) - position(branch)) / tau) * tau if one.turns else 0.0
+            found[one.name] = position(branch) + turn
         elif one.kind == JointKind.BALL and one.name in request.balls:
             X_PJ, X_CJ = branch.frames
             X = X_PJ.inverse() @ branch.parent.X_W.inverse() @ branch.child.X_W @ X_CJ

@@ -61,7 +61,7 @@ EXPRESSES = {
     Feature.STUCK_CLOSURE: exact("a joint that is excluded from the articulation"),
     Feature.FOLLOWER: exact("held by the closure"),
     Feature.LOOP_ZERO: exact("links in the drawn pose"),
-    Feature.INITIAL_POSE: exact("links in the drawn pose"),
+    Feature.INITIAL_POSE: exact("links in the drawn pose, which does not tell full turns apart"),
     Feature.FRAME: exact("`Xform` in its link"),
     Feature.ACTUATOR: exact("`PhysicsDriveAPI`, with the name as `customData`"),
     Feature.SECOND_ACTUATOR: reported("SB745", "a joint has one drive; its further actuators are omitted"),
