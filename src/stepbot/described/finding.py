@@ -2,12 +2,15 @@
 
 from dataclasses import dataclass
 
+LOST = "SB860"
 MESH = "SB861"
 UNSUPPORTED = "SB862"
 DEVICE = "SB863"
 RENAMED = "SB864"
 REARRANGED = "SB865"
 DROPPED_INERTIA = "SB866"
+MOVED = "SB870"
+CONTACTS = "SB871"
 
 NOT_SHOWN = (MESH, UNSUPPORTED)
 """Codes of what a picture of the robot lacks or shows otherwise."""

@@ -10,15 +10,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepbot.engines.description import Description
-from stepbot.engines.observation import ObservedLink
+from stepbot.engines.observation import Observation, ObservedLink
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
+from stepbot.robot.kinematics import MOVING, without_contacts
 from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.shared_meshes import share_meshes
 
 from .closures import closures_of
 from .devices import actuators_of, sensors_of
-from .finding import DROPPED_INERTIA, MESH, NOT_SHOWN, REARRANGED, Finding
+from .finding import CONTACTS, DROPPED_INERTIA, MESH, MOVED, NOT_SHOWN, REARRANGED, UNSUPPORTED, Finding
 from .names import Names, with_valid_names
 from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
@@ -57,6 +58,7 @@ def robot_of_description(
     """
     seen = description.observation
     found = [Finding(MESH, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
+    found += [Finding(UNSUPPORTED, text) for text in description.unsupported]
     shapes = Shapes(description, drawn=drawn)
     links = {link.name: _link(link, shapes, found) for link in seen.links}
     joints, extra = tree_of(description, found)
@@ -74,11 +76,14 @@ def robot_of_description(
         _base(seen.base, base),
         source,
         sensors_of(seen.sensors or (), kept, set(links), found),
+        description.simulation,
     )
+    _report_contacts(robot, seen, found)
     rooted = _without_world(robot, found)
     _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or rooted is not robot
-    robot, names = with_valid_names(_at_initial(share_meshes(rooted), seen.initial or {}), found)
+    placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
+    robot, names = with_valid_names(placed, found)
     return Described(robot, tuple(found), known, names)
 
 
@@ -109,6 +114,16 @@ def _without_world(robot: Robot, found: list[Finding]) -> Robot:
     return replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=Base.FIXED)
 
 
+def _report_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
+    """Pairs of links whose contacts the file excludes, and the model does not."""
+    ours = {tuple(sorted(pair)) for pair in without_contacts(robot)}
+    pairs = [pair for pair in seen.excluded_pairs or () if pair not in ours]
+    if pairs:
+        first = ", ".join(f"'{a}' and '{b}'" for a, b in pairs[:3])
+        more = f" and {len(pairs) - 3} more" if len(pairs) > 3 else ""
+        found.append(Finding(CONTACTS, f"contacts that the file excludes: between {first}{more}"))
+
+
 def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
     """The pose of the root in the world of the file; a floating robot stands on the floor wherever it is."""
     (x, y, z), (roll, pitch, yaw) = X_WR.position, X_WR.rpy
@@ -118,7 +133,17 @@ def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
     found.append(Finding(REARRANGED, f"link '{robot.root.name}': the root's place in the world is not kept: {where}"))
 
 
-def _at_initial(robot: Robot, initial: Mapping[str, float]) -> Robot:
-    """The robot in the initial pose of its file."""
-    joints = tuple(replace(joint, drawn_position=initial.get(joint.name, 0.0)) for joint in robot.joints)
-    return replace(robot, joints=joints)
+def _at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
+    """The robot in the initial pose of its file; with ``found``, joints outside their limits are moved to them."""
+    joints = []
+    for joint in robot.joints:
+        q = initial.get(joint.name, 0.0)
+        if found is not None and joint.kind in MOVING and joint.mimic is None:
+            inside = min(max(q, joint.limit.lower), joint.limit.upper)
+            if inside != q:
+                limits = f"{joint.limit.lower:g} to {joint.limit.upper:g}"
+                text = f"joint '{joint.name}': initial position {q:g} is outside the limits {limits}: {inside:g} taken"
+                found.append(Finding(MOVED, text))
+            q = inside
+        joints.append(replace(joint, drawn_position=q))
+    return replace(robot, joints=tuple(joints))

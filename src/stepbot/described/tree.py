@@ -17,7 +17,7 @@ from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 from stepbot.robot.unique_names import free_name
 
-from .finding import REARRANGED, UNSUPPORTED, Finding
+from .finding import LOST, REARRANGED, UNSUPPORTED, Finding
 
 _WITH_AXIS = MOVING | {JointKind.PLANAR, JointKind.CYLINDRICAL, JointKind.UNIVERSAL}
 _UNLIMITED = (("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf))
@@ -128,6 +128,8 @@ class _Tree:
 
 def _is_one(joint: ObservedJoint) -> bool:
     """Whether a joint of several steps is one joint of the model, with the same limits and forces in all of them."""
+    if joint.steps and not joint.name:  # joints of another writer, with names of their own
+        return False
     numbers = [getattr(part, one.name) for part in (joint.limit, joint.dynamics) if part for one in fields(part)]
     anchors = {step.anchor for step in joint.steps}
     return not any(map(isnan, numbers)) and anchors <= {ZERO3} and not _differing(joint)
@@ -149,6 +151,10 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
     if not known:
         found.append(Finding(UNSUPPORTED, f"joint '{name}' of type '{seen.kind}' is not supported: fixed in its place"))
     limit = seen.limit or Limit()
+    unknown = [field for field, _ in _UNLIMITED if isnan(getattr(limit, field))]
+    if unknown:
+        text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
+        found.append(Finding(LOST, text))
     axis = seen.axis or (0.0, 0.0, 1.0)
     if kind in _WITH_AXIS and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
         found.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))

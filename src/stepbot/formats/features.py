@@ -11,6 +11,7 @@ class Feature(StrEnum):
     FLOATING_BASE = "floating base"
     INERTIA = "mass, centre of mass, full inertia"
     MASSLESS = "link without mass or inertia"
+    MASSLESS_BODY = "moving body without mass"
     MESH = "mesh"
     SHAPE = "box, cylinder, sphere"
     CAPSULE = "capsule"

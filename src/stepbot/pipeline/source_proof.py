@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.described.finding import DEVICE, DROPPED_INERTIA
+from stepbot.described.finding import CONTACTS, DEVICE, DROPPED_INERTIA, MOVED
 from stepbot.described.robot import Described
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.observation import Quantity
@@ -72,6 +72,10 @@ def _lost(described: Described) -> dict[Quantity, str]:
     lost: dict[Quantity, str] = {}
     if DEVICE in codes:
         lost |= dict.fromkeys((Quantity.ACTUATORS, Quantity.SENSORS), f"a loss is declared ({DEVICE})")
+    if CONTACTS in codes:
+        lost[Quantity.CONTACTS] = f"a loss is declared ({CONTACTS})"
+    if MOVED in codes:
+        lost[Quantity.INITIAL] = f"a change is declared ({MOVED})"
     if DROPPED_INERTIA in codes:
         dynamics = (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS)
         lost |= dict.fromkeys(dynamics, f"a loss is declared ({DROPPED_INERTIA})")

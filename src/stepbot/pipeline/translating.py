@@ -29,7 +29,7 @@ from .writing import Rendered, all_files, judged_by_files, proven, rendered, rep
 
 __all__ = ["check_description", "is_description", "produce_translation"]
 
-_JUDGED = ("SB4", "SB5", "SB86")
+_JUDGED = ("SB4", "SB5", "SB86", "SB87")
 """Codes that are checked whenever a description becomes a robot."""
 
 

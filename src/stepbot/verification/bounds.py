@@ -5,7 +5,7 @@ from math import inf
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.formats.lowering import UNLIMITED
-from stepbot.formats.lowering.masses import STAND_IN_MASS
+from stepbot.formats.lowering.masses import LEAST_MASS, STAND_IN_MASS
 from stepbot.geometry.spatial import ZERO3, ZERO33
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
@@ -24,7 +24,8 @@ def without_stand_ins(observation: Observation) -> Observation:
 
 
 def _has_stand_in(link: ObservedLink) -> bool:
-    return link.mass is not None and abs(link.mass - STAND_IN_MASS) < _ROUNDING * STAND_IN_MASS
+    mass = link.mass
+    return mass is not None and any(abs(mass - one) < _ROUNDING * one for one in (STAND_IN_MASS, LEAST_MASS))
 
 
 def _massless(link: ObservedLink) -> ObservedLink:

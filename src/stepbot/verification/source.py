@@ -9,14 +9,14 @@ from pathlib import Path, PurePath
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
-from stepbot.engines.observation import Quantity
+from stepbot.engines.observation import ObservedShape, Quantity
 from stepbot.engines.openable import openable
 from stepbot.report.record import Check
 from stepbot.runtime.worker import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
 from .files import ENGINE_WARNING, compared_with_first, observed, ranked
-from .merged_observation import gather
+from .merged_observation import Gathered, gather
 from .renamed import Renaming
 
 NOT_CONFIRMED = "SB867"
@@ -64,7 +64,7 @@ def verify_against_source(
         found.add(NOT_CONFIRMED, f"not confirmed by an engine: {by}", span, notes=reasons)
     if not first:
         return ()
-    ours, checks = gather(first), list[Check]()
+    ours, checks = _without_groups(gather(first)), list[Check]()
     for path, written in files.items():
         seen = ranked([outcome for outcome in outcomes if outcome.key == path.as_posix()])
         if not seen:
@@ -80,3 +80,14 @@ def verify_against_source(
             report_failure(subject, compared, ENGINE_WARNING, found)
             checks.append(check_of(subject, compared))
     return tuple(checks)
+
+
+def _without_groups(gathered: Gathered) -> Gathered:
+    """The source without groups of shapes, which the written files assign by a convention of their own."""
+    seen = gathered.observation
+
+    def plain(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
+        return shapes and tuple(replace(shape, group=None) for shape in shapes)
+
+    links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
+    return replace(gathered, observation=replace(seen, links=links))

@@ -16,7 +16,7 @@ from stepbot.geometry.spatial import ZERO3, ZERO33, Array, Pose
 from stepbot.robot.kinematics import displacement
 from stepbot.robot.model import Base, Frame, Joint, JointDynamics, JointKind, Limit
 
-_CLOSING = {"connect": JointKind.BALL, "weld": JointKind.FIXED}
+_CLOSING = {"connect": JointKind.BALL}
 _ONE_AXIS = 1e-6
 
 

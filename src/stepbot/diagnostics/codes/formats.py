@@ -237,6 +237,15 @@ CODES: tuple[Code, ...] = (
         "No action is needed. `robot.followers` in `report.json` has the lines.",
     ),
     Code(
+        "SB732",
+        "note",
+        "massless moving body gets a tiny mass",
+        "A moving body without mass, as between the joints of a chain, is written with a mass that has no effect on the motion: "
+        "MuJoCo rejects moving bodies without mass.",
+        "The body has 1e-12 kg in MJCF, 0 in the other formats.",
+        "No action is needed.",
+    ),
+    Code(
         "SB740",
         "note",
         "excluded contacts in a separate file",

@@ -89,4 +89,20 @@ CODES: tuple[Code, ...] = (
         "The source would be lost.",
         "Choose another folder with `-o`.",
     ),
+    Code(
+        "SB870",
+        "warning",
+        "initial position outside the limits",
+        "The initial position of a joint in the converted file, 0 unless the file states another, is outside the joint's limits.",
+        "Simulators push the joint into its range in the first steps, or let it pass. The written files start at the nearest limit.",
+        "State an initial pose within the limits: in MJCF the keyframe `home`.",
+    ),
+    Code(
+        "SB871",
+        "warning",
+        "excluded contacts not converted",
+        "The converted file excludes contacts between links that no joint connects, by `<exclude>` or by the bits of its geoms.",
+        "Engines compute these contacts in the written files, where links of a robot collide with each other.",
+        "Exclude them in the simulator, or in MJCF by `<contact><exclude .../></contact>`.",
+    ),
 )

@@ -9,6 +9,7 @@ import numpy as np
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
+from stepbot.robot.simulation import DEFAULTS, Simulation
 
 from ..observation import Observation
 from .vocabulary import Unread
@@ -73,6 +74,10 @@ class Description:
     """Pose of the root link in the world of the file."""
     free_roots: tuple[str, ...] = ()
     """Links that nothing holds in the world."""
+    unsupported: tuple[str, ...] = ()
+    """Constraints that are neither closures nor mimics, in words."""
+    simulation: Simulation = DEFAULTS
+    """Settings that the file states."""
     assumed: tuple[str, ...] = ()
     """Links whose mass properties the file does not give: the format defines them otherwise."""
 

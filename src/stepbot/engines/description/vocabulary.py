@@ -31,13 +31,15 @@ class Vocabulary:
     """The elements and attributes that are read, by path from the root element, as in ``robot/link/inertial``."""
 
     read: Mapping[str, str]
-    """For each path the attributes that are read, separated by spaces; ``*`` for all."""
+    """For each path the attributes that are read, separated by spaces; ``*`` for all. A path may end with ``/*``."""
     neutral: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Values without effect, of attributes (``path@name``) and of elements that are not read (``path``)."""
     effects: Mapping[str, str] = field(default_factory=dict)
     """Consequence of the loss of a path, of an attribute (``path@name``), or of the last part of either."""
     nests: tuple[str, ...] = ()
     """Elements that contain themselves: a path has each of them once."""
+    holders: Mapping[str, str] = field(default_factory=dict)
+    """Elements that only hold others, which count as those of the element around, and the attributes that they have."""
     kinds: Mapping[str, str] = field(default_factory=dict)
     """Attributes that tell elements of a path apart: the path continues with ``[value]``."""
     twins: Mapping[str, str] = field(default_factory=dict)
@@ -50,20 +52,34 @@ class Vocabulary:
             root: The root element, without expanded entities.
             file: The file, relative to the description's folder; empty for the description itself.
         """
-        found: dict[tuple[str, str], list[int]] = {}
-        for what, path, line in self._lost(root, str(root.tag)):
-            found.setdefault((what, path), []).append(line)
-        return tuple(
-            Unread(what, len(lines), lines[0], file, self._effect(path)) for (what, path), lines in found.items()
-        )
+        elements: dict[tuple[str, str], list[int]] = {}
+        attributes: dict[str, dict[str, list[int]]] = {}
+        for path, tag, name, line in self._lost(root, str(root.tag)):
+            if name:
+                attributes.setdefault(f"{path}>{tag}", {}).setdefault(name, []).append(line)
+            else:
+                elements.setdefault((path, tag), []).append(line)
+        found = [
+            Unread(f"<{tag}> in <{_last(path)}>", len(lines), lines[0], file, self._effect(f"{path}/{tag}"))
+            for (path, tag), lines in elements.items()
+        ]
+        for key, by_name in attributes.items():
+            path, _, tag = key.rpartition(">")
+            lines = sorted(line for one in by_name.values() for line in one)
+            names = ", ".join(f"'{name}'" for name in by_name)
+            what = f"attribute{'s' if len(by_name) > 1 else ''} {names} of <{tag}>"
+            effects = dict.fromkeys(filter(None, (self._effect(f"{path}@{name}") for name in by_name)))
+            found.append(Unread(what, len(lines), lines[0], file, "; ".join(effects)))
+        return tuple(sorted(found, key=lambda one: one.line))
 
-    def _lost(self, element: Element, path: str) -> Iterator[tuple[str, str, int]]:
-        line = element.sourceline or 0
-        known = self.read[path].split()
+    def _lost(self, element: Element, path: str) -> Iterator[tuple[str, str, str, int]]:
+        """For each loss the path, the tag, the attribute or nothing, and the line."""
+        line, tag = element.sourceline or 0, str(element.tag)
+        known = f"{self.read[path]} {self.holders.get(tag, '')}".split()
         for name, value in element.attrib.items():
             key = f"{path}@{name}"
             if "*" not in known and name not in known and str(value).strip() not in self.neutral.get(key, ()):
-                yield f"attribute '{name}' of <{element.tag}>", key, line
+                yield path, tag, name, line
         for child in element:
             if not isinstance(child.tag, str):  # a comment
                 continue
@@ -71,10 +87,14 @@ class Vocabulary:
             if below in self.read:
                 yield from self._lost(child, below)
             elif not (self._is_neutral(child, below) or self._is_twin(child, below)):
-                yield f"<{child.tag}> in <{element.tag}>", below, child.sourceline or 0
+                yield path, child.tag, "", child.sourceline or 0
 
     def _below(self, path: str, child: Element) -> str:
         tag = str(child.tag)
+        if tag in self.holders:
+            return path
+        if f"{path}/{tag}" not in self.read and f"{path}/*" in self.read:
+            return f"{path}/*"
         below = path if tag in self.nests and path.rpartition("/")[2] == tag else f"{path}/{tag}"
         kind = self.kinds.get(below)
         return below if kind is None else f"{below}[{child.get(kind, '')}]"
@@ -91,7 +111,11 @@ class Vocabulary:
         return other is not None and other.split() == (element.text or "").split()
 
     def _effect(self, path: str) -> str:
-        return self.effects.get(path) or self.effects.get(path.rpartition("/")[2], "")
+        return self.effects.get(path) or self.effects.get(path.replace("@", "/").rpartition("/")[2], "")
+
+
+def _last(path: str) -> str:
+    return path.rpartition("/")[2].partition("[")[0]
 
 
 def paths(prefix: str, read: Mapping[str, str]) -> dict[str, str]:

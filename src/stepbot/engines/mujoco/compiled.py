@@ -37,5 +37,5 @@ class Compiled(NamedModel):
 
     def poses(self, data: Any) -> dict[str, Pose]:
         """Pose of every link relative to the first."""
-        X_RW = self.X_WB(data, 1).inverse()
+        X_RW = self.X_WB(data, self.bodies[0]).inverse()
         return {self.name("BODY", body): X_RW @ self.X_WB(data, body) for body in self.bodies}

@@ -8,13 +8,18 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+from stepbot.robot.simulation import Integrator, Simulation
 
 from ..description.description import DescribedShape, Description, Primitive
-from ..observation import EngineRefused, Request
+from ..description.meshes import MeshFiles
+from ..description.mjcf_vocabulary import unread_of_mjcf
+from ..observation import EngineRefused, Observation, Request
 from .compiled import Compiled
 from .observer import observe_model
+from .shapes import collides, color_of, geoms, is_visual
 from .warnings import collected_warnings
 
 
@@ -30,6 +35,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
     from .motion import close_by_newton
 
     path = Path(file)
+    roots = _roots(path)
     try:
         spec = engine.MjSpec.from_file(file)
         unread = _drop_missing(spec, path.parent)
@@ -47,8 +53,126 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         for joint in observation.joints
         if joint.parent in poses
     }
-    shapes = tuple(shape for body in compiled.bodies for shape in _shapes(compiled, body))
-    return Description(observation, X_PC, shapes, unread)
+    meshes = _MeshFiles(compiled, spec, path)
+    shapes = tuple(shape for body in compiled.bodies if body for shape in _shapes(compiled, body, meshes))
+    first = compiled.bodies[0]
+    return Description(
+        replace(observation, frames=_without_ends(observation)),
+        X_PC,
+        shapes,
+        tuple(sorted({*unread, *meshes.files.unread})),
+        tuple(lost for root, name in roots for lost in unread_of_mjcf(root, name)),
+        (*(path.parent / name for _, name in roots if name), *meshes.files.files),
+        X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
+        free_roots=tuple(_free(compiled)),
+        assumed=_from_geoms(spec, compiled),
+        unsupported=tuple(_unsupported(compiled)),
+        simulation=_simulation(root for root, _ in roots),
+    )
+
+
+def _roots(path: Path) -> list[tuple[Any, str]]:
+    """The root element of the file and of each included one, with its name relative to the folder; empty for the first.
+
+    Raises:
+        EngineRefused: One is not XML.
+    """
+    from lxml import etree
+
+    pending, found = [""], list[tuple[Any, str]]()
+    while pending:
+        name = pending.pop(0)
+        try:
+            parser = etree.XMLParser(resolve_entities=False, no_network=True)
+            root = etree.parse(str(path.parent / name if name else path), parser).getroot()
+        except (etree.XMLSyntaxError, OSError) as error:
+            raise EngineRefused(f"{name or path.name}: {error}") from error
+        found.append((root, name))
+        known = {one for _, one in found}
+        pending += [one for one in (include.get("file", "") for include in root.iter("include")) if one not in known]
+    return found
+
+
+def _without_ends(observation: Observation) -> dict[str, tuple[str, Pose]]:
+    """The frames without the sites that mark the ends of closures."""
+    closures = {closure.name for closure in observation.closures or ()}
+    return {name: place for name, place in (observation.frames or {}).items() if name.split("/")[0] not in closures}
+
+
+def _free(compiled: Compiled) -> Iterator[str]:
+    """Bodies that move freely in the world."""
+    model, free = compiled.model, compiled.engine.mjtJoint.mjJNT_FREE
+    for joint in range(model.njnt):
+        if compiled.joint_type(joint) == free:
+            yield compiled.name("BODY", int(model.jnt_bodyid[joint]))
+
+
+def _from_geoms(spec: Any, compiled: Compiled) -> tuple[str, ...]:
+    """Bodies whose mass properties MuJoCo computes from their geoms."""
+    always = int(spec.compiler.inertiafromgeom) == int(compiled.engine.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
+    stated = {body.id for body in spec.bodies if body.explicitinertial}
+    model = compiled.model
+    return tuple(
+        compiled.name("BODY", b)
+        for b in compiled.bodies
+        if b and model.body_mass[b] > 0.0 and (always or b not in stated)
+    )
+
+
+def _unsupported(compiled: Compiled) -> Iterator[str]:
+    """Equality constraints that are neither closures nor mimics."""
+    engine, model = compiled.engine, compiled.model
+    known = (engine.mjtEq.mjEQ_CONNECT, engine.mjtEq.mjEQ_WELD, engine.mjtEq.mjEQ_JOINT)
+    for e in range(model.neq):
+        kind, name = engine.mjtEq(model.eq_type[e]), compiled.name("EQUALITY", e)
+        if not model.eq_active0[e]:
+            continue
+        if kind not in known:
+            yield f"equality constraint '{name}' of type '{kind.name.removeprefix('mjEQ_').lower()}' is not supported"
+        elif kind == engine.mjtEq.mjEQ_JOINT and (model.eq_obj2id[e] < 0 or np.any(model.eq_data[e][2:5])):
+            yield f"equality constraint '{name}' is not a linear relation of two joints"
+
+
+def _simulation(roots: Iterable[Any]) -> Simulation:
+    """The settings that the file states."""
+    stated = {name: value for root in roots for option in root.iter("option") for name, value in option.attrib.items()}
+    integrator = stated.get("integrator", "").lower()
+    step = stated.get("timestep")
+    return Simulation(
+        timestep=None if step is None else float(step),
+        integrator=Integrator(integrator) if integrator in set(Integrator) else None,
+    )
+
+
+class _MeshFiles:
+    """The meshes of a model: of their files, in double precision, else as MuJoCo has them."""
+
+    def __init__(self, compiled: Compiled, spec: Any, path: Path) -> None:
+        self.files = MeshFiles(path)
+        self._compiled, self._spec, self._folder = compiled, spec, path.parent
+        self._meshes: dict[int, tuple[TriMesh, Pose, str]] = {}
+
+    def mesh(self, number: int) -> tuple[TriMesh, Pose, str]:
+        """A mesh, its pose in the frame that MuJoCo gives it, and its name or file."""
+        if number not in self._meshes:
+            self._meshes[number] = self._read(number)
+        return self._meshes[number]
+
+    def _read(self, number: int) -> tuple[TriMesh, Pose, str]:
+        model, name = self._compiled.model, self._compiled.name("MESH", number)
+        stated = next((mesh for mesh in self._spec.meshes if mesh.id == number), None)
+        if stated is not None and stated.file and not any(stated.refpos) and list(stated.refquat) == [1, 0, 0, 0]:
+            below = (self._folder / self._spec.meshdir / stated.file, self._folder / stated.file)
+            file = next((one for one in below if one.is_file()), None)
+            if file is not None and file.suffix.lower() in KINDS:
+                mesh = self.files.mesh(file.as_posix(), tuple(stated.scale))
+                X = Pose.from_quaternion(model.mesh_quat[number].tolist(), model.mesh_pos[number]).inverse()
+                if mesh is not None:
+                    return mesh, X, stated.file
+        start, first = model.mesh_vertadr[number], model.mesh_faceadr[number]
+        vertices = model.mesh_vert[start : start + model.mesh_vertnum[number]]
+        faces = model.mesh_face[first : first + model.mesh_facenum[number]]
+        return TriMesh.of(vertices, faces), Pose(), name
 
 
 def _drop_missing(spec: Any, folder: Path) -> tuple[str, ...]:
@@ -76,29 +200,30 @@ def _is_there(folder: Path, below: str, name: str) -> bool:
     return (folder / below / name).is_file() or (folder / name).is_file()
 
 
-def _shapes(compiled: Compiled, body: int) -> Iterator[DescribedShape]:
-    """Geoms of a body: visuals if they never collide."""
+def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[DescribedShape]:
+    """Geoms of a body: visuals, collisions, or both."""
     model = compiled.model
-    for g in range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body]):
-        geometry = _geometry(compiled, g)
+    for g in geoms(compiled, body):
+        X_LG, uri = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]), ""
+        geometry: TriMesh | Primitive | None
+        if model.geom_type[g] == compiled.engine.mjtGeom.mjGEOM_MESH:
+            geometry, X_GM, uri = meshes.mesh(int(model.geom_dataid[g]))
+            X_LG = X_LG @ X_GM
+        else:
+            geometry = _primitive(compiled, g)
         if geometry is None:
             continue
-        X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
         name = compiled.name("GEOM", g) or compiled.name("MESH", int(model.geom_dataid[g]))
-        collides = bool(model.geom_contype[g] or model.geom_conaffinity[g])
-        material = int(model.geom_matid[g])
-        r, g_, b, a = (model.geom_rgba[g] if material < 0 else model.mat_rgba[material]).tolist()
-        yield DescribedShape(compiled.name("BODY", body), name, geometry, X_LG, (r, g_, b, a), collides)
+        shape = DescribedShape(compiled.name("BODY", body), name, geometry, X_LG, color_of(compiled, g), mesh=uri)
+        if is_visual(compiled, g, mjcf=True):
+            yield shape
+        if collides(compiled, g):
+            yield replace(shape, collides=True)
 
 
-def _geometry(compiled: Compiled, g: int) -> TriMesh | Primitive | None:
+def _primitive(compiled: Compiled, g: int) -> TriMesh | Primitive | None:
     engine, model = compiled.engine, compiled.model
     kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
-    if kind == engine.mjtGeom.mjGEOM_MESH:
-        mesh = model.geom_dataid[g]
-        start, first = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
-        return TriMesh.of(vertices, model.mesh_face[first : first + model.mesh_facenum[mesh]])
     if kind == engine.mjtGeom.mjGEOM_ELLIPSOID:
         return _ellipsoid(np.array(size))
     if kind == engine.mjtGeom.mjGEOM_BOX:

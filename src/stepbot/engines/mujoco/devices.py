@@ -43,7 +43,8 @@ def observed_frames(compiled: "Compiled", sensors: Sequence[ObservedSensor]) -> 
     marks = {sensor.name for sensor in sensors}
     model = compiled.model
     names = [(s, compiled.name("SITE", s)) for s in range(model.nsite)]
-    return {name: _site(compiled, s) for s, name in names if "/" not in name or name.split("/")[0] not in marks}
+    named = [(s, name) for s, name in names if name]
+    return {name: _site(compiled, s) for s, name in named if "/" not in name or name.split("/")[0] not in marks}
 
 
 def _site(compiled: "Compiled", s: int) -> tuple[str, Pose]:
@@ -61,17 +62,51 @@ def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
     """An actuator; its kind follows from its bias, as MuJoCo's shortcuts set it."""
     model = compiled.model
     gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
+    trn = compiled.engine.mjtTrn(model.actuator_trntype[a])
+    if trn != compiled.engine.mjtTrn.mjTRN_JOINT:
+        return ObservedActuator(compiled.name("ACTUATOR", a), "", f"on a {_word(trn)}")
     joint = compiled.name("JOINT", int(model.actuator_trnid[a][0]))
     gear = float(model.actuator_gear[a][0])
     control = _range(model.actuator_ctrlrange[a], model.actuator_ctrllimited[a])
     force = _range(model.actuator_forcerange[a], model.actuator_forcelimited[a])
     seen = ObservedActuator(compiled.name("ACTUATOR", a), joint, ActuatorKind.MOTOR.value, gear=gear)
     seen = replace(seen, control=control, force=force)
+    strange = _strange(compiled, a)
+    if strange:
+        return replace(seen, kind=strange)
     if bias[1]:
         return replace(seen, kind=ActuatorKind.POSITION.value, kp=gain, kv=-bias[2])
     if bias[2]:
         return replace(seen, kind=ActuatorKind.VELOCITY.value, kv=gain)
     return replace(seen, gear=gear * gain)
+
+
+def _word(value: Any) -> str:
+    """MuJoCo's word for a value of an enumeration: ``mjTRN_TENDON`` is a tendon."""
+    return str(value.name).partition("_")[2].lower()
+
+
+def _strange(compiled: "Compiled", a: int) -> str:
+    """Why an actuator is none of the model's kinds, as its kind; empty if it is one of them."""
+    engine, model = compiled.engine, compiled.model
+    for what, value, plain in (
+        ("activation", engine.mjtDyn(model.actuator_dyntype[a]), (engine.mjtDyn.mjDYN_NONE,)),
+        ("gain", engine.mjtGain(model.actuator_gaintype[a]), (engine.mjtGain.mjGAIN_FIXED,)),
+        (
+            "bias",
+            engine.mjtBias(model.actuator_biastype[a]),
+            (engine.mjtBias.mjBIAS_NONE, engine.mjtBias.mjBIAS_AFFINE),
+        ),
+    ):
+        if value not in plain:
+            return f"general with {what} '{_word(value)}'"
+    gain, bias = float(model.actuator_gainprm[a][0]), model.actuator_biasprm[a][:3].tolist()
+    if engine.mjtBias(model.actuator_biastype[a]) == engine.mjtBias.mjBIAS_NONE:
+        return ""
+    servo = bias[1] and (bias[0] != 0.0 or bias[1] != -gain)
+    damper = not bias[1] and bias[2] and (bias[0] != 0.0 or bias[2] != -gain)
+    constant = bias[0] and not (bias[1] or bias[2])
+    return "general with a bias of its own" if servo or damper or constant else ""
 
 
 def _range(bounds: Any, limited: Any) -> tuple[float, float]:

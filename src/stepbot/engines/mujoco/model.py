@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
+_NUMBERED = ("BODY", "JOINT", "EQUALITY")
+"""Kinds of elements that others refer to."""
+
 
 @dataclass(frozen=True)
 class NamedModel:
@@ -12,13 +15,25 @@ class NamedModel:
     model: Any
 
     def name(self, kind: str, index: int) -> str:
-        """Name of an element; empty if it has none. ``kind`` as in ``mjOBJ_<kind>``."""
-        return self.engine.mj_id2name(self.model, getattr(self.engine.mjtObj, f"mjOBJ_{kind}"), index) or ""
+        """Name of an element, ``kind`` as in ``mjOBJ_<kind>``; empty if it has none.
+
+        A body, joint or equality constraint without a name is named after its number, as in ``body_3``.
+        """
+        type_ = getattr(self.engine.mjtObj, f"mjOBJ_{kind}")
+        name: str = self.engine.mj_id2name(self.model, type_, index) or ""
+        if name or kind not in _NUMBERED or index < 0:
+            return name
+        name = f"{kind.lower()}_{index}"
+        while self.engine.mj_name2id(self.model, type_, name) >= 0:
+            name += "_"
+        return name
 
     @property
     def bodies(self) -> range:
-        """Indices of the links: every body but the world."""
-        return range(1, self.model.nbody)
+        """Indices of the links: every body; the world only if a body moves on it by other joints than a free one."""
+        model, free = self.model, self.engine.mjtJoint.mjJNT_FREE
+        held = (j for j in range(model.njnt) if model.body_parentid[model.jnt_bodyid[j]] == 0)
+        return range(0 if any(self.joint_type(joint) != free for joint in held) else 1, model.nbody)
 
     def joint_type(self, joint: int) -> Any:
         """MuJoCo's name of a joint's type."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, vector3
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, vector3
 from stepbot.robot.closures import RANK_TOLERANCE, closure_gap
 
 from ..observation import ObservedClosure, Request
@@ -67,6 +67,7 @@ def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClo
     )
 
 
+_NO_POSES: tuple[Pose | None, Pose | None] = None, None
 AXIS = "/axis"
 """Suffix of a second constraint, which constrains another point on the axis of the closure of that name."""
 
@@ -100,14 +101,21 @@ def _constraints(compiled: "Compiled") -> Iterator[ObservedClosure]:
         word = words.get(engine.mjtEq(model.eq_type[e]))
         if word is None or not model.eq_active0[e]:
             continue
-        bodies, points = [int(model.eq_obj1id[e]), int(model.eq_obj2id[e])], None
+        bodies, points, poses = [int(model.eq_obj1id[e]), int(model.eq_obj2id[e])], None, _NO_POSES
         if engine.mjtObj(model.eq_objtype[e]) == engine.mjtObj.mjOBJ_SITE:
             points = vector3(model.site_pos[bodies[0]]), vector3(model.site_pos[bodies[1]])
+            if word == "weld":
+                a, b = (Pose.from_quaternion(model.site_quat[s].tolist(), model.site_pos[s]) for s in bodies)
+                poses = a, b
             bodies = [int(model.site_bodyid[site]) for site in bodies]
         elif word == "connect":
             points = vector3(model.eq_data[e][:3]), vector3(model.eq_data[e][3:6])
+        else:
+            poses = Pose.from_quaternion(model.eq_data[e][6:10].tolist(), model.eq_data[e][3:6]), IDENTITY
+            points = poses[0].position, poses[1].position
         link_a, link_b = (compiled.name("BODY", body) for body in bodies)
-        yield ObservedClosure(compiled.name("EQUALITY", e), word, link_a, link_b, points=points)
+        kind = word if poses is _NO_POSES else "fixed"
+        yield ObservedClosure(compiled.name("EQUALITY", e), kind, link_a, link_b, *poses, points=points)
 
 
 def _newton(compiled: "Compiled", request: Request, q: Mapping[str, float]) -> tuple[dict[str, float], Any]:

@@ -173,7 +173,8 @@ def _name(compiled: Compiled) -> str:
 def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
     model = compiled.model
     X_LI = Pose.from_quaternion(model.body_iquat[body].tolist(), model.body_ipos[body])
-    seen, touched = (observed_shapes(compiled, body, touched=side, mjcf=mjcf) for side in (False, True))
+    sides = (False, True) if body else ()  # what stands in the world is not part of the robot
+    seen, touched = [observed_shapes(compiled, body, touched=side, mjcf=mjcf) for side in sides] or [(), ()]
     return ObservedLink(
         compiled.name("BODY", body),
         float(model.body_mass[body]),

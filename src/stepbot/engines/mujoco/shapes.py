@@ -16,25 +16,50 @@ if TYPE_CHECKING:
     from .compiled import Compiled
 
 
+_DEFAULT_COLOR = [0.5, 0.5, 0.5, 1.0]
+_SHOWN = 2
+"""The last group of geoms that viewers show by default."""
+
+
 def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: bool) -> tuple[ObservedShape, ...]:
     """The collision shapes, or the visual ones; for URDF, MuJoCo keeps no names of them."""
     shapes = []
-    for g in _geoms(compiled, body, touched):
+    for g in geoms(compiled, body):
+        if not (collides(compiled, g) if touched else is_visual(compiled, g, mjcf=mjcf)):
+            continue
         model = compiled.model
         shape = ObservedShape(
             bounds=geom_bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
         )
         if mjcf:
-            rgba = None if touched else tuple(model.geom_rgba[g].tolist())
+            rgba = None if touched else color_of(compiled, g)
             shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, group=int(model.geom_group[g]))
         shapes.append(shape)
     return tuple(shapes)
 
 
-def _geoms(compiled: "Compiled", body: int, touched: bool) -> list[int]:
+def color_of(compiled: "Compiled", g: int) -> tuple[float, float, float, float]:
+    """Colour of a geom: its own, or that of its material if its own is MuJoCo's default."""
     model = compiled.model
-    geoms = range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
-    return [g for g in geoms if bool(model.geom_contype[g] or model.geom_conaffinity[g]) is touched]
+    own, material = model.geom_rgba[g].tolist(), int(model.geom_matid[g])
+    r, g_, b, a = own if material < 0 or own != _DEFAULT_COLOR else model.mat_rgba[material].tolist()
+    return r, g_, b, a
+
+
+def geoms(compiled: "Compiled", body: int) -> range:
+    """The geoms of a body."""
+    model = compiled.model
+    return range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
+
+
+def collides(compiled: "Compiled", g: int) -> bool:
+    """Whether a geom collides with anything."""
+    return bool(compiled.model.geom_contype[g] or compiled.model.geom_conaffinity[g])
+
+
+def is_visual(compiled: "Compiled", g: int, *, mjcf: bool) -> bool:
+    """Whether a geom is a visual: it never collides, or viewers show it although it does; URDF has no such shapes."""
+    return not collides(compiled, g) or (mjcf and int(compiled.model.geom_group[g]) <= _SHOWN)
 
 
 def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:

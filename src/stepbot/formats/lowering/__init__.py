@@ -77,7 +77,7 @@ from .joints import (
     without_mixed_mimics,
     without_spring,
 )
-from .masses import massless_links, with_stand_in_masses
+from .masses import massless_links, massless_moving_links, with_least_masses, with_stand_in_masses
 from .names import rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
 from .rerooted_loops import reroot_loops, sliding_closures
 from .shapes import (
@@ -211,6 +211,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(concave_collisions),
     Feature.MASSLESS: _Handling(massless_links, with_stand_in_masses),
+    Feature.MASSLESS_BODY: _Handling(massless_moving_links, with_least_masses),
     Feature.FIXED_BASE: _Handling(_root_if(Base.FIXED)),
     Feature.FLOATING_BASE: _Handling(_root_if(Base.FLOATING)),
 }

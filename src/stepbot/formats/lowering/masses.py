@@ -1,13 +1,17 @@
-"""Links without mass, for formats in which a mass of 0 means that the engine computes one."""
+"""Links without mass, for formats in which a mass of 0 means that the engine computes one, or is an error."""
 
 from dataclasses import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO33
-from stepbot.robot.model import Link, Robot
+from stepbot.robot.kinematics import rigid_bodies
+from stepbot.robot.model import Base, Link, Robot
 
 STAND_IN_MASS, STAND_IN_MOMENT = 1e-6, 1e-9
 """Mass [kg] and principal moments [kg m^2] for a link that has none: a milligram, with a radius of gyration of 3 cm."""
+
+LEAST_MASS, LEAST_MOMENT = 1e-12, 1e-14
+"""The same for a moving link without mass: above the least that MuJoCo accepts, and without effect on the motion."""
 
 
 def massless_links(robot: Robot) -> list[str]:
@@ -20,11 +24,36 @@ def with_stand_in_masses(robot: Robot) -> Robot:
     return replace(robot, links=tuple(_with_stand_in(link) if _is_massless(link) else link for link in robot.links))
 
 
+def massless_moving_links(robot: Robot) -> list[str]:
+    """The topmost link of each moving body without mass."""
+    return [f"'{name}'" for name in _massless_bodies(robot)]
+
+
+def with_least_masses(robot: Robot) -> Robot:
+    """The robot with a tiny mass and inertia in place of those of moving bodies that have none."""
+    bodies = set(_massless_bodies(robot))
+    return replace(
+        robot,
+        links=tuple(_with(link, LEAST_MASS, LEAST_MOMENT) if link.name in bodies else link for link in robot.links),
+    )
+
+
+def _massless_bodies(robot: Robot) -> list[str]:
+    rigid = rigid_bodies(robot.root.name, robot.joints)
+    heavy = {rigid[link.name] for link in robot.links if link.mass_properties.mass > 0.0}
+    held = {robot.root.name} if robot.base is Base.FIXED else set()
+    return [body for body in dict.fromkeys(rigid.values()) if body not in heavy | held]
+
+
 def _is_massless(link: Link) -> bool:
     return link.mass_properties.mass == 0.0 or link.mass_properties.inertia == ZERO33
 
 
 def _with_stand_in(link: Link) -> Link:
-    body, I = link.mass_properties, STAND_IN_MOMENT  # noqa: E741 - the field's letter
+    return _with(link, STAND_IN_MASS, STAND_IN_MOMENT)
+
+
+def _with(link: Link, mass: float, I: float) -> Link:  # noqa: E741 - the field's letter
+    body = link.mass_properties
     inertia = ((I, 0.0, 0.0), (0.0, I, 0.0), (0.0, 0.0, I))
-    return replace(link, mass_properties=MassProperties(body.mass or STAND_IN_MASS, body.com, inertia))
+    return replace(link, mass_properties=MassProperties(body.mass or mass, body.com, inertia))

@@ -50,6 +50,7 @@ EXPRESSES = {
     Feature.FLOATING_BASE: exact("no joint to `world`"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
     Feature.MASSLESS: exact("`<mass>` of 0"),
+    Feature.MASSLESS_BODY: exact("`<mass>` of 0"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: exact("`<capsule>`"),

@@ -37,6 +37,7 @@ EXPRESSES = {
     Feature.FLOATING_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
     Feature.MASSLESS: exact("`<mass>` of 0"),
+    Feature.MASSLESS_BODY: exact("`<mass>` of 0"),
     Feature.MESH: exact("OBJ in metres, path relative to the file, or `package://`"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: lowered("SB709", "a capsule is written as a cylinder and two spheres"),

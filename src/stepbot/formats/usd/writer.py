@@ -24,6 +24,7 @@ EXPRESSES = {
     Feature.FLOATING_BASE: exact("no joint to the world; standing on z = 0"),
     Feature.INERTIA: exact("`PhysicsMassAPI` with principal moments and axes, in single precision"),
     Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
+    Feature.MASSLESS_BODY: exact("as any link without mass"),
     Feature.MESH: exact("`Mesh` in the same file, once for all links; visuals are instances"),
     Feature.SHAPE: exact("`Cube` with a scale, `Cylinder`, `Sphere`"),
     Feature.CAPSULE: exact("`Capsule`"),

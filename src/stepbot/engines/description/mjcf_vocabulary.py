@@ -1,0 +1,134 @@
+"""What is read of an MJCF: https://mujoco.readthedocs.io/en/stable/XMLreference.html. MuJoCo applies its defaults."""
+
+from typing import Any
+
+from .vocabulary import Unread, Vocabulary, each, paths
+
+_PLACE = "pos quat axisangle xyaxes zaxis euler"
+_GEOM = f"name class type size fromto mesh rgba material contype conaffinity group mass density shellinertia {_PLACE}"
+_JOINT = (
+    "name class type pos axis springdamper stiffness springref range limited actuatorfrcrange actuatorfrclimited ref "
+    "damping frictionloss armature"
+)
+_IN_BODIES = {
+    "geom": f"{_GEOM} fitscale",
+    "joint": _JOINT,
+    "site": f"name class {_PLACE} fromto",
+    "camera": f"name class mode fovy resolution {_PLACE}",
+}
+_ACTUATOR = (
+    "name class joint gear ctrlrange ctrllimited forcerange forcelimited inheritrange "
+    "tendon site body jointinparent cranksite slidersite refsite"  # reported one by one
+)
+_ACTUATORS = {
+    "position": f"{_ACTUATOR} kp kv dampratio timeconst",
+    "velocity": f"{_ACTUATOR} kv",
+    "motor": _ACTUATOR,
+    "general": f"{_ACTUATOR} dyntype gaintype biastype dynprm gainprm biasprm",
+    "*": "*",  # of other kinds, which are reported one by one
+}
+_DEFAULTS = {
+    **_IN_BODIES,
+    **_ACTUATORS,
+    "mesh": "scale inertia",
+    "material": "rgba",
+    "equality": "active",
+}
+del _DEFAULTS["*"]
+_CONTACT = "contact friction and stiffness are those of the formats' defaults"
+
+MJCF = Vocabulary(
+    read={
+        "mujoco": "model",
+        "mujoco/include": "file",
+        "mujoco/compiler": "*",
+        "mujoco/option": "timestep integrator",
+        "mujoco/default": "class",
+        **paths("mujoco/default", _DEFAULTS),
+        "mujoco/worldbody": "",
+        "mujoco/worldbody/body": f"name class childclass {_PLACE}",
+        "mujoco/worldbody/body/inertial": f"mass diaginertia fullinertia {_PLACE}",
+        "mujoco/worldbody/body/freejoint": "name group align",
+        **paths("mujoco/worldbody/body", _IN_BODIES),
+        "mujoco/asset": "",
+        "mujoco/asset/mesh": "*",
+        "mujoco/asset/material": "name class rgba",
+        "mujoco/contact": "",
+        "mujoco/contact/exclude": "name body1 body2",
+        "mujoco/equality": "",
+        **each(
+            ("mujoco/equality/connect", "mujoco/equality/weld", "mujoco/equality/joint"),
+            {"": "name class active body1 body2 site1 site2 joint1 joint2 anchor relpose polycoef"},
+        ),
+        "mujoco/actuator": "",
+        **paths("mujoco/actuator", _ACTUATORS),
+        "mujoco/sensor": "",
+        "mujoco/sensor/*": "*",  # those of other kinds are reported one by one
+        "mujoco/custom": "",
+        "mujoco/custom/velocity": "*",
+        "mujoco/keyframe": "",
+        "mujoco/keyframe/key[home]": "name qpos",
+    },
+    neutral={
+        "mujoco/option@gravity": ("0 0 -9.81", "0 0 -9.8", "0 0 -9.80665"),
+        # As stepbot writes them.
+        "mujoco/option@cone": ("elliptic",),
+        "mujoco/option@impratio": ("10",),
+        "mujoco/default/geom@solimp": ("0.95 0.99 0.001",),
+        "mujoco/default/geom@solref": ("0.004 1",),
+        "mujoco/default/equality@solimp": ("0.99 0.999 0.001",),
+        "mujoco/default/equality@solref": ("0.002 0.5", "0.004 0.5"),
+        "mujoco/default/site@group": ("4",),
+    },
+    effects={
+        "gravity": "the written files have standard gravity",
+        "friction": _CONTACT,
+        "condim": _CONTACT,
+        "solref": _CONTACT,
+        "solimp": _CONTACT,
+        "margin": _CONTACT,
+        "gap": _CONTACT,
+        "pair": _CONTACT,
+        "solreflimit": "how soft a limit is, is that of the engines' defaults",
+        "solimplimit": "how soft a limit is, is that of the engines' defaults",
+        "solreffriction": "how soft friction is, is that of the engines' defaults",
+        "gravcomp": "gravity acts on the whole weight of the body",
+        "mocap": "the body is fixed",
+        "tendon": "what tendons pull, measure and limit is not converted",
+        "texture": "visuals have their plain colours",
+        "geom": "only the robot is converted, not its surroundings",
+        "light": "the written scenes have lights of their own",
+        "attach": "losses of the attached model are not listed",
+        "density": "the robot moves in empty space",
+        "viscosity": "the robot moves in empty space",
+        "wind": "the robot moves in empty space",
+        "user": "data for programs",
+    },
+    nests=("default", "body"),
+    holders={"frame": f"name childclass {_PLACE}", "replicate": "count offset euler sep"},
+    kinds={"mujoco/keyframe/key": "name"},
+)
+
+
+def unread_of_mjcf(root: Any, file: str) -> tuple[Unread, ...]:
+    """What of a document is not read.
+
+    Args:
+        root: The root element; it is changed.
+        file: The file, relative to the description's folder; empty for the description itself.
+    """
+    for number in root.iter("numeric"):
+        if number.get("name", "").endswith("/velocity"):  # a limit, as stepbot writes it
+            number.tag = "velocity"
+    return (MJCF if root.tag == "mujoco" else _INCLUDED).unread(root, file)
+
+
+_INCLUDED = Vocabulary(
+    {**MJCF.read, **{f"mujocoinclude{path.removeprefix('mujoco')}": names for path, names in MJCF.read.items()}},
+    {**MJCF.neutral, **{f"mujocoinclude{key.removeprefix('mujoco')}": one for key, one in MJCF.neutral.items()}},
+    MJCF.effects,
+    MJCF.nests,
+    MJCF.holders,
+    {"mujocoinclude/keyframe/key": "name"},
+)
+"""Of an included file, which may have another root element."""

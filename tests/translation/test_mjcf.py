@@ -1,0 +1,166 @@
+"""An MJCF as the source of a conversion: what MuJoCo's compiler makes of defaults, angles, classes and includes."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.described.robot import Described, robot_of_description
+from stepbot.engines.describe import describe
+from stepbot.jobs.incremental import convert
+from stepbot.pipeline.conversion import Options
+from stepbot.robot.model import Base, JointKind
+
+LEG = """<mujoco model="leg">
+  <compiler angle="radian" eulerseq="zyx" autolimits="true"/>
+  <option timestep="0.004" integrator="RK4" gravity="0 0 -9.81"/>
+  <include file="defaults.xml"/>
+  <asset><texture name="t" type="2d" builtin="flat" width="8" height="8"/><material name="red" rgba="1 0 0 1"/></asset>
+  <worldbody>
+    <light pos="0 0 3"/><geom type="plane" size="1 1 0.1"/>
+    <body name="trunk" pos="0 0 0.8">
+      <freejoint/>
+      <inertial pos="0.01 0 0.02" mass="6" fullinertia="0.08 0.09 0.1 0.001 0.002 -0.003"/>
+      <geom type="box" size="0.2 0.1 0.05" material="red"/>
+      <site name="imu" pos="0 0 0.05"/>
+      <body name="hip" pos="0.1 0 -0.05" euler="0.1 0.2 0.3" childclass="joints">
+        <joint name="roll" axis="1 0 0"/>
+        <joint name="pitch" axis="0 1 0" pos="0 0 -0.02"/>
+        <geom type="capsule" size="0.04" fromto="0 0 0 0 0 -0.3"/>
+        <body pos="0 0 -0.3">
+          <joint axis="0 1 0" range="-2 0.5" ref="0.1"/>
+          <geom type="cylinder" size="0.03 0.1" pos="0 0 -0.1" density="500"/>
+        </body>
+      </body>
+      <body name="toe_a" pos="0 0.1 -0.1">
+        <inertial pos="0 0 0" mass="0.2" diaginertia="0.0002 0.0002 0.0002"/>
+        <joint name="a" axis="0 0 1"/><geom size="0.02" contype="0" conaffinity="0"/>
+      </body>
+      <body name="toe_b" pos="0 -0.1 -0.1">
+        <inertial pos="0 0 0" mass="0.2" diaginertia="0.0002 0.0002 0.0002"/>
+        <joint name="b" axis="0 0 1"/><geom size="0.02" group="3"/>
+      </body>
+    </body>
+  </worldbody>
+  <tendon><fixed name="cord"><joint joint="a" coef="1"/></fixed></tendon>
+  <equality><joint joint1="b" joint2="a" polycoef="0.1 -1 0 0 0"/></equality>
+  <actuator>
+    <position name="servo" joint="roll" kp="80" kv="2" ctrlrange="-0.5 0.4" forcerange="-30 30"/>
+    <velocity name="drive" joint="pitch" kv="5"/>
+    <motor name="torque" joint="a" gear="3" ctrlrange="-2 2"/>
+    <intvelocity name="integrated" joint="b" kp="3" actrange="-1 1"/>
+    <motor name="pull" tendon="cord"/>
+  </actuator>
+  <sensor><accelerometer name="acc" site="imu"/></sensor>
+</mujoco>"""
+DEFAULTS = """<mujocoinclude><default>
+  <default class="joints"><joint damping="0.7" armature="0.01" range="-1 1" actuatorfrcrange="-40 40"/></default>
+</default></mujocoinclude>"""
+
+
+@pytest.fixture
+def leg(tmp_path: Path) -> Path:
+    """The file, which includes another."""
+    (tmp_path / "defaults.xml").write_text(DEFAULTS, encoding="utf-8")
+    path = tmp_path / "leg.xml"
+    path.write_text(LEG, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def described(leg: Path) -> Described:
+    """Its robot."""
+    return robot_of_description(describe(str(leg), "mjcf"), "leg", leg.name)
+
+
+def test_defaults_angles_and_names(described: Described) -> None:
+    """Classes of an included file apply; limits are in radians; what has no name gets one; ref moves zero."""
+    robot = described.robot
+    assert robot.base is Base.FLOATING
+    assert set(robot.link_by_name) == {"trunk", "hip_1", "hip_2", "hip", "body_3", "toe_a", "toe_b"}
+    roll = robot.joint_by_name["roll"]
+    assert (roll.limit.lower, roll.limit.upper, roll.limit.effort) == (-1.0, 1.0, 40.0)
+    assert (roll.dynamics.damping, roll.dynamics.armature) == (0.7, 0.01)
+    knee = robot.joint_by_name["joint_3"]
+    assert knee.kind is JointKind.REVOLUTE
+    assert (knee.limit.lower, knee.limit.upper, knee.drawn_position) == (-2.0, 0.5, 0.1)
+    trunk = robot.link_by_name["trunk"].mass_properties
+    assert trunk.mass == 6.0
+    assert trunk.com == pytest.approx((0.01, 0.0, 0.02))
+    rows = ((0.08, 0.001, 0.002), (0.001, 0.09, -0.003), (0.002, -0.003, 0.1))
+    assert [one for row in trunk.inertia for one in row] == pytest.approx([one for row in rows for one in row])
+    mimic = robot.joint_by_name["b"].mimic
+    assert mimic is not None
+    assert (mimic.joint, mimic.multiplier, mimic.offset) == ("a", -1.0, 0.1)
+    assert robot.simulation.timestep == 0.004
+
+
+def test_shapes_are_visuals_collisions_or_both(described: Described) -> None:
+    """A geom that collides is shown, too, unless its group is hidden; one without contact bits is a visual alone."""
+    links = described.robot.link_by_name
+    counts = {name: (len(links[name].visuals), len(links[name].collisions)) for name in ("trunk", "toe_a", "toe_b")}
+    assert counts == {"trunk": (1, 1), "toe_a": (1, 0), "toe_b": (0, 1)}
+    assert links["trunk"].visuals[0].rgba == (1.0, 0.0, 0.0, 1.0)
+
+
+def test_actuators_of_other_kinds_are_listed(described: Described) -> None:
+    """Servos, velocity drives and motors are converted; an integrator and a motor on a tendon are reported."""
+    kinds = {one.name: (one.kind.value, one.kp, one.kv, one.gear) for one in described.robot.actuators}
+    assert kinds == {
+        "servo": ("position", 80.0, 2.0, 1.0),
+        "drive": ("velocity", 0.0, 5.0, 1.0),
+        "torque": ("motor", 0.0, 0.0, 3.0),
+    }
+    servo = described.robot.actuators[0].limit
+    assert (servo.lower, servo.upper, servo.effort) == (-0.5, 0.4, 30.0)
+    lost = [one.text for one in described.findings if one.code == "SB863"]
+    assert [text.split("'")[1] for text in lost] == ["integrated", "pull", "acc"]
+
+
+def test_conversion_is_proven(leg: Path, tmp_path: Path) -> None:
+    """URDF and MJCF move like the source; every element that does not reach them is reported, in its file."""
+    conversion = convert(leg, Options(tmp_path / "out", formats=("urdf", "mjcf")))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    lost = {one.message.partition(":")[0] for one in conversion.diagnostics if one.code == "SB860"}
+    assert lost == {
+        "<texture> in <asset>",
+        "<light> in <worldbody>",
+        "<geom> in <worldbody>",
+        "<tendon> in <mujoco>",
+    }
+    assert conversion.report is not None
+    assert set(conversion.report.inputs) == {"leg.xml", "defaults.xml"}
+    of_source = [one for one in conversion.report.checks if one.against.startswith("leg.xml (")]
+    passed = {one.quantity for one in of_source if one.status == "passed"}
+    assert {"links", "joints", "axes", "limits", "mass", "inertia", "poses", "mass matrix", "mimic"} <= passed
+
+
+@pytest.mark.parametrize(
+    ("xml", "word"),
+    [
+        ('<equality><joint joint1="b" joint2="a" polycoef="0 1 2 0 0"/></equality>', "linear"),
+        ('<equality><tendon tendon1="cord"/></equality>', "tendon"),
+    ],
+)
+def test_unsupported_constraints_are_errors(leg: Path, tmp_path: Path, xml: str, word: str) -> None:
+    """A constraint that the model cannot hold is an error, not a robot that moves otherwise."""
+    before, _, after = LEG.partition("<equality>")
+    leg.write_text(before + xml + after.partition("</equality>")[2], encoding="utf-8")
+    conversion = convert(leg, Options(tmp_path / "out", formats=("urdf",), verify=False))
+    assert [one.code for one in conversion.diagnostics if word in one.message and one.severity == "error"] == ["SB862"]
+    assert not conversion.files
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "name", ["ant", "half_cheetah", "hopper", "humanoid", "inverted_double_pendulum", "walker2d_v5"]
+)
+def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
+    """MJCF files of Gymnasium convert to URDF, SDFormat and MJCF, and engines find no difference from the source."""
+    gymnasium = pytest.importorskip("gymnasium")
+    source = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / f"{name}.xml"
+    conversion = convert(source, Options(tmp_path / "out"))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert not conversion.report.failed
+    against = {check.file for check in conversion.report.checks if check.against.startswith(f"{name}.xml (")}
+    assert len(against) == 3
