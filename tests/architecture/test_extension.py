@@ -125,14 +125,14 @@ def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> E
 def test_commands_list_an_added_format(extended: Extended) -> None:
     """`formats`, the help of `-f`, the message for an unknown format, and the mapping page list the new format."""
     listed = json.loads(extended.stepbot("formats", "--json").out)["formats"]
-    assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "usd", "dummy", "rare"]
+    assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "usd", "webots", "dummy", "rare"]
     assert (listed[-2]["suffix"], listed[-2]["aliases"]) == (".dummy", ["dml"])
     help_text = " ".join(extended.stepbot("convert", "--help").out.split())
-    assert "urdf, sdf, mjcf, usd, dummy, rare; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
+    assert "urdf, sdf, mjcf, usd, webots, dummy, rare; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
     assert "URDF, SDFormat, MJCF and DummyML" in extended.stepbot("--help").out
     assert "did you mean 'dummy'?" in extended.stepbot("convert", "arm2.robot.yaml", "-f", "dumy").err
     page = extended.python("-c", "from stepbot.formats.mapping import mapping_page; print(mapping_page())").out
-    assert "| | URDF | SDFormat | MJCF | OpenUSD | DummyML | RareML |" in page.splitlines()
+    assert "| | URDF | SDFormat | MJCF | OpenUSD | Webots | DummyML | RareML |" in page.splitlines()
 
 
 def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extended) -> None:

@@ -36,6 +36,7 @@ COMPARED = {
     ("mjcf", "pybullet"): {"load"},
     ("usd", "usd"): NAMES | JOINTS | BODIES | MOTION
     | {"meshes", "warnings", "mimic", "closures", "frames", "actuators", "initial pose", "shapes", "contacts"},
+    ("webots", "vrml"): NAMES | JOINTS | BODIES | MOTION | {"meshes", "frames", "sensors", "initial pose"},
     ("urdf", "pinocchio"): NAMES | JOINTS | BODIES | MOTION | {"warnings", "mimic"},
     ("mjcf", "pinocchio"): NAMES | {"axes"} | BODIES | MOTION | {"warnings"},
     ("urdf", "drake"): NAMES | JOINTS | BODIES | MOTION | REST | {"shapes"},

@@ -32,6 +32,8 @@ class Feature(StrEnum):
     FLOATING = "floating joint"
     BALL_LIMIT = "effort or velocity limit of a ball joint"
     BALL_FORCE = "damping, friction, spring of a ball joint"
+    FAR_LIMIT = "revolute joint whose limits exceed ±180° or exclude 0"
+    PASSIVE_LIMIT = "effort or velocity limit of a joint without actuator"
     OPEN_POSITION = "joint without lower or upper limit"
     OPEN_EFFORT = "joint without effort or velocity limit"
     EFFORT = "effort limit"

@@ -1,6 +1,6 @@
 """The declaration of a format, readable without importing its writer."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
@@ -57,6 +57,9 @@ class Format:
     """First bytes of files that are not XML, by which ``stepbot verify`` recognizes them."""
     mesh_files: bool = True
     """Whether its files refer to meshes as files of their own; otherwise they contain them."""
+
+    stem: Callable[[str], str] = str
+    """The name of its files without suffix, from the robot's: some formats allow identifiers alone."""
 
     @property
     def writer(self) -> Writer:

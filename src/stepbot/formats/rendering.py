@@ -52,7 +52,7 @@ def joined(files: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
 
 def main_file(robot: Robot, written: Format) -> str:
     """Name of a robot's main file in a format."""
-    return f"{robot.name}{written.suffix}"
+    return f"{written.stem(robot.name)}{written.suffix}"
 
 
 def used_meshes(robot: Robot) -> tuple[MeshAsset, ...]:

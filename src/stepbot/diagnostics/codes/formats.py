@@ -299,4 +299,39 @@ CODES: tuple[Code, ...] = (
         "In this file, the joint has the first of its actuators only.",
         "Add the others in the simulator, or leave out of the sidecar those that are not used there.",
     ),
+    Code(
+        "SB750",
+        "warning",
+        "limits that a hinge's stops cannot represent",
+        "The stops of a hinge in Webots lie within ±180° and include 0. A joint has limits beyond, or that exclude 0.",
+        "Only the motor of the joint keeps within the limits: its commands are clipped, and an external force can push the "
+        "joint beyond. Without a motor the joint has no limits in this file.",
+        "Shift the joint's zero into its range with `zero`, or use another format where the limits are hit.",
+    ),
+    Code(
+        "SB751",
+        "warning",
+        "effort or velocity limit of a passive joint not written",
+        "A joint without an actuator has an effort or a velocity limit, and only motors of the format have such limits.",
+        "A simulation may move the joint faster.",
+        "Remove the limits, or add an actuator to the joint.",
+    ),
+    Code(
+        "SB752",
+        "warning",
+        "mimic written as coupled motors",
+        "Webots has no mimic joints. Motors whose names have the same beginning before `::` get the same command, times their "
+        "multiplier.",
+        "The joint follows the command of the other joint's motor, not its position, without the offset, and with a motor of "
+        "its own. If the other joint has no actuator, the joint does not follow.",
+        "Command the joint from the controller where the offset matters.",
+    ),
+    Code(
+        "SB753",
+        "note",
+        "actuator written as a motor with the simulator's controller",
+        "A motor of Webots has a controller of its own, which takes positions, velocities or efforts.",
+        "Gains kp and kv, and the kind of the actuator, are not in this file.",
+        "Choose the kind of control in the controller, and set its gains with `wb_motor_set_control_pid`.",
+    ),
 )

@@ -89,6 +89,7 @@ from .shapes import (
     links_with_capsules,
     split_capsules,
 )
+from .stops import far_limits, passive_limits, without_far_limits, without_passive_limits
 
 __all__ = [
     "UNLIMITED",
@@ -119,7 +120,7 @@ class _Handling:
 
 def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
     """The robot as the format expresses it; rewritten or removed features are reported, once each."""
-    span = Span(f"{robot.name}{written.suffix}")
+    span = Span(f"{written.stem(robot.name)}{written.suffix}")
     names = reserved(robot, written.writer.reserves)
     if names:
         support = written.expresses[Feature.RESERVED_NAME]
@@ -191,6 +192,9 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.GEAR: _Handling(actuators_where(lambda _robot, actuator: actuator.gear != 1.0), gears_at_joints),
     Feature.ACTUATOR_INPUT: _Handling(actuators_where(is_bounded_actuator), leave_out=bounded_by_joints),
     Feature.UNLIMITED_ACTUATOR: _Handling(actuators_where(is_unlimited_actuator), bound_actuators),
+    # After what takes motors away.
+    Feature.FAR_LIMIT: _Handling(far_limits, leave_out=without_far_limits),
+    Feature.PASSIVE_LIMIT: _Handling(passive_limits, leave_out=without_passive_limits),
     Feature.JOINT_SENSOR: _sensors(SensorKind.JOINT),
     Feature.IMU: _sensors(SensorKind.IMU),
     Feature.FORCE_TORQUE: _sensors(SensorKind.FORCE_TORQUE),

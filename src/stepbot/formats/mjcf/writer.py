@@ -68,6 +68,8 @@ EXPRESSES = {
     Feature.FLOATING: exact("three `slide` and a `ball` in one body"),
     Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
     Feature.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
+    Feature.FAR_LIMIT: exact("as any limit"),
+    Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("infinite `range`, or no `range`"),
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),

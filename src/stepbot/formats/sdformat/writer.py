@@ -71,6 +71,8 @@ EXPRESSES = {
     Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
     Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
     Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.FAR_LIMIT: exact("as any limit"),
+    Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("±1e16, which the format defines as unlimited"),
     Feature.OPEN_EFFORT: exact("no element"),
     Feature.EFFORT: exact("`<effort>`"),

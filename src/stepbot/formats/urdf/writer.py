@@ -60,6 +60,8 @@ EXPRESSES = {
     Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
     Feature.BALL_LIMIT: exact("limits of the yaw, pitch and roll joints"),
     Feature.BALL_FORCE: exact("forces on the yaw, pitch and roll joints"),
+    Feature.FAR_LIMIT: exact("as any limit"),
+    Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: lowered(
         "SB704", "a missing position limit is written as 1e9; a revolute joint without both is written as continuous"
     ),

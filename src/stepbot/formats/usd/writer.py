@@ -47,6 +47,8 @@ EXPRESSES = {
     Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
     Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
     Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.FAR_LIMIT: exact("as any limit"),
+    Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("no attribute"),
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`maxForce` of the joint's drive"),

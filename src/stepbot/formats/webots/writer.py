@@ -1,0 +1,226 @@
+"""A PROTO of Webots: https://cyberbotics.com/doc/reference/nodes-and-functions.
+
+Links are `Solid` nodes inside each other, in the drawn pose: the stops of a hinge must include the position at which a
+simulation starts. The base of a robot that is fixed to the world is a `Solid` in a `Robot` without physics, which
+Webots attaches to the world. Every joint has a position sensor with its name, because joints have none.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, vector3
+from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.model import Base, Joint, JointKind, Link, LoopClosure, Robot
+from stepbot.robot.standing import standing_height
+from stepbot.version import __version__
+
+from ..companion import Companion
+from ..features import Feature, exact, lowered, reported
+from ..xml import number, text_of
+from . import FORMAT
+from .devices import joint_devices, sensor_nodes, stops
+from .names import proto_name
+from .shapes import bounding_object, visual_node
+from .vrml import Node, text
+from .world import world
+
+HEADER = "#VRML_SIM R2023b utf8"
+_NO_SENSOR = reported("SB743", "force-torque and contact sensors are omitted")
+EXPRESSES = {
+    Feature.FIXED_BASE: exact("a `Robot` without `Physics` around the base, which Webots attaches to the world"),
+    Feature.FLOATING_BASE: exact("a `Robot` with `Physics`, standing on z = 0"),
+    Feature.INERTIA: exact("`Physics` with mass, centre of mass and both vectors of the inertia"),
+    Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
+    Feature.MASSLESS_BODY: exact("as any link without mass"),
+    Feature.MESH: exact("`Mesh` with the OBJ, path relative to the file"),
+    Feature.SHAPE: exact("`Box`, `Cylinder`, `Sphere`"),
+    Feature.CAPSULE: exact("`Capsule`"),
+    Feature.FLAT_COLLISION: exact("as any mesh"),
+    Feature.CONCAVE_COLLISION: exact("as any mesh"),
+    Feature.COLOR: exact("`PBRAppearance`"),
+    Feature.NEIGHBOURS: exact("links of a robot do not collide unless `selfCollision` is set"),
+    Feature.EXCLUDED_CONTACT: exact("links of a robot do not collide unless `selfCollision` is set"),
+    Feature.FIXED: exact("a `Solid` in its parent, merged by Webots"),
+    Feature.REVOLUTE: exact("`HingeJoint` with stops"),
+    Feature.CONTINUOUS: exact("`HingeJoint`"),
+    Feature.PRISMATIC: exact("`SliderJoint`"),
+    Feature.BALL: exact("`BallJoint`"),
+    Feature.UNIVERSAL: lowered("SB720", "a universal joint is written as two continuous joints"),
+    Feature.CYLINDRICAL: lowered("SB720", "a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.SCREW: lowered("SB720", "a screw joint is written as a revolute joint and a prismatic one that mimics it"),
+    Feature.PLANAR: lowered("SB720", "a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.FAR_LIMIT: reported("SB750", "a hinge has no such stops; only the motor keeps within the limits"),
+    Feature.PASSIVE_LIMIT: reported("SB751", "only motors have effort and velocity limits"),
+    Feature.OPEN_POSITION: exact("no stops"),
+    Feature.OPEN_EFFORT: exact("1e9 in a motor"),
+    Feature.EFFORT: exact("`maxTorque`, `maxForce` of the motor"),
+    Feature.VELOCITY: exact("`maxVelocity` of the motor"),
+    Feature.FRICTION: exact("`dampingConstant`, `staticFriction`"),
+    Feature.SPRING: reported("SB703", "springs are omitted: theirs have no rest position of their own"),
+    Feature.ARMATURE: reported("SB703", "armatures are omitted"),
+    Feature.MIMIC: lowered("SB752", "mimics are motors coupled with that of the joint they follow, without offset"),
+    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
+    Feature.MIXED_MIMIC: reported("SB742", "mimics between angles and distances are omitted"),
+    Feature.CLOSURE: exact("a joint to a `SolidReference`; a fixed closure is three ball joints"),
+    Feature.SLIDING_CLOSURE: exact("a `SliderJoint` to a `SolidReference`"),
+    Feature.STUCK_CLOSURE: exact("a `SliderJoint` to a `SolidReference`"),
+    Feature.FOLLOWER: exact("held by the closure"),
+    Feature.LOOP_ZERO: exact("links in the drawn pose"),
+    Feature.INITIAL_POSE: exact("links in the drawn pose, `position` of each joint"),
+    Feature.FRAME: exact("`Solid` without content"),
+    Feature.ACTUATOR: lowered("SB753", "actuators are motors, whose controller is Webots': gains and kind are omitted"),
+    Feature.SECOND_ACTUATOR: reported("SB745", "a joint has one motor; its further actuators are omitted"),
+    Feature.GEAR: lowered("SB726", "gears are folded into inputs, which apply at the joint"),
+    Feature.ACTUATOR_INPUT: reported("SB729", "input bounds are the limits of the joints"),
+    Feature.UNLIMITED_ACTUATOR: exact("1e9"),
+    Feature.JOINT_SENSOR: reported("SB743", "every joint has a position sensor, `<joint>_sensor`, in place of these"),
+    Feature.IMU: exact("`InertialUnit`, `Accelerometer`, `Gyro`"),
+    Feature.FORCE_TORQUE: _NO_SENSOR,
+    Feature.OFF_JOINT: _NO_SENSOR,
+    Feature.CAMERA: exact("`Camera`"),
+    Feature.LIDAR: exact("`Lidar`"),
+    Feature.CONTACT: _NO_SENSOR,
+    Feature.SENSOR_PLACE: exact("`translation`, `rotation`"),
+    Feature.SENSOR_RATE: reported("SB727", "the controller sets rates"),
+    Feature.ENCODER_RATE: reported("SB727", "the controller sets rates"),
+    Feature.CAMERA_EXTRAS: exact("`near`, `far`"),
+    Feature.LIDAR_NEAREST: exact("`minRange`"),
+    Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.TIMESTEP: exact("`basicTimeStep` in `<robot>.wbt`"),
+    Feature.SOLVER: reported("SB730", "settings of the physics engine"),
+    Feature.JOINT_NAME: exact("joints have no names, their sensors have"),
+    Feature.FRAME_NAME: exact("names are of nodes inside each other"),
+    Feature.RESERVED_NAME: exact("any name is a string"),
+}
+
+
+def reserves(_name: str) -> bool:
+    """No name is reserved: all are strings."""
+    return False
+
+
+def render(robot: Robot) -> bytes:
+    """The PROTO of a lowered robot."""
+    licensed = f"# license: {robot.metadata.license}\n" if robot.metadata.license else ""
+    origin = f" from {robot.source}" if robot.source else ""
+    height = standing_height(robot, initial_configuration(robot))
+    body = "\n".join(_robot(robot).lines("  "))
+    return f"""{HEADER}
+{licensed}# Written by stepbot {__version__}{origin}.
+PROTO {proto_name(robot.name)} [
+  field SFVec3f translation 0 0 {number(height)}
+  field SFRotation rotation 0 0 1 0
+  field SFString name {text(robot.name)}
+  field SFString controller "<none>"
+  field MFString controllerArgs []
+  field SFBool supervisor FALSE
+  field SFBool synchronization TRUE
+  field SFBool selfCollision FALSE
+]
+{{
+  Robot {{
+{body}
+}}
+""".encode()
+
+
+def companions(_robot: Robot) -> tuple[Companion, ...]:
+    """None: one file is enough."""
+    return ()
+
+
+def scenes(robot: Robot) -> dict[str, bytes]:
+    """A world with floor and light, in which the robot stands."""
+    return {f"{proto_name(robot.name)}{FORMAT.scene}": world(robot, HEADER)}
+
+
+def _robot(robot: Robot) -> Node:
+    top = Node("Robot")
+    for name in ("translation", "rotation", "name", "controller", "controllerArgs", "supervisor", "synchronization"):
+        top.set(name, f"IS {name}")
+    top.set("selfCollision", "IS selfCollision")
+    base = _Solids(robot).solid(robot.root)
+    if robot.base is Base.FIXED:
+        base.set("name", text(robot.root.name))
+        return top.set("children", [base])
+    top.set("model", text(robot.root.name))
+    top.fields += base.fields
+    return top
+
+
+class _Solids:
+    """The links of a robot as nodes."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.drawn = initial_configuration(robot)
+        self.X_RL = link_poses(robot, self.drawn)
+
+    def solid(self, link: Link) -> Node:
+        """A link with all that is on it, and with the links below it."""
+        robot = self.robot
+        children = [visual_node(visual, robot) for visual in link.visuals]
+        children += [node for sensor in robot.sensors if sensor.link == link.name for node in sensor_nodes(sensor)]
+        for frame in robot.frames:
+            if frame.link == link.name:
+                children.append(Node("Solid").place(frame.X_LF).set("name", text(frame.name)))
+        children += [self._joint(joint) for joint in robot.joints if joint.parent == link.name]
+        children += [node for one in robot.closures if one.link_a == link.name for node in _closure(one)]
+        solid = Node("Solid")
+        if children:
+            solid.set("children", children)
+        if link.collisions:
+            solid.set("boundingObject", bounding_object(link.collisions, robot))
+        return solid.set("physics", _physics(link))
+
+    def _joint(self, joint: Joint) -> Node:
+        child = self.solid(self.robot.link_by_name[joint.child]).set("name", text(joint.child))
+        child.place(self.X_RL[joint.parent].inverse() @ self.X_RL[joint.child])
+        if joint.kind is JointKind.FIXED:
+            return child
+        node = _joint_node(joint.kind, joint.X_PC, joint.axis)
+        (_, parameters), *_ = node.fields
+        assert isinstance(parameters, Node)
+        if joint.kind is not JointKind.BALL:
+            if self.drawn[joint.name]:
+                parameters.set("position", self.drawn[joint.name])
+            stops(parameters, joint)
+        node.set("device", joint_devices(joint, self.robot))
+        return node.set("endPoint", child)
+
+
+def _joint_node(kind: JointKind, X_PJ: Pose, axis: tuple[float, float, float]) -> Node:
+    """A joint with its anchor and axis in the parent, at q = 0."""
+    turned = vector3(X_PJ.turn(axis))
+    if kind is JointKind.PRISMATIC:
+        return Node("SliderJoint").set("jointParameters", Node("JointParameters").set("axis", turned))
+    if kind is JointKind.BALL:
+        return Node("BallJoint").set("jointParameters", Node("BallJointParameters").set("anchor", X_PJ.position))
+    parameters = Node("HingeJointParameters").set("axis", turned).set("anchor", X_PJ.position)
+    return Node("HingeJoint").set("jointParameters", parameters)
+
+
+def _closure(closure: LoopClosure) -> Iterator[Node]:
+    """The joints that close a loop: one, or three ball joints in place of a fixed one."""
+    points: list[Array] = [np.zeros(3)]
+    kind = closure.kind
+    if kind is JointKind.FIXED:
+        reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
+        x, y, _ = perpendicular_frame(closure.axis).T
+        points, kind = [np.zeros(3), reach * x, reach * y], JointKind.BALL
+    for p_F in points:
+        X_AP = closure.X_AF @ Pose.of(position=p_F)
+        end = Node("SolidReference").set("solidName", text(closure.link_b))
+        yield _joint_node(kind, X_AP, closure.axis).set("endPoint", end)
+
+
+def _physics(link: Link) -> Node:
+    body = link.mass_properties
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = body.inertia
+    physics = Node("Physics").set("density", -1.0).set("mass", body.mass)
+    physics.set("centerOfMass", f"[ {text_of(body.com)} ]")
+    return physics.set("inertiaMatrix", f"[ {text_of((ixx, iyy, izz))}, {text_of((ixy, ixz, iyz))} ]")
