@@ -15,7 +15,7 @@ from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, L
 
 from ..closure_frames import turned_as_expected
 from ..observation import EngineCannotRead, EngineRefused, ObservedActuator, ObservedClosure, ObservedJoint
-from .stage import Body, Stage, name_of
+from .stage import Body, Stage, name_of, rigid
 
 _KINDS = {
     "PhysicsFixedJoint": JointKind.FIXED.value,
@@ -120,11 +120,11 @@ def _end(stage: Stage, joint: Any, number: int) -> tuple[Body | None, Pose]:
     if targets and not prim:
         raise EngineRefused(f"joint '{name_of(joint.GetPrim())}': no prim {targets[0]}")
     body = stage.body_of(prim) if prim else None
-    local = Pose.from_quaternion(wxyz(rotation), np.array(position) * stage.metres)
-    if body is None or prim == body.prim:
-        scale = np.ones(3) if body is None else body.scale
-        return body, Pose.of(local.R, local.p * scale)
-    return body, Pose.from_matrix(stage.in_body(prim, body)) @ local
+    local = Pose.from_quaternion(wxyz(rotation), position)
+    if body is None:
+        return None, Pose.of(local.R, local.p * stage.metres)
+    M = stage.in_body(prim, body)
+    return body, Pose.of(rigid(M)[0].R @ local.R, M[:3, :3] @ local.p + M[:3, 3])
 
 
 def wxyz(quaternion: Any) -> tuple[float, float, float, float]:

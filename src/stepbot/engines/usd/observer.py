@@ -33,7 +33,7 @@ from .joints import (
     wxyz,
 )
 from .shapes import box_around, shapes
-from .stage import Body, Stage, name_of
+from .stage import Body, Stage, name_of, rigid
 
 _NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 
@@ -134,7 +134,7 @@ def _gravity(stage: Stage) -> tuple[float, ...]:
 def _frames(stage: Stage, body: Body) -> list[tuple[str, Pose]]:
     """Transforms without content."""
     return [
-        (name_of(prim), Pose.from_matrix(stage.in_body(prim, body)))
+        (name_of(prim), rigid(stage.in_body(prim, body))[0])
         for prim in stage.content(body)
         if prim.GetTypeName() == "Xform" and not prim.GetChildren() and not prim.IsInstance()
     ]

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,8 @@ class Stage:
         try:
             self.stage = Usd.Stage.Open(file)
         except Tf.ErrorException as error:
-            raise EngineRefused(str(error).strip().splitlines()[-1].strip()) from error
+            folder = f"{Path(file).parent.as_posix()}/"
+            raise EngineRefused(error.args[0].commentary.replace(folder, "").strip()) from error
         self._usd, self._physics = Usd, UsdPhysics
         self.metres = float(UsdGeom.GetStageMetersPerUnit(self.stage))
         self.kilograms = float(UsdPhysics.GetStageKilogramsPerUnit(self.stage))

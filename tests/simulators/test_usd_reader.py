@@ -1,0 +1,208 @@
+"""stepbot's reader of OpenUSD: files with changed values, and conventions of other programs."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Robot
+from tests.mechanisms import gear
+from tests.robots import four_bar, primitives, tree, two_link_arm
+from tests.simulators.conftest import Folder, failures, look, write
+
+pytest.importorskip("pxr", reason="usd-core is not installed")
+
+
+def changed(robot: Robot, folder: Path, pattern: str, new: str) -> set[Quantity]:
+    """The quantities that differ after the first match of a pattern in a robot's file is replaced."""
+    written = write(robot, folder)
+    assert failures(written.expected("usd"), look("usd", written.request("usd"))) == set()
+    file = written.written["usd"].path
+    text, count = re.subn(pattern, new, file.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
+    assert count == 1, pattern
+    file.write_text(text, encoding="utf-8")
+    return failures(written.expected("usd"), look("usd", written.request("usd")))
+
+
+NUMBER = r"-?[\d.]+"
+DYNAMICS = {Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "expected"),
+    [
+        (r"physics:mass = 0.972", "physics:mass = 0.9721", {Quantity.MASS, *DYNAMICS}),
+        (r"physics:centerOfMass = \(0.15,", "physics:centerOfMass = (0.1501,", {Quantity.COM, *DYNAMICS}),
+        (
+            r"physics:diagonalInertia = \(0.0002025",
+            "physics:diagonalInertia = (0.0002026",
+            {Quantity.INERTIA},
+        ),
+        (r"physics:lowerLimit = -60", "physics:lowerLimit = -60.001", {Quantity.LIMITS, Quantity.ACTUATORS}),
+        (r"newton:velocityLimit = 180", "newton:velocityLimit = 180.01", {Quantity.LIMITS}),
+        (r"newton:armature = 0.003", "newton:armature = 0.0031", {Quantity.DYNAMICS}),
+        (r"physics:maxForce = 12.5", "physics:maxForce = 12.6", {Quantity.ACTUATORS}),
+        (r"physics:stiffness = 1.745", "physics:stiffness = 1.746", {Quantity.ACTUATORS}),
+        (r'actuator = "shoulder_motor"', 'actuator = "other_motor"', {Quantity.ACTUATORS}),
+        (r"(def Xform \"tool0\".*?translate = \()0.25", r"\g<1>0.2501", {Quantity.FRAMES}),
+        (r"color3f inputs:diffuseColor = \(0.", "color3f inputs:diffuseColor = (0.1", {Quantity.SHAPES}),
+        (r"rel physics:body1 = </two_link_arm/base>", "rel physics:body1 = </two_link_arm/forearm>", None),
+    ],
+)
+def test_a_changed_value_is_noticed(pattern: str, new: str, expected: set[Quantity] | None, tmp_path: Path) -> None:
+    """Each value that is written is read, and a change of it is a difference of its quantity."""
+    found = changed(two_link_arm(), tmp_path, pattern, new)
+    assert found if expected is None else found == expected
+
+
+@pytest.mark.parametrize(
+    ("robot", "pattern", "new", "expected"),
+    [
+        (four_bar, "uniform bool physics:excludeFromArticulation = true", "", set()),  # it closes a loop all the same
+        (four_bar, r"(Joint \"rocker_pin\".*?localPos0 = \()" + NUMBER, r"\g<1>0.5", {Quantity.CLOSURES}),
+        (gear, r"mimicCoef1 = (-?)", r"mimicCoef1 = \g<1>1", {Quantity.MIMIC}),
+        (tree, r"rel physics:filteredPairs = \[[^\]]*\]", "", {Quantity.CONTACTS}),
+        (primitives, r"double radius = ", "double radius = 1", {Quantity.MESHES}),
+    ],
+)  # fmt: skip
+def test_a_changed_structure_is_noticed(
+    robot: Callable[[], Robot], pattern: str, new: str, expected: set[Quantity], tmp_path: Path
+) -> None:
+    """Closures, mimics, filtered contacts and shapes are read."""
+    found = changed(robot(), tmp_path, pattern, new)
+    assert found == expected
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, -1.0), (0.0, 0.6, 0.8), (1.0, 0.0, 0.0)])
+def test_closures_about_any_axis(axis: tuple[float, float, float], tmp_path: Path) -> None:
+    """UsdPhysics has axes X, Y and Z: the frames of other axes are turned, and read back."""
+    robot = four_bar()
+    R = Pose.from_xyz_rpy((0, 0, 0), (0.4, -0.2, 0.3))
+    (pin,) = robot.closures
+    turned = replace(pin, X_AF=pin.X_AF @ R, X_BF=pin.X_BF @ R, axis=axis)
+    written: Folder = write(replace(robot, closures=(turned,)), tmp_path)
+    request = replace(
+        written.request("sdf"), file=str(written.written["usd"].path), format="usd", ways=(), simulate=0.0
+    )
+    seen = look("usd", request)
+    (closure,) = seen.closures or ()
+    assert closure.axis == pytest.approx(axis, abs=1e-6)
+    for found, expected in ((closure.X_AF, turned.X_AF), (closure.X_BF, turned.X_BF)):
+        assert found is not None
+        assert found.distance_to(expected) == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+ELSEWHERE = """#usda 1.0
+(
+    defaultPrim = "door"
+    metersPerUnit = 0.01
+    kilogramsPerUnit = 0.001
+    upAxis = "Y"
+)
+
+def Xform "door" (
+    prepend apiSchemas = ["PhysicsArticulationRootAPI"]
+)
+{
+    def Xform "frame" (
+        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]
+    )
+    {
+        float physics:mass = 5000
+
+        def Xform "leaf" (
+            prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]
+        )
+        {
+            float physics:mass = 2000
+            point3f physics:centerOfMass = (40, 0, 0)
+            float3 physics:diagonalInertia = (1000, 2000, 3000)
+            double3 xformOp:translate = (10, 0, 0)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+
+            def Cube "panel" (
+                prepend apiSchemas = ["PhysicsCollisionAPI"]
+            )
+            {
+                double size = 2
+                double3 xformOp:translate = (40, 0, 0)
+                double3 xformOp:scale = (40, 100, 2)
+                uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+            }
+
+            def Xform "hinge_place"
+            {
+                double3 xformOp:translate = (-5, 0, 0)
+                uniform token[] xformOpOrder = ["xformOp:translate"]
+            }
+        }
+    }
+
+    def PhysicsRevoluteJoint "hinge"
+    {
+        uniform token physics:axis = "Y"
+        rel physics:body0 = </door/frame/leaf/hinge_place>
+        rel physics:body1 = </door/frame>
+        point3f physics:localPos1 = (5, 0, 0)
+        float physics:lowerLimit = -90
+        float physics:upperLimit = 10
+    }
+
+    def PhysicsFixedJoint "wall"
+    {
+        rel physics:body0 = </door/frame>
+    }
+}
+"""
+
+
+def read(tmp_path: Path, text: str, **request: object) -> Observation:
+    """The observation of a stage."""
+    file = tmp_path / "stage.usda"
+    file.write_text(text, encoding="utf-8")
+    return look("usd", Request(str(file), "usd", simulate=0.0, **request))  # type: ignore[arg-type]
+
+
+def test_conventions_of_other_programs(tmp_path: Path) -> None:
+    """Centimetres, grams, y up, nested bodies, a joint from child to parent at a prim below the body."""
+    seen = read(tmp_path, ELSEWHERE, configurations=({"hinge": pi / 6},))
+    assert seen.base == "fixed"
+    (joint,) = seen.joints
+    assert (joint.parent, joint.child, joint.kind) == ("frame", "leaf", "revolute")
+    # Its first body is the child: a positive angle turns the parent, so that the leaf turns the other way.
+    assert joint.axis == pytest.approx((0.0, -1.0, 0.0))
+    assert joint.limit is not None
+    assert (joint.limit.lower, joint.limit.upper) == pytest.approx((-pi / 18, pi / 2))
+    frame, leaf = seen.links
+    assert (frame.mass, leaf.mass) == pytest.approx((5.0, 2.0))
+    assert leaf.com == pytest.approx((0.4, 0.0, 0.0))
+    np.testing.assert_allclose(leaf.inertia, 1e-7 * np.diag([1000, 2000, 3000]), rtol=1e-6)
+    np.testing.assert_allclose(leaf.collision_bounds, [(0.0, -1.0, -0.02), (0.8, 1.0, 0.02)], atol=1e-9)
+    assert frame.inertia is None  # a simulator would compute it
+    (poses,) = seen.poses
+    half = Pose.from_xyz_rpy((0.05, 0, 0), (0, -pi / 6, 0)) @ Pose.of(position=(0.05, 0, 0))
+    assert poses["leaf"].distance_to(half) == pytest.approx((0.0, 0.0), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "error", "message"),
+    [
+        ("#usda 1.0", "#usda 9.9", EngineRefused, "9.9"),
+        ('def PhysicsRevoluteJoint "hinge"', 'def Scope "hinge"', EngineCannotRead, "not connected to 'frame': leaf"),
+        ("PhysicsFixedJoint", "PhysicsPrismaticJoint", EngineCannotRead, "joints to the world that move"),
+        ("</door/frame/leaf/hinge_place>", "</door/nothing>", EngineRefused, "'hinge': no prim /door/nothing"),
+        ("</door/frame/leaf/hinge_place>", "</door/frame>", EngineRefused, "does not connect two bodies"),
+        ('"PhysicsRigidBodyAPI", ', "", EngineCannotRead, "no rigid bodies"),
+    ],
+)
+def test_what_is_no_robot_is_rejected(old: str, new: str, error: type[Exception], message: str, tmp_path: Path) -> None:
+    """Files of another version, loose bodies, moving joints to the world, missing prims."""
+    assert old in ELSEWHERE
+    with pytest.raises(error, match=re.escape(message)):
+        read(tmp_path, ELSEWHERE.replace(old, new))
