@@ -351,7 +351,7 @@ def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -
     assert found.codes() == ["SB213"]
 
 
-@pytest.mark.long  # test_repetition.py bounds the time of thousands of occurrences
+@pytest.mark.long  # test_repetition.py reads thousands of occurrences
 def test_what_occurrences_cost(tmp_path: Path) -> None:
     """An occurrence costs a small part of the time and memory of a definition."""
     drawn = [parts.drawn(f"ball {i}", solids.sphere(10 + 0.1 * i)) for i in range(40)]
