@@ -62,11 +62,13 @@ def convert(
     package: str = "",
     ros2: str = "",
     gazebo: bool = False,
+    base: str = "",
+    package_path: Iterable[AnyPath] = (),
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
     Args:
-        sidecar: The sidecar.
+        sidecar: The sidecar, or a URDF, SDFormat or MJCF in its place.
         output: Folder for the files; None for a folder in the current one, named after the sidecar.
         formats: Names or aliases of formats; empty for the default ones.
         step: STEP file to read instead of the one named in the sidecar.
@@ -82,6 +84,8 @@ def convert(
         package: ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file.
         ros2: Make ``output`` the ROS 2 package ``<ros2>_description``; empty to write robot files alone.
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
+        base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
+        package_path: Folders of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -113,6 +117,8 @@ def convert(
         package=package_of(package, ros2, written),
         ros2=bool(ros2),
         gazebo=model_name(folder, written) if gazebo else "",
+        base=base,
+        package_path=tuple(map(Path, package_path)),
     )
     return convert_unless_unchanged(path, options)
 

@@ -1,7 +1,10 @@
-"""Triangles of mesh files, read by trimesh without their materials and without any file that they name."""
+"""Triangles and colours of mesh files, read by trimesh without any file that they name."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,22 +13,91 @@ from .mesh import TriMesh, joined
 KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
 """Suffixes of the files that are read."""
 _COLLADA = ".dae"
+_LINEAR = (".glb", ".gltf")
+"""Suffixes of files whose colours are linear, not sRGB."""
+
+Color = tuple[float, float, float, float]
+"""Colour and opacity, each 0 to 1, sRGB."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeshContent:
+    """The content of a mesh file, in its coordinates [m]."""
+
+    mesh: TriMesh
+    """All triangles."""
+    parts: tuple[tuple[TriMesh, Color], ...] = ()
+    """The triangles by colour; empty if the file gives none."""
+    has_other_looks: bool = False
+    """Whether it has textures, colours of vertices, or materials in another file, none of which are read."""
 
 
 def read_mesh(path: Path) -> TriMesh | None:
-    """All triangles of a mesh file, in its coordinates [m]; None where it cannot be read.
+    """All triangles of a mesh file, in its coordinates [m]; None where it cannot be read."""
+    content = read_content(path)
+    return None if content is None else content.mesh
+
+
+def read_content(path: Path) -> MeshContent | None:
+    """Triangles and colours of a mesh file; None where it cannot be read.
 
     A Collada file states its unit, and its lengths become metres. Its ``up_axis`` is ignored, as in RViz: the
     description places the coordinates of the file.
     """
     import trimesh
 
+    kind = path.suffix.lower()
     try:
         # From bytes: what else the file names is not opened.
-        loaded = trimesh.load_scene(BytesIO(path.read_bytes()), file_type=path.suffix[1:].lower(), process=False)
-        meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
-        unit = trimesh.units.unit_conversion(loaded.units, "meters") if path.suffix.lower() == _COLLADA else 1.0
-        found = joined([TriMesh.of(mesh.vertices * unit, mesh.faces) for mesh in meshes]) if meshes else None
+        content = path.read_bytes()
+        loaded = trimesh.load_scene(BytesIO(content), file_type=kind[1:], process=False)
+        read = [mesh for mesh in _placed(loaded) if isinstance(mesh, trimesh.Trimesh)]
+        unit = trimesh.units.unit_conversion(loaded.units, "meters") if kind == _COLLADA else 1.0
+        meshes = [TriMesh.of(mesh.vertices * unit, mesh.faces) for mesh in read]
+        found = joined(meshes) if meshes else None
+        colors = [_color(mesh.visual, linear=kind in _LINEAR) for mesh in read] if kind in (_COLLADA, *_LINEAR) else []
+        other = b"usemtl" in content if kind == ".obj" else any(_has_other_looks(mesh.visual) for mesh in read)
     except Exception:  # noqa: BLE001 - whatever a loader raises over foreign bytes, there are no triangles
         return None
-    return found if found is not None and len(found.vertices) and bool(np.isfinite(found.vertices).all()) else None
+    if found is None or not len(found.vertices) or not bool(np.isfinite(found.vertices).all()):
+        return None
+    return MeshContent(found, _by_color(meshes, colors), other)
+
+
+def _placed(scene: Any) -> list[Any]:
+    """The geometries of a scene at their places, in the order of the file, which the nodes of the scene do not keep."""
+    order = {name: index for index, name in enumerate(scene.geometry)}
+    found = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        found.append((order[name], str(node), scene.geometry[name].copy().apply_transform(transform)))
+    return [mesh for _, _, mesh in sorted(found, key=lambda one: one[:2])]
+
+
+def _color(visual: Any, *, linear: bool) -> Color | None:
+    """The colour of a material; None if it gives none."""
+    material: Any = getattr(visual, "material", None)
+    given = getattr(material, "baseColorFactor", None) if hasattr(material, "baseColorFactor") else material
+    if given is None:
+        return None
+    r, g, b, a = (float(channel) / 255.0 for channel in material.main_color)
+    if linear:
+        r, g, b = (12.92 * c if c <= 0.0031308 else 1.055 * c ** (1.0 / 2.4) - 0.055 for c in (r, g, b))
+    red, green, blue, opacity = (round(channel, 4) for channel in (r, g, b, a))
+    return red, green, blue, opacity
+
+
+def _has_other_looks(visual: Any) -> bool:
+    material = getattr(visual, "material", None)
+    images = (getattr(material, name, None) for name in ("image", "baseColorTexture"))
+    return any(image is not None for image in images) or visual.kind in ("vertex", "face")
+
+
+def _by_color(meshes: Sequence[TriMesh], colors: Sequence[Color | None]) -> tuple[tuple[TriMesh, Color], ...]:
+    """The meshes joined by colour, in the order of the file; none unless every mesh has a colour."""
+    groups: dict[Color, list[TriMesh]] = {}
+    for mesh, color in zip(meshes, colors, strict=False):
+        if color is None:
+            return ()
+        groups.setdefault(color, []).append(mesh)
+    return tuple((joined(of_color), color) for color, of_color in groups.items())

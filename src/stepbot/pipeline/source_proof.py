@@ -3,24 +3,25 @@
 The written files are compared with the model elsewhere; this finds what was misread on the way into the model.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.described.finding import CONTACTS, DEVICE, DROPPED_INERTIA, MOVED
+from stepbot.described.finding import CONTACTS, DEVICE, DROPPED_INERTIA, LOST, MOVED
 from stepbot.described.robot import Described
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
 from stepbot.formats import format_named
 from stepbot.formats.rendering import joined, main_file
 from stepbot.report.record import Report
+from stepbot.robot.model import Robot
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import Worker
 from stepbot.verification.renamed import Renaming
-from stepbot.verification.source import verify_against_source
+from stepbot.verification.source import Converted, verify_against_source
 
 from .conversion import Options
 from .writing import Rendered
@@ -29,13 +30,20 @@ _LOCATED = "stepbot.engines.located_copy:located_copy"
 
 
 def compared_with_source(
-    path: Path, described: Described, written: Rendered, report: Report, options: Options, found: Diagnostics
+    path: Path,
+    description: Description,
+    described: Described,
+    written: Rendered,
+    report: Report,
+    options: Options,
+    found: Diagnostics,
 ) -> Report:
     """The report with the comparison of each written file with the description that it came from.
 
     Args:
-        path: The description.
-        described: What was read of it.
+        path: The file.
+        description: Its content.
+        described: Its robot.
         written: The converted robot.
         report: The report on the written files.
         options: Limits.
@@ -44,8 +52,8 @@ def compared_with_source(
     with TemporaryDirectory(dir=run_folder()) as folder:
         place = Path(folder) / (options.package or options.gazebo)  # where meshes are found by the name of the folder
         write_atomically(joined(written.by_format), place)
-        files: Mapping[Path, str] = {
-            place / main_file(one, format_named(name)): main_file(one, format_named(name))
+        files = {
+            place / (file := main_file(one, format_named(name))): Converted(file, _given_names(written.robot, one))
             for name, one in written.lowered.items()
         }
         source = path
@@ -57,7 +65,7 @@ def compared_with_source(
             source,
             Span(path.as_posix()),
             files,
-            _lost(described),
+            _lost(described, description),
             Renaming(described.names.links, described.names.joints, described.names.frames),
             found,
             timeout=options.timeout,
@@ -66,12 +74,22 @@ def compared_with_source(
     return replace(report, checks=(*report.checks, *checks))
 
 
-def _lost(described: Described) -> dict[Quantity, str]:
+def _given_names(robot: Robot, lowered: Robot) -> Renaming:
+    """The model's names of the joints that a format needs other names for."""
+    names = {joint.child: joint.name for joint in robot.joints}
+    changed = {joint.name: names[joint.child] for joint in lowered.joints if joint.child in names}
+    return Renaming(joints={new: old for new, old in changed.items() if new != old})
+
+
+def _lost(described: Described, description: Description) -> dict[Quantity, str]:
     """Quantities that a declared loss changes."""
+    seen = description.observation
     codes = {one.code for one in described.findings}
     lost: dict[Quantity, str] = {}
     if DEVICE in codes:
         lost |= dict.fromkeys((Quantity.ACTUATORS, Quantity.SENSORS), f"a loss is declared ({DEVICE})")
+    if seen.gravity or any(link.gravity_compensation for link in seen.links):
+        lost[Quantity.GRAVITY_SETTINGS] = f"a loss is declared ({LOST})"
     if CONTACTS in codes:
         lost[Quantity.CONTACTS] = f"a loss is declared ({CONTACTS})"
     if MOVED in codes:

@@ -67,7 +67,7 @@ def produce_translation(
     if options.verify:
         from .source_proof import compared_with_source
 
-        report = compared_with_source(path, described, written, report, options, found)
+        report = compared_with_source(path, description, described, written, report, options, found)
     report_unused(found, _JUDGED + judged_by_files(options))
     report = replace(report, inputs=_hashes(path, description.files))
     if options.strict:
@@ -102,6 +102,9 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         place = Span((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line)
         times = f" ({lost.count} times)" if lost.count > 1 else ""
         found.add("SB860", f"{lost.what}: not converted{times}", place, notes=[lost.effect] if lost.effect else ())
+    if description.plain_meshes:
+        meshes = ", ".join(f"'{uri}'" for uri in description.plain_meshes)
+        found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     for one in described.findings:
         found.add(one.code, one.text, span)
     if description.assumed:

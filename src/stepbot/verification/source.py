@@ -4,7 +4,7 @@ Quantities with a declared loss are not compared: their difference is the loss t
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -24,10 +24,20 @@ _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Quantities of one file alone."""
 
 
+@dataclass(frozen=True)
+class Converted:
+    """A file that was written."""
+
+    name: str
+    """Its name in the report."""
+    names: Renaming = field(default_factory=Renaming)
+    """The model's names of what its format needs other names for."""
+
+
 def verify_against_source(
     source: Path,
     span: Span,
-    files: Mapping[Path, str],
+    files: Mapping[Path, Converted],
     lost: Mapping[Quantity, str],
     names: Renaming,
     found: Diagnostics,
@@ -40,7 +50,7 @@ def verify_against_source(
     Args:
         source: The file that was converted, or a copy of it.
         span: It, for messages; its last part is its name in the report.
-        files: The files that were written, each with its name in the report.
+        files: The files that were written.
         lost: Quantities with declared losses, each with the reason not to compare it.
         names: Names that the conversion changed.
         found: Receives differences, and SB867 if no engine reads the source.
@@ -54,7 +64,7 @@ def verify_against_source(
         reported,
         timeout=timeout,
         memory_limit=memory_limit,
-        renamed={str(openable(source)): names},
+        renamed={str(openable(source)): names, **{str(openable(path)): one.names for path, one in files.items()}},
     )
     of_source = [outcome for outcome in outcomes if outcome.key == source.as_posix()]
     first = ranked(of_source)
@@ -76,7 +86,7 @@ def verify_against_source(
             if compared.quantity in lost:
                 compared = replace(compared, not_run=lost[compared.quantity])
             against = f"{name} ({ours.engine(compared.quantity)})"
-            subject = Subject(written, theirs.format, theirs.engine(compared.quantity), against)
+            subject = Subject(written.name, theirs.format, theirs.engine(compared.quantity), against)
             report_failure(subject, compared, ENGINE_WARNING, found)
             checks.append(check_of(subject, compared))
     return tuple(checks)

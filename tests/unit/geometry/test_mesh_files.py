@@ -124,3 +124,27 @@ def test_files_named_by_a_gltf_are_not_opened(tmp_path: Path) -> None:
     path = tmp_path / "part.gltf"
     path.write_text(json.dumps({**content, "buffers": [{"byteLength": len(buffer), "uri": "part.bin"}]}))
     assert _read(path) is None
+
+
+def test_colors_of_materials_split_a_mesh(tmp_path: Path) -> None:
+    """A glTF of two materials has two parts in their colours, converted from linear to sRGB."""
+    import trimesh
+
+    from stepbot.geometry.mesh_files import read_content
+
+    scene = trimesh.Scene()
+    for x, color in ((0.0, [255, 0, 0, 255]), (1.0, [0, 55, 0, 255])):
+        mesh = trimesh.creation.box(bounds=[[x, 0, 0], [x + 0.5, 1, 1]])
+        material = trimesh.visual.material.PBRMaterial(baseColorFactor=color)
+        mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)), material=material)
+        scene.add_geometry(mesh)
+    path = tmp_path / "two.glb"
+    path.write_bytes(scene.export(file_type="glb"))
+    content = read_content(path)
+    assert content is not None
+    assert not content.has_other_looks
+    assert [color for _, color in content.parts] == [
+        (1.0, 0.0, 0.0, 1.0),
+        (0.0, pytest.approx(1.055 * (55 / 255) ** (1 / 2.4) - 0.055, abs=1e-4), 0.0, 1.0),
+    ]
+    assert [len(mesh.faces) for mesh, _ in content.parts] == [12, 12]

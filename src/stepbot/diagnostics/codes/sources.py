@@ -105,4 +105,13 @@ CODES: tuple[Code, ...] = (
         "Engines compute these contacts in the written files, where links of a robot collide with each other.",
         "Exclude them in the simulator, or in MJCF by `<contact><exclude .../></contact>`.",
     ),
+    Code(
+        "SB872",
+        "warning",
+        "looks of meshes not converted",
+        "A mesh of the converted file has textures, colours of vertices, or materials in a file of its own (MTL), which stepbot "
+        "does not read.",
+        "The visual has the colour that the description gives, or is grey. Colours of materials in Collada and glTF are converted.",
+        "Give the visual a colour in the description, or convert the mesh to Collada or glTF with plain materials.",
+    ),
 )

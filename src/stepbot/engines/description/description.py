@@ -74,6 +74,8 @@ class Description:
     """Pose of the root link in the world of the file."""
     free_roots: tuple[str, ...] = ()
     """Links that nothing holds in the world."""
+    plain_meshes: tuple[str, ...] = ()
+    """Mesh files whose textures or further colours are not read, as named in the description."""
     unsupported: tuple[str, ...] = ()
     """Constraints that are neither closures nor mimics, in words."""
     simulation: Simulation = DEFAULTS

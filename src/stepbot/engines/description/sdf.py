@@ -43,6 +43,7 @@ def describe_sdf(file: str, packages: Iterable[Path] = ()) -> Description:
         files.unread,
         _unread(Path(file)),
         files.files,
+        plain_meshes=files.plain,
         assumed=assumed,
         X_WR=_root_pose(model, observation),
     )
@@ -84,12 +85,23 @@ def _at_zero(observation: Observation) -> dict[str, Pose]:
 def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
     for kind in ("visual", "collision"):
         for shape in link.findall(kind):
-            geometry = shape.find("geometry")
-            found = None if geometry is None else _geometry(geometry, files)
-            if found is not None:
-                name, X_LG, rgba = shape.get("name", ""), read_pose(shape), _color(shape)
-                uri = (shape.findtext("geometry/mesh/uri") or "").strip()
-                yield DescribedShape(link.get("name", ""), name, found, X_LG, rgba, kind == "collision", uri)
+            name, X_LG, rgba = shape.get("name", ""), read_pose(shape), _color(shape)
+            uri, collides = (shape.findtext("geometry/mesh/uri") or "").strip(), kind == "collision"
+            for found, color in _parts(shape.find("geometry"), files, rgba, whole=collides or rgba is not None):
+                yield DescribedShape(link.get("name", ""), name, found, X_LG, color, collides, uri)
+
+
+def _parts(
+    geometry: Element | None, files: MeshFiles, rgba: Rgba | None, *, whole: bool
+) -> tuple[tuple[TriMesh | Primitive, Rgba | None], ...]:
+    """The geometry, that of a mesh by the colours of its file unless the description gives one."""
+    if geometry is None:
+        return ()
+    mesh = geometry.find("mesh")
+    if mesh is not None and not whole:
+        return files.parts((mesh.findtext("uri") or "").strip(), tuple(numbers(mesh.findtext("scale") or "1 1 1")))
+    found = _geometry(geometry, files)
+    return () if found is None else ((found, rgba),)
 
 
 def _color(shape: Element) -> Rgba | None:

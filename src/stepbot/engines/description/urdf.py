@@ -43,7 +43,7 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
         shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
     except ValueError as error:
         raise EngineRefused(str(error)) from error
-    return Description(observation, X_PC, shapes, files.unread, URDF.unread(top), files.files)
+    return Description(observation, X_PC, shapes, files.unread, URDF.unread(top), files.files, plain_meshes=files.plain)
 
 
 def _with_extensions(seen: Observation, blocks: Observation) -> Observation:
@@ -76,12 +76,28 @@ def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -
         for shape in link.findall(kind):
             geometry = shape.find("geometry")
             mesh = None if geometry is None else geometry.find("mesh")
-            found = _primitive(geometry) if mesh is None else _mesh(mesh, files)
-            if found is not None:
-                uri, collides = _name(mesh, "filename"), kind == "collision"
-                name = shape.get("name", "") or Path(uri).stem
-                rgba = _color(shape.find("material"), materials)
-                yield DescribedShape(_name(link), name, found, _origin(shape), rgba, collides, uri)
+            uri, collides = _name(mesh, "filename"), kind == "collision"
+            name = shape.get("name", "") or Path(uri).stem
+            rgba = _color(shape.find("material"), materials)
+            parts: tuple[tuple[TriMesh | Primitive, Rgba | None], ...]
+            if mesh is None:
+                primitive = _primitive(geometry)
+                parts = () if primitive is None else ((primitive, rgba),)
+            else:
+                parts = _mesh(mesh, files, rgba, whole=collides or rgba is not None)
+            for found, color in parts:
+                yield DescribedShape(_name(link), name, found, _origin(shape), color, collides, uri)
+
+
+def _mesh(
+    mesh: Element, files: MeshFiles, rgba: Rgba | None, *, whole: bool
+) -> tuple[tuple[TriMesh, Rgba | None], ...]:
+    """The triangles of a mesh, by the colours of its file unless the description gives one."""
+    uri, scale = mesh.get("filename", ""), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
+    if not whole:
+        return files.parts(uri, scale)
+    found = files.mesh(uri, scale)
+    return () if found is None else ((found, rgba),)
 
 
 def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba | None:
@@ -92,10 +108,6 @@ def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba |
             r, g, b, a = _numbers(color.get("rgba"), (0.8, 0.8, 0.8, 1.0))
             return (r, g, b, a)
     return None
-
-
-def _mesh(mesh: Element, files: MeshFiles) -> TriMesh | None:
-    return files.mesh(mesh.get("filename", ""), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0)))
 
 
 def _primitive(geometry: Element | None) -> Primitive | None:
