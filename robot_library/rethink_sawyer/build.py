@@ -5,9 +5,10 @@ Writes sawyer.step beside this file; every run gives the same bytes. Each link i
 Distances between joints come from the joint table in expected.json. The controller's box, the footprint and the height
 of the pedestal are those of the collision shapes in the same description (sawyer_description/urdf). Radii and lengths
 of barrels and tubes are those of the capsules around the maker's meshes in MuJoCo Menagerie, rethink_robotics_sawyer;
-the maker's own collision shapes are wider than its links, by 5 to 15 mm. Width and height of the head are those of its
-mesh, those of the display those of its visual. Transitions between barrels, the roundings, the bolts, the face and the
-colours are drawn from photographs.
+the maker's own collision shapes are wider than its links, by 5 to 15 mm. Where links and shells end, how far the ends
+of barrels are round, and the flat end of the forearm's tube, which passes the shoulder by a millimetre, are measured on
+the maker's meshes of right_l0, right_l1, right_l3 and right_l4. Width and height of the head are those of its mesh,
+those of the display those of its visual. Transitions between barrels, bolts, face and colours are from photographs.
 """
 
 from dataclasses import dataclass
@@ -39,8 +40,10 @@ GREY = "#55585d"
 """Of caps and cuffs."""
 GAP = 1.5
 """Clearance between turning and fixed shells."""
+RECESS = 5.0
+"""Depth of the black rings between shells."""
 
-TURRET, TURRET_START = 74.0, 80.0
+TURRET, TURRET_START, TURRET_RING = 68.0, 80.0, 13.0
 SHOULDER, SHOULDER_PLACE, NECK, HEAD = 70.0, (81.0, 50.0, 237.0), 42.0, 296.5
 FLOOR = -914.9
 COLUMN, COLUMN_X, PLINTH = 130.0, -20.0, 110.0
@@ -64,16 +67,36 @@ class Segment:
     """From the bending joint's origin along its axis to the axis of the turning joint; negative behind the origin."""
     boss_end: float
     """From the bending joint's axis to the end of the boss."""
+    ring_end: float
+    """And to the end of the ring on it, where the turning link starts."""
 
 
-UPPER = Segment(barrel=67, start=-33, boss=56, height=142.5, boss_end=72)
-MIDDLE = Segment(barrel=54, start=-GAP, boss=45, height=-126.5, boss_end=84)
-LOWER = Segment(barrel=46, start=GAP, boss=43, height=105.3, boss_end=70)
+UPPER = Segment(barrel=67, start=23, boss=54, height=142.5, boss_end=108, ring_end=138)
+MIDDLE = Segment(barrel=52, start=-12.5, boss=44, height=-126.5, boss_end=101.5, ring_end=122.5)
+LOWER = Segment(barrel=42, start=GAP, boss=42, height=105.3, boss_end=70, ring_end=82)
 
-UPPER_ARM = (54.0, 48.0, 140.0, 260.0, 42.0)
-FOREARM = (44.0, 39.0, 125.0, 275.0, -31.0)
-"""Of a tube: radius at its start, in its middle; from its joint back to the bending joint's axis, forth to the next
-one, and from the tube's axis to the plane of that joint, across."""
+
+@dataclass(frozen=True)
+class Tube:
+    """The tube of a turning link, along z."""
+
+    start: float
+    """Radius at its start."""
+    middle: float
+    back: float
+    """From its joint back to the bending joint's axis."""
+    reach: float
+    """From its joint forth to the next one."""
+    across: float
+    """From its axis to the plane of the next joint, along y."""
+    end: tuple[float, float, float]
+    """At its end: half widths along x and y, and the y of its middle."""
+
+
+UPPER_ARM = Tube(start=54, middle=48, back=140, reach=260, across=42, end=(48, 48, 0))
+FOREARM = Tube(start=41, middle=36, back=125, reach=275, across=-31, end=(36, 30.5, -4))
+CROWN, DOME = 0.72, 0.82
+"""Height of a barrel's free end above the axis of the tube that it crosses, and its rounding; shares of its radius."""
 FLANGE_END, FLANGE_RADIUS, FLANGE_BOLTS, FLANGE_BOLT = 24.5, 38.0, 63.0, 3.0
 
 
@@ -115,15 +138,16 @@ def right_arm_base_link() -> list[Body]:
 def right_l0() -> list[Body]:
     """z up: the turret, the drum of the shoulder, which faces +y, and the neck."""
     x, y, z = SHOULDER_PLACE
-    inner, outer = -92.0, y + UPPER.start - GAP
-    turret = lathe([(TURRET, 0), (TURRET, 60), (70, 110), (60, 150)])
+    inner, outer = -92.0, y - GAP
+    turret = lathe([(TURRET, TURRET_RING), (TURRET, 60), (66, 110), (60, 150)])
     leaning = across(hull_plate([((0, 95), 62), ((x, z), SHOULDER - 6)], outer - inner - 40), outer - 20)
     drum = across(housing(SHOULDER, outer - inner, 20, 0), outer, x, z)
     neck = at(lathe([(62, 0), (56, 60), (NECK, 110), (NECK, HEAD - 130 - GAP)]), (0, 0, 130))
     cap = across(housing(48, 8, 4, 0), inner, x, z)
     shell = turret + leaning + drum + neck
-    band = at(tube(TURRET + 2, TURRET, 22), (0, 0, 18))
-    return [Body("shell", shell, RED), Body("cap", cap, GREY), Body("band", band, BLACK)]
+    rings = [cylinder(TURRET - 2 * RECESS, TURRET_RING)]
+    rings.append(across(cylinder(SHOULDER - 3 * RECESS, UPPER.start), y - GAP + UPPER.start, x, z))
+    return [Body("shell", shell, RED), Body("cap", cap, GREY), *(Body("ring", ring, BLACK) for ring in rings)]
 
 
 def head() -> list[Body]:
@@ -163,28 +187,34 @@ def screen() -> list[Body]:
 
 def bending_link(s: Segment) -> list[Body]:
     """A link that turns about its barrel, z, and carries the next joint on a boss along -y."""
-    far = s.height + (0.8 if s.height > 0 else -0.8) * s.barrel
+    far = s.height + (CROWN if s.height > 0 else -CROWN) * s.barrel
     low, high = sorted((s.start, far))
-    rims = (0.42 * s.barrel, 2.0) if s.height > 0 else (2.0, 0.42 * s.barrel)
+    dome = DOME * s.barrel
+    rims = (dome, 12.0) if s.height > 0 else (12.0, dome)
     barrel = at(housing(s.barrel, high - low, *rims), (0, 0, low))
-    boss = across(cylinder(s.boss, s.boss_end), 0, z=s.height)
-    ring = across(tube(s.boss + 1, s.boss - 10, 12), -s.boss_end, z=s.height)
+    boss = across(housing(s.boss, s.boss_end, 3, 0), 0, z=s.height)
+    ring = across(cylinder(s.boss - RECESS, s.ring_end - s.boss_end), -s.boss_end, z=s.height)
     end = high if s.height > 0 else low
-    cap = at(housing(0.5 * s.barrel, 6, 3, 0), (0, 0, end), (0 if s.height > 0 else 180, 0, 0))
+    cap = at(housing(0.25 * s.barrel, 6, 3, 0), (0, 0, end), (0 if s.height > 0 else 180, 0, 0))
     return [Body("shell", barrel + boss, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
 
 
-def turning_link(before: Segment, bend: Segment, numbers: tuple[float, ...]) -> list[Body]:
+def turning_link(before: Segment, bend: Segment, t: Tube) -> list[Body]:
     """A link that turns about its tube, z, and ends in a drum about y, on the side of the next joint."""
-    start, middle, back, reach, across = numbers
-    first = before.boss_end + 12 + GAP - back
-    side = 1 if across > 0 else -1
-    stem = lathe([(start, first), (start, first + 40), (middle, first + 90), (middle, reach)])
-    depth = abs(across) - abs(bend.start)
-    drum = at(housing(bend.barrel - 2, depth + 0.95 * bend.barrel, 0.4 * bend.barrel, 2), (0, 0, 0), (-90 * side, 0, 0))
-    drum = at(drum, (0, -side * depth, reach))
-    cap = at(housing(0.5 * bend.barrel, 6, 3, 0), (0, side * 0.95 * bend.barrel, reach), (-90 * side, 0, 0))
-    ring = at(tube(start + 1.5, start, 12), (0, 0, first))
+    first = before.ring_end + GAP - t.back
+    side = 1 if t.across > 0 else -1
+    stem = lathe([(t.start, first), (t.start, first + 40), (t.middle, first + 90)])
+    half_x, half_y, y = t.end
+    flat = ((0.7 * t.reach, half_x), (t.reach, min(half_x, bend.barrel - 6)))
+    sections = [bd.Plane((0, 0, first + 90)) * bd.Circle(t.middle)]
+    sections += [bd.Plane((0, y, z)) * bd.Ellipse(x, half_y) for z, x in flat]
+    stem += bd.loft(sections, ruled=True)
+    depth = abs(t.across) - GAP
+    radius, crown = bend.barrel - 5, CROWN * bend.barrel
+    drum = at(housing(radius, depth + crown, DOME * radius, 9), (0, 0, 0), (-90 * side, 0, 0))
+    drum = at(drum, (0, -side * depth, t.reach))
+    cap = at(housing(0.25 * bend.barrel, 6, 3, 0), (0, side * crown, t.reach), (-90 * side, 0, 0))
+    ring = at(tube(t.start + 1.5, t.start, 12), (0, 0, first))
     return [Body("shell", stem + drum, RED), Body("cap", cap, GREY), Body("ring", ring, BLACK)]
 
 
@@ -197,7 +227,7 @@ def right_l5() -> list[Body]:
 
 def right_l6() -> list[Body]:
     """The last link, with the cuff for hand guiding: z out of the flange."""
-    start = LOWER.boss_end + 12 + GAP - 110
+    start = LOWER.ring_end + GAP - 110
     body = at(lathe([(45, 0), (45, 26), (FLANGE_RADIUS, 34), (FLANGE_RADIUS, FLANGE_END - 6 - start)]), (0, 0, start))
     plate = at(flange(FLANGE_RADIUS + 2, 6, on_circle(4, FLANGE_BOLTS, 45), FLANGE_BOLT, 12), (0, 0, FLANGE_END - 6))
     button = at(housing(9, 5, 2, 0), (0, 44, start + 13), (-90, 0, 0)) - body

@@ -6,8 +6,10 @@ dimensions below are those of the shells around them; letters in brackets name t
 [D] Universal Robots, UR5e technical details: footprint 149 mm across, base with four holes 8.5 mm on 132 mm
     (ISO 9409-1-50-4-M6 tool flange: 63 mm across, four M6 on 50 mm, 31.5 mm centring, 6 mm pin), M8 connector.
 [V] Offsets of the shells along the joints' axes in the maker's description, config/ur5e/visual_parameters.yaml:
-    138 mm to the upper arm, 7 mm to the forearm, 127 mm and 99.7 mm of the wrists.
-[E] Estimated from photographs, to about 3 mm.
+    138 mm to the upper arm, 7 mm to the forearm, 99.7 mm of wrist 2.
+[E] Estimated from photographs, to about 3 mm. Wrists 1 and 2 look the same, so both begin at the same distance before
+    their axes. Then base and shoulder never touch wrist 1, as in the maker's SRDF (Universal_Robots_ROS2_Driver,
+    ur_moveit_config/srdf/ur_macro.srdf.xacro).
 """
 
 from pathlib import Path
@@ -29,8 +31,12 @@ UPPER_ARM, FOREARM = 425.0, 392.2
 """From axis to axis, as in expected.json."""
 UPPER_OFFSET, FOREARM_OFFSET = 138.0, 7.0
 """Of the tubes from the planes of shoulder and elbow [V]."""
-WRIST_1, WRIST_2, WRIST_3 = 127.0, 99.7, 99.6
+WRIST_1 = 133.3
+"""From the elbow's plane to wrist 1's, as in expected.json."""
+WRIST_2, WRIST_3 = 99.7, 99.6
 """Lengths of the wrists [V]."""
+NECK = SMALL + 8
+"""From the start of wrist 1, and of wrist 2, to the axis of the next joint [E]."""
 GAP = 1.0
 """Of the black seals between links, each side."""
 
@@ -96,7 +102,7 @@ def forearm() -> list[Body]:
     near = LARGE - 7
     shell = rod((0, 0, z - 48), (0, 0, z + LARGE - GAP), near)
     shell += rod((0, 0, z), (-FOREARM, 0, z), FOREARM_TUBE)
-    shell += rod((-FOREARM, 0, z - 40), (-FOREARM, 0, z + 52), SMALL)
+    shell += rod((-FOREARM, 0, z - 40), (-FOREARM, 0, WRIST_1 - NECK), SMALL)
     return [
         Body("seal", rod((0, 0, z + LARGE - GAP), (0, 0, z + LARGE + GAP), near - 2), BLACK),
         Body("shell", shell, SHELL),
@@ -107,9 +113,9 @@ def forearm() -> list[Body]:
 
 def wrist_1() -> list[Body]:
     """From wrist 1 to wrist 2: a crossing, with a lid opposite to wrist 2."""
-    start = -WRIST_1 + 52 + 0.7  # 133.3 mm along the axis less the forearm's 7 mm offset and its housing
+    start = -NECK
     body = rod((0, 0, start + 2 * GAP), (0, 0, SMALL), SMALL)
-    body += rod((0, 44, 0), (0, -(WRIST_2 - SMALL - 8), 0), SMALL)
+    body += rod((0, 44, 0), (0, -(WRIST_2 - NECK), 0), SMALL)
     return [
         Body("seal", rod((0, 0, start), (0, 0, start + 2 * GAP), SMALL - 2), BLACK),
         Body("shell", body, SHELL),
@@ -120,7 +126,7 @@ def wrist_1() -> list[Body]:
 
 def wrist_2() -> list[Body]:
     """From wrist 2 to wrist 3: a crossing, with a lid opposite to the tool."""
-    start = -SMALL - 8
+    start = -NECK
     body = rod((0, 0, start + 2 * GAP), (0, 0, SMALL), SMALL)
     body += rod((0, -44, 0), (0, WRIST_3 - 53, 0), SMALL)
     return [

@@ -58,3 +58,43 @@ def test_overlaps_are_the_contacts_of_mujoco(robot: str, converted: Converted) -
                 assert bool(ours) == (depth > 0.0), (pair.a, pair.b, pose, depth)
     assert pairs
     assert name_of(robot) == described.name
+
+
+NEVER = {
+    "universal_robots_ur5e": (
+        ("base_link_inertia", "upper_arm_link wrist_1_link"),
+        ("shoulder_link", "wrist_1_link wrist_2_link"),
+        ("wrist_1_link", "wrist_3_link"),
+    ),
+    "rethink_sawyer": (
+        ("head", "pedestal right_arm_base_link"),
+        ("pedestal", "right_l0 right_l1 screen"),
+        ("right_arm_base_link", "right_l1 right_l2 screen"),
+        ("screen", "right_l0 right_l1 right_l2 right_l3"),
+        ("right_l2", "right_l0 right_l4 right_l5"),
+        ("right_l3", "right_l0 right_l1 right_l5 right_l6"),
+        ("right_l4", "right_l1 right_l6"),
+    ),
+}
+"""Links of which the maker's SRDF says that they never collide: Universal_Robots_ROS2_Driver, ur_macro.srdf.xacro; and
+RethinkRobotics/sawyer_moveit, sawyer_base.srdf.xacro at 7930eb6fd49f."""
+
+
+@pytest.mark.parametrize("robot", ["universal_robots_ur5e", pytest.param("rethink_sawyer", marks=pytest.mark.long)])
+def test_links_that_never_collide_by_the_maker_do_not(robot: str, converted: Converted) -> None:
+    """In 10,000 random poses none of these pairs overlaps; the drawn pose and q = 0 have no contact in MuJoCo."""
+    file = converted(robot).file(".xml")
+    described = described_robot(file, Options(Path()), Diagnostics())
+    assert described is not None
+    never = {frozenset((one, other)) for one, others in NEVER[robot] for other in others.split()}
+    layout, q = Tree(described), sampled(described, 10_000)
+    X = layout.frames(q)
+    pairs = {frozenset((pair.a, pair.b)): pair for pair in separate_links(described)}
+    shapeless = {link.name for link in described.links if not link.collisions}
+    assert {links for links in never if not links & shapeless} <= pairs.keys()
+    overlaps = {
+        links: pairs[links].overlapping(placed(layout, X, pairs[links])).sum() for links in never & pairs.keys()
+    }
+    assert {tuple(sorted(links)): int(count) for links, count in overlaps.items() if count} == {}
+    at_zero = penetrations(file, layout.joints, np.zeros((1, len(layout.joints))))
+    assert [depth for pairs in at_zero for depth in pairs.values() if depth > 0.0] == []
