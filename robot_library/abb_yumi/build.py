@@ -164,10 +164,10 @@ def gripper_base() -> list[Body]:
 
 def finger() -> list[Body]:
     """A finger that opens towards -x; its face is at x = 0."""
-    carriage = at(block(22, 11, 9), (-5, -0.5, 0.3))
+    carriage = at(block(16, 11, 9), (-8.2, -0.5, 0.3))
     blade = at(block(7, 10, FINGER_LENGTH - 9), (-3.5 - 0.2, FINGER_SIDE, 9.3))
     blade = bd.chamfer(blade.edges().filter_by(bd.Axis.Y).group_by(bd.Axis.Z)[-1].sort_by(bd.Axis.X)[:1], 4)
-    bridge = at(block(7, 3.5, 9), (-3.7, 5 + 1.75, 0.3))
+    bridge = at(block(7, 2.5, 9), (-3.7, 5 + 1.25, 0.3))
     return [Body("carriage", carriage + bridge, DARK), Body("blade", blade, ALUMINIUM)]
 
 

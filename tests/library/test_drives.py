@@ -1,12 +1,14 @@
 """Every robot of the library passes its drive tests, with its files as they were written."""
 
 import json
+import re
 
 import pytest
 
 from stepbot_cli import main
 from tests.library.conftest import LIBRARY, ROBOTS, Converted
 
+PASSED = re.compile(r"\d+ passed")
 QUICK = ("franka_hand", "stepbot_four_bar")
 """Robots whose tests take seconds."""
 
@@ -26,3 +28,11 @@ def test_robot_passes_its_drive_tests(robot: str, converted: Converted, capsys: 
     assert {one["engine"] for one in document["tests"]} == {"mujoco", "pybullet"}
     assert all(one["status"] == "passed" for one in document["tests"])
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_gallery_counts_the_drive_tests_of_each_robot() -> None:
+    """Each row of the gallery has the number of drive tests that passed, and none that failed."""
+    gallery = LIBRARY.joinpath("README.md").read_text(encoding="utf-8")
+    for robot in ROBOTS:
+        (row,) = (line for line in gallery.splitlines() if line.startswith(f"| [{robot}]"))
+        assert PASSED.fullmatch(row.split("|")[3].strip()), row

@@ -18,7 +18,7 @@ from tests.robots import four_bar, two_link_arm
 from tests.simulators.conftest import skip_without, write
 
 
-def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None) -> float:
+def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None, erp: float | None = None) -> float:
     """Gap [m] of loops in half a second of a sideways fall, with and without the constraints of a report."""
     import pybullet as engine
 
@@ -33,7 +33,10 @@ def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None) -> floa
         for joint in body.coordinates.values():
             engine.setJointMotorControl2(loaded, joint, engine.VELOCITY_CONTROL, force=0.0)
         if report is not None:
-            assert len(stepbot.close_loops(loaded, report, client)) >= len(robot.closures)
+            constraints = stepbot.close_loops(loaded, report, client)
+            assert len(constraints) >= len(robot.closures)
+            for constraint in constraints if erp is not None else ():
+                engine.changeConstraint(constraint, erp=erp)
         widest = 0.0
         for _ in range(500):
             engine.stepSimulation()
@@ -65,3 +68,13 @@ def test_a_tree_needs_none() -> None:
 
 def _report(robot: Robot) -> dict[str, Any]:
     return report_document(Report(robot=robot), Diagnostics())
+
+
+@pytest.mark.pybullet
+def test_erp_of_a_point_constraint_changes_nothing(tmp_path: Path) -> None:
+    """PyBullet accepts `erp` of a point-to-point constraint and ignores it: `closure_stiffness` cannot be set there."""
+    skip_without("pybullet")
+    robot = four_bar()
+    file = write(robot, tmp_path).written["urdf"].path
+    gaps = [_widest_gap(robot, file, _report(robot), erp) for erp in (None, 0.05, 0.9)]
+    assert gaps[0] == gaps[1] == gaps[2] > 0.0

@@ -61,7 +61,7 @@ class ScoredCollisions:
 
     def _is_chosen(self, link: Link) -> bool:
         rule = link_rule(link.name, self._binder.document)
-        return rule is not None and rule.is_decomposed
+        return rule is not None and (rule.is_decomposed or rule.max_vertices is not None)
 
     def _compute(self, scores: ResultsByContent[str, Unscored, CollisionScore], timeout: float) -> None:
         """Compute the missing scores, unless the worker dies (SB902)."""

@@ -44,8 +44,8 @@ class Grasp:
     """Narrowest and widest gap [m]."""
 
 
-def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -> Grasp | None:
-    """The grasp of two groups of links; None if they are not fingers.
+def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -> Grasp | str:
+    """The grasp of two groups of links, or why they are not fingers.
 
     Args:
         file: The MJCF.
@@ -56,23 +56,29 @@ def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -
     room = _Room(file, mechanism, fingers)
     path = room.path()
     if len(path) < 2:
-        return None
+        return "a link without collision shapes, or a motor without limits"
     gaps = [room.gap(q)[0] for q in path]
     widest, narrowest = max(gaps), min(gaps)
     ends = gaps[0], gaps[-1]
-    if widest - narrowest < SHORTEST_STROKE or abs(ends[0] - ends[1]) < 0.5 * (widest - narrowest):
-        return None
+    if widest - narrowest < SHORTEST_STROKE:
+        return f"the gap changes by {1e3 * (widest - narrowest):.1f} mm, less than {1e3 * SHORTEST_STROKE:g} mm"
+    if abs(ends[0] - ends[1]) < 0.5 * (widest - narrowest):
+        return "the gap is not widest at one end of the range and narrowest at the other"
     if ends[0] < ends[1]:  # the path is to go from open to closed
         path, gaps = path[::-1], gaps[::-1]
-    edge = min(WIDEST, 0.5 * widest)
+    edge, why = min(WIDEST, 0.5 * widest), ""
     for _ in range(3):
         near = next((i for i, gap in enumerate(gaps) if gap <= edge), len(gaps) - 1)
         X_HC = room.cube_pose(path[near], path[max(0, near - 1)])
-        if X_HC is not None and not room.blocked(path[0], X_HC, edge):
+        if X_HC is None:
+            why = "the faces nearest to each other are not opposite each other"
+        elif room.blocked(path[0], X_HC, edge):
+            why = f"a cube of {1e3 * edge:.0f} mm between them touches the open hand"
+        else:
             joint = room.joint
             return Grasp(fingers, Cube(edge, mass), X_HC, path[0], path[-1][joint], (narrowest, widest))
         edge *= 0.7
-    return None
+    return why
 
 
 class _Room:

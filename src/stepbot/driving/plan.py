@@ -28,7 +28,7 @@ def reasons(
     servo = "" if ActuatorKind.POSITION in kinds else "no position actuator"
     limited = any(isfinite(motor.limit.effort) for motor in mechanism.motors)
     moving = "" if mechanism.home else "no moving joint"
-    no_grasp = "no two links that a motor closes on each other" if mjcf else "needs the MJCF, where grasps are found"
+    no_grasp = _no_grasp(survey) if mjcf else "needs the MJCF, where grasps are found"
     return {
         "hold": servo,
         "step": ""
@@ -44,3 +44,9 @@ def reasons(
         "strafe": "" if wheels and wheels.rollers else "no wheels with three or more passive rollers each",
         "stand": "" if limbs and not wheels else "no floating base with two or more limbs of two motors each",
     }
+
+
+def _no_grasp(survey: Survey) -> str:
+    if survey.misses:
+        return "; ".join(f"{motor}: {why}" for motor, why in survey.misses.items())
+    return "no two links that a motor closes on each other; a single jaw, which closes on its own hand, is not tested"

@@ -60,6 +60,8 @@ class Survey:
     covered: float
     """Share of the ranges of all bounded joints that the sweeps cover, on average; 1 without bounded joints."""
     grasps: tuple[Grasp, ...]
+    misses: Mapping[str, str]
+    """Why no cube can be gripped, for the first motor of each pair of links that may be fingers."""
 
 
 def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: float) -> Survey:
@@ -74,13 +76,14 @@ def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: 
     place = _Place(file, mechanism)
     sweeps = tuple(place.sweep(motor) for motor in place.servos)
     shares = [share for motor, sweep in zip(place.servos, sweeps, strict=True) for share in _share(motor, sweep)]
-    grasps = (find_grasp(file, mechanism, one, mass) for one in fingers) if file else ()
+    tried = {pair: find_grasp(file, mechanism, pair, mass) for pair in (fingers if file else ())}
     return Survey(
         poses=tuple(place.poses()),
         steps=tuple(move for motor in place.servos for move in place.step(motor)),
         sweeps=sweeps,
         covered=float(np.mean(shares)) if shares else 1.0,
-        grasps=tuple(grasp for grasp in grasps if grasp is not None),
+        grasps=tuple(found for found in tried.values() if not isinstance(found, str)),
+        misses={pair.motors[0]: found for pair, found in tried.items() if isinstance(found, str)},
     )
 
 

@@ -70,9 +70,9 @@ class LibraryRobot:
         return found[1] if found else ""
 
     def table(self, title: str) -> list[list[str]]:
-        """Rows of the table below a heading of its page, the column titles first."""
+        """Rows of the table in a section of its page, the column titles first."""
         _, _, below = self._text().partition(f"\n## {title}\n\n")
-        lines = [line for line in below.partition("\n\n")[0].splitlines() if line.startswith("|")]
+        lines = [line for line in below.partition("\n## ")[0].splitlines() if line.startswith("|")]
         return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if "---" not in line]
 
     def _text(self) -> str:

@@ -1,11 +1,12 @@
 """Which collision rule applies to a link or a component, and the shapes of ``auto`` and ``decompose``."""
 
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from stepbot.assemble import build_robot
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Box, Cylinder, Geometry, MeshRef, Robot
 from tests.conftest import ReadDiagnostics
@@ -127,6 +128,18 @@ def test_bounded_hull_of_a_component(tmp_path: Path) -> None:
     mesh = robot.mesh_by_name["pin_hull"].mesh
     assert len(mesh.vertices) == 8
     assert [*mesh.bounds[0], *mesh.bounds[1]] == pytest.approx([-0.005] * 3 + [0.005] * 3, abs=3e-9)
+
+
+def test_error_of_a_bounded_hull_is_reported(tmp_path: Path) -> None:
+    """The report has the largest distance of a bounded hull from the solid, here of a box's edge from its cylinder."""
+    shop = Workshop()
+    shop.rod("pin", radius=5.0, length=10.0, sides=64)
+    text = "    defaults: {density: 1000, collision: {shape: hull, max_vertices: 8}}\n" + REST
+    made = build_robot(shop.assembly, sidecar(tmp_path, text), lambda: shop.measures, ReadDiagnostics())
+    assert made is not None
+    (score,) = made.collisions.result()
+    assert score.overshoot == pytest.approx(0.005 * (sqrt(2.0) - 1.0), abs=1e-4)
+    assert score.iou == pytest.approx(pi / 4.0, abs=5e-3)
 
 
 def test_useless_budget(tmp_path: Path) -> None:

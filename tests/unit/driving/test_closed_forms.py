@@ -1,5 +1,6 @@
 """Drive tests against closed forms: a pendulum, a damped second-order system, a block held by friction."""
 
+from dataclasses import replace
 from importlib import import_module
 from math import cos, exp, pi, radians, sqrt
 from pathlib import Path
@@ -9,6 +10,8 @@ import pytest
 from stepbot.driving.results import Result
 from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Box, Collision
 from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, one_joint, stage_of
 
 INERTIA = 0.05 + 1.0 * 0.5**2
@@ -72,3 +75,17 @@ def test_cube_is_held_by_friction(engine: str, force: float, holds: bool, tmp_pa
     assert grasp.gaps == pytest.approx((0.0, 0.06), abs=1e-6) or grasp.gaps[1] - grasp.gaps[0] > 0.03
     slip = value(run("grip", stage), "slip")
     assert slip < 2.0 if holds else slip > 50.0
+
+
+@pytest.mark.parametrize(("stroke", "blocked", "why"), [(0.004, False, "8.0 mm"), (0.03, True, "the open hand")])
+def test_fingers_that_cannot_grip_have_a_reason(stroke: float, blocked: bool, why: str, tmp_path: Path) -> None:
+    """Fingers with too short a stroke, or with something between them, are reported by the name of their motor."""
+    robot = gripper(20.0)
+    joints = tuple(replace(joint, limit=replace(joint.limit, upper=stroke)) for joint in robot.joints)
+    hand, *fingers = robot.links
+    if blocked:
+        between = Collision("between", Box((0.01, 0.01, 0.01)), Pose.of(position=(0.0, 0.0, 0.13)))
+        hand = replace(hand, collisions=(between,))
+    survey = stage_of(replace(robot, joints=joints, links=(hand, *fingers)), "mujoco", tmp_path).survey
+    assert survey.grasps == ()
+    assert why in survey.misses["motor"]

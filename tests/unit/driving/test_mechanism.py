@@ -13,7 +13,7 @@ from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, 
 from tests.robots import ROBOTS
 from tests.unit.driving.workbench import VERTICAL, body, gripper, one_joint
 
-NOTHING = Survey((), (), (), 1.0, ())
+NOTHING = Survey((), (), (), 1.0, (), {})
 
 
 def cart(base: Base) -> Robot:
@@ -63,3 +63,11 @@ def test_every_test_that_does_not_apply_has_a_reason() -> None:
     why = reasons(mechanism_of(one_joint(VERTICAL), ()), NOTHING, None, (), mjcf=True)
     assert why.keys() == TESTS.keys()
     assert [test for test, reason in why.items() if not reason] == ["drop"]
+
+
+def test_fingers_that_grip_nothing_are_named_with_the_reason() -> None:
+    """A robot without fingers has a general reason, one whose fingers cannot grip has that of each pair."""
+    mechanism = mechanism_of(one_joint(VERTICAL), ())
+    assert "single jaw" in reasons(mechanism, NOTHING, None, (), mjcf=True)["grip"]
+    surveyed = replace(NOTHING, misses={"thumb": "too short", "index": "not opposite"})
+    assert reasons(mechanism, surveyed, None, (), mjcf=True)["grip"] == "thumb: too short; index: not opposite"

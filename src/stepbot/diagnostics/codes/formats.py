@@ -223,7 +223,8 @@ CODES: tuple[Code, ...] = (
         "simulation settings not written",
         "The sidecar has settings under `simulation` that the format cannot represent.",
         "The loading program simulates with its own settings. `robot.simulation` in `report.json` has those of the "
-        "sidecar.",
+        "sidecar. PyBullet and Drake have no setting that corresponds to `closure_stiffness`: PyBullet's point-to-point "
+        "constraints ignore `erp`, and Drake's ball constraints have no stiffness.",
         "Set them after loading the file, such as `pybullet.setTimeStep`, or use MJCF.",
     ),
     Code(

@@ -111,7 +111,7 @@ EXPRESSES = {
     Feature.LIDAR_NEAREST: exact("`<range>`"),
     Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
     Feature.TIMESTEP: exact("`<max_step_size>` in `<robot>.world.sdf`"),
-    Feature.SOLVER: reported("SB730", "settings of the physics engine"),
+    Feature.SOLVER: reported("SB730", "settings of the physics engine; Drake's ball constraints have no stiffness"),
     Feature.JOINT_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` are reserved"),

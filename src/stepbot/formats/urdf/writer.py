@@ -100,7 +100,7 @@ EXPRESSES = {
     Feature.LIDAR_NEAREST: exact("`<range>`"),
     Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
     Feature.TIMESTEP: reported("SB730", _SIMULATOR),
-    Feature.SOLVER: reported("SB730", _SIMULATOR),
+    Feature.SOLVER: reported("SB730", f"{_SIMULATOR}; PyBullet's point-to-point constraints ignore `erp`"),
     Feature.JOINT_NAME: exact("links and joints have separate namespaces"),
     Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
     Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),

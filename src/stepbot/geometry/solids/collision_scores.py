@@ -118,7 +118,9 @@ def _overshoot(solid: Any, shapes: Any) -> float:
         return 0.0
     distances = _Distances(points, faces)
     corners, sides = mesh_arrays(outside)
-    triangles, farthest, count = corners[sides], 0.0, 0
+    # Most often it is a corner, which centres of ever smaller triangles approach slowly.
+    triangles, count = corners[sides], min(len(corners), _MOST_POINTS)
+    farthest = float(distances.of(corners[:count]).max())
     while len(triangles) and count < _MOST_POINTS:
         centers = triangles.mean(axis=1)
         reach = np.linalg.norm(triangles - centers[:, None], axis=2).max(axis=1)

@@ -1,0 +1,28 @@
+"""Loops of every closed robot of the library stay closed under random control at the effort limits."""
+
+import mujoco
+import pytest
+from ruamel.yaml import YAML
+
+from tests.library.conftest import ROBOTS, SHORT, Converted, sidecar_of
+from tests.stiffness import largest_gap
+
+CLOSED = tuple(
+    robot for robot in ROBOTS if YAML(typ="safe", pure=True).load(sidecar_of(robot).read_text("utf-8")).get("closures")
+)
+WIDEST = 5e-4
+"""[m], [rad]"""
+
+
+@pytest.mark.parametrize(
+    "robot", [pytest.param(robot, marks=() if robot in SHORT else pytest.mark.long) for robot in CLOSED]
+)
+def test_loops_stay_closed_under_random_control(robot: str, converted: Converted) -> None:
+    """No closure or mimic opens by 0.5 mm or mrad, with its contacts and time step as written."""
+    assert largest_gap(mujoco.MjModel.from_xml_path(str(converted(robot).file(".xml")))) < WIDEST
+
+
+def test_all_closed_robots_are_tested() -> None:
+    """The closed robots are those whose pages name loops."""
+    pages = {robot: sidecar_of(robot).with_name("README.md").read_text("utf-8") for robot in ROBOTS}
+    assert {robot for robot, page in pages.items() if "closes a loop" in page} == set(CLOSED)
