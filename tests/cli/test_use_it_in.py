@@ -57,6 +57,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("MuJoCo", "mujoco", r"^2 joints at \["),
         ("PyBullet", "pybullet", r"^shoulder \S+\nelbow \S+$"),
         ("Drake", "pydrake", r"^2 positions, "),
+        pytest.param("MJX", "mujoco.mjx", r"(?m)^2 joints, \d+ bodies$", marks=pytest.mark.long),
+        pytest.param("MuJoCo Warp", "mujoco_warp", r"(?m)^2 joints, \d+ bodies$", marks=pytest.mark.long),
+        pytest.param("SAPIEN", "sapien", r"(?m)^2 joints, \d+ links$", marks=pytest.mark.long),
         pytest.param("Newton", "newton", r"(?m)^3 joints, masses \[", marks=pytest.mark.long),
     ],
 )
