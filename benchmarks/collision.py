@@ -11,6 +11,7 @@ import resource
 import statistics
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -28,30 +29,40 @@ CLOSE, MANY = 0.975, 256
 """Share of the hulls that a solid has to fill, and maximum number of pieces, in the comparison."""
 _PATIENCE = 1800.0
 """Time limit [s] of one solid."""
+_NO_RESULT = f"none in {_PATIENCE:g} s | | |"
 
 
 def compare_pieces(bodies: list[Body], counts: list[int]) -> str:
-    """A table of pieces, intersection over union and time of both on every closed solid that is not convex."""
-    lines = [
-        "| solid | triangles | stepbot: pieces | IoU | s | MB | CoACD: pieces | IoU | s | MB |",
-        "| --- " * 10 + "|",
-    ]
-    totals: list[tuple[float, ...]] = []
+    """A table of pieces, intersection over union, time and memory on every closed solid that is used.
+
+    CoACD's columns are there where it is installed. Means are over the solids of which both have a result.
+    """
+    contenders = {"stepbot": _stepbot}
+    if find_spec("coacd") is not None:
+        contenders["CoACD"] = _coacd
+    columns = " | ".join(f"{name}: pieces | IoU | s | MB" for name in contenders)
+    lines = [f"| solid | triangles | {columns} |", "| --- " * (2 + 4 * len(contenders)) + "|"]
+    found: dict[str, list[Result]] = {name: [] for name in contenders}
     for index, (body, count) in enumerate(zip(bodies, counts, strict=True)):
         if not body.watertight or not len(body.mesh.faces) or not count:
             continue
-        ours, theirs = _isolated(_stepbot, body), _isolated(_coacd, body)
-        if ours is None or theirs is None:
-            lines.append(f"| {index} | {len(body.mesh.faces)} | no result in {_PATIENCE:g} s |")
-            continue
-        totals.append((*ours, *theirs))
-        cells = [f"{one[0]:.0f} | {one[1]:.3f} | {one[2]:.2f} | {one[3]:.0f}" for one in (ours, theirs)]
+        made = {name: _isolated(decompose, body) for name, decompose in contenders.items()}
+        cells = [_NO_RESULT if one is None else _cells(one) for one in made.values()]
         lines.append(f"| {index} | {len(body.mesh.faces)} | {' | '.join(cells)} |")
-    sums = np.array(totals)
-    for name, k in (("stepbot", 0), ("CoACD", 4)):
-        mean, pieces, seconds = sums[:, k + 1].mean(), sums[:, k].sum(), sums[:, k + 2].sum()
-        lines.append(f"{name}: mean IoU {mean:.4f}, {pieces:.0f} pieces, {seconds:.1f} s")
+        results = {name: one for name, one in made.items() if one is not None}
+        if len(results) == len(contenders):
+            for name, one in results.items():
+                found[name].append(one)
+    for name, rows in found.items():
+        if rows:
+            pieces, mean, seconds, memory = np.array(rows).T
+            sums = f"{pieces.sum():.0f} pieces, {seconds.sum():.1f} s, at most {memory.max():.0f} MB"
+            lines.append(f"{name}: {len(rows)} solids, mean IoU {mean.mean():.4f}, {sums}")
     return "\n".join(lines)
+
+
+def _cells(one: "Result") -> str:
+    return f"{one[0]:.0f} | {one[1]:.3f} | {one[2]:.2f} | {one[3]:.0f}"
 
 
 def _stepbot(body: Body) -> list[TriMesh]:
@@ -90,9 +101,9 @@ def _isolated(decompose: Callable[[Body], list[TriMesh]], body: Body) -> Result 
 
 
 def _measured(decompose: Callable[[Body], list[TriMesh]], body: Body, answers: Any) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     pieces = decompose(body)
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     shapes = tuple(PlacedShape(shape.geometry, shape.X_AG) for shape in (FittedShape(m, IDENTITY) for m in pieces))
     (score,) = collision_scores([Unscored((PlacedSolid(body.mesh, IDENTITY),), 0.0, shapes)])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import collision
 from benchmarks import contenders as who
 from benchmarks.assemblies import ASSEMBLIES, Assembly, generate
 from benchmarks.command import case_of
@@ -15,6 +16,7 @@ from benchmarks.comparison import compare
 from benchmarks.contenders import Case, Contender
 from benchmarks.report import PAGE, page_with_results
 from benchmarks.timing import CommandFailed, peak_memory, timed
+from tests.unit.assemble.workshop import Workshop
 
 ROOT = Path(__file__).resolve().parents[2]
 BURN = "import time\nwhile time.process_time() < 0.3: pass"
@@ -120,3 +122,14 @@ def test_contenders_name_each_other_apart() -> None:
         who.CHECK,
     ]
     assert len({contender.name for contender in everyone}) == len(everyone)
+
+
+def test_pieces_are_compared_without_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where CoACD is not installed, the table has stepbot's columns, and the means of its results."""
+    monkeypatch.setattr(collision, "find_spec", lambda _: None)
+    shop = Workshop()
+    shop.box("cube")
+    title, _, row, means = collision.compare_pieces(list(shop.assembly.bodies), [1]).splitlines()
+    assert title.count("|") == row.count("|") == 7
+    assert row.startswith("| 0 | 12 | 1 | 1.000 |")
+    assert means.startswith("stepbot: 1 solids, mean IoU 1.0000, 1 pieces")

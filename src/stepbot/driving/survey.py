@@ -32,6 +32,8 @@ _MARGIN = 0.05
 """Share of a range at each end that random poses avoid."""
 _CLEAR = 1e-4
 """Depth [m] by which a contact may be deeper than in the home pose."""
+_ON_THE_WAY = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
+"""Parts of a step at which nothing may be in the way."""
 _STRIDES = 48
 """Number of positions tried along a joint's range."""
 
@@ -154,8 +156,8 @@ class _Place:
             end = home + side * share * size
             if not lower <= end <= upper:
                 continue
-            q = self._reach({motor.joint: end})
-            if abs(q[motor.joint] - end) < 1e-6 and self._depth(q) <= self._allowed:
+            way = [self._reach({motor.joint: home + part * (end - home)}) for part in _ON_THE_WAY]
+            if abs(way[-1][motor.joint] - end) < 1e-6 and max(map(self._depth, way)) <= self._allowed:
                 yield Move(motor.name, (end,))
                 return
 

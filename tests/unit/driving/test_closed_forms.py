@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
-from math import cos, exp, pi, radians, sqrt
+from math import cos, exp, pi, radians, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -11,7 +11,7 @@ from stepbot.driving.results import Result
 from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Box, Collision
+from stepbot.robot.model import Box, Collision, Joint, JointKind, Link
 from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, one_joint, stage_of
 
 INERTIA = 0.05 + 1.0 * 0.5**2
@@ -89,3 +89,20 @@ def test_fingers_that_cannot_grip_have_a_reason(stroke: float, blocked: bool, wh
     survey = stage_of(replace(robot, joints=joints, links=(hand, *fingers)), "mujoco", tmp_path).survey
     assert survey.grasps == ()
     assert why in survey.misses["motor"]
+
+
+def test_steps_avoid_what_is_on_their_way(tmp_path: Path) -> None:
+    """An arm with a post in front of its step, and room behind the post, steps to the other side."""
+    robot = one_joint(VERTICAL, 100.0, 10.0)
+    base, arm = robot.links
+    bar = Collision("bar", Box((0.1, 0.01, 0.01)), Pose.of(position=(0.5, 0.0, 0.0)))
+    free = stage_of(replace(robot, links=(base, replace(arm, collisions=(bar,)))), "mujoco", tmp_path / "free").survey
+    (end,) = free.steps[0].ends
+    X_BP = Pose.of(position=(0.5 * cos(0.5 * end), 0.5 * sin(0.5 * end), 0.0))
+    post = Link("post", base.mass_properties, collisions=(Collision("post", Box((0.02, 0.02, 0.2))),))
+    links = (base, post, replace(arm, collisions=(bar,)))
+    robot = replace(
+        robot, links=links, joints=(Joint("foot", JointKind.CONTINUOUS, "base", "post", X_BP), *robot.joints)
+    )
+    (blocked,) = stage_of(robot, "mujoco", tmp_path / "blocked").survey.steps
+    assert blocked.ends == pytest.approx((-end,))
