@@ -152,6 +152,7 @@ def test_layers_stay_in_the_folder(tmp_path: Path) -> None:
 
     assert referring("./near.usda") == []
     assert referring("./missing.usda") == []
+    assert codes(inside / "own.usda", '#usda 1.0\ndef "a"\n{\n}\n\ndef "b" (references = </a>)\n{\n}\n', "usd") == []
     assert referring("../outside.usda") == ["SB821"]
     assert referring(str(tmp_path / "outside.usda")) == ["SB821"]
     assert referring("./parts/far.usda") == ["SB821"]

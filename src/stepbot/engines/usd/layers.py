@@ -35,7 +35,8 @@ def layer_references(main: Path) -> Iterator[LayerReference]:
             layer = Sdf.Layer.FindOrOpen(str(path))
         except Tf.ErrorException:
             continue
-        for name in () if layer is None else layer.GetCompositionAssetDependencies():
+        names = [] if layer is None else layer.GetCompositionAssetDependencies()
+        for name in filter(None, names):  # a reference without a file is to a prim of the same one
             target = Path(layer.ComputeAbsolutePath(name.partition("[")[0]))
             yield LayerReference(path, name, target)
             inside = target.resolve().is_relative_to(main.parent)
