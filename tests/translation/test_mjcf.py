@@ -164,3 +164,24 @@ def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
     assert not conversion.report.failed
     against = {check.file for check in conversion.report.checks if check.against.startswith(f"{name}.xml (")}
     assert len(against) == 3
+
+
+def test_excluded_contacts_are_kept(tmp_path: Path) -> None:
+    """Links that the source keeps from touching, by an exclude or by the bits of their geoms, do not touch in MJCF."""
+    source = tmp_path / "legs.xml"
+    body = """<body name="{0}" pos="0 {1} 0"><inertial pos="0 0 -0.2" mass="2" diaginertia="0.03 0.03 0.01"/>
+      <joint name="{0}_hip" axis="0 1 0"/><geom type="capsule" size="0.05" fromto="0 0 -0.1 0 0 -0.4" {2}/></body>"""
+    bodies = body.format("left", 0.1, "") + body.format("right", -0.1, "") + body.format("tail", 0.3, 'conaffinity="0"')
+    source.write_text(
+        f"""<mujoco model="legs"><worldbody><body name="pelvis">
+        <inertial pos="0 0 0" mass="3" diaginertia="0.05 0.05 0.01"/>{bodies}</body></worldbody>
+        <contact><exclude body1="left" body2="right"/></contact></mujoco>""",
+        encoding="utf-8",
+    )
+    conversion = convert(source, Options(tmp_path / "out", formats=("urdf", "mjcf")))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert b'link1="left" link2="right" reason="User"' in conversion.files["legs.srdf"]
+    assert b'<exclude body1="left" body2="right"/>' in conversion.files["legs.xml"]
+    assert conversion.report is not None
+    contacts = [one for one in conversion.report.checks if one.quantity == "contacts"]
+    assert {one.against for one in contacts if one.status == "passed"} == {"model", "legs.xml (mujoco)"}

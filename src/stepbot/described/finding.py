@@ -10,7 +10,6 @@ RENAMED = "SB864"
 REARRANGED = "SB865"
 DROPPED_INERTIA = "SB866"
 MOVED = "SB870"
-CONTACTS = "SB871"
 
 NOT_SHOWN = (MESH, UNSUPPORTED)
 """Codes of what a picture of the robot lacks or shows otherwise."""

@@ -58,9 +58,11 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
                 found.append(Finding(RENAMED, f"{kind} '{old}' is renamed to '{new}'"))
     if name != robot.name:
         found.append(Finding(RENAMED, f"robot '{robot.name}' is renamed to '{name}'"))
+    pairs = (sorted((links[a], links[b])) for a, b in robot.excluded_contacts)
     renamed = replace(
         robot,
         name=name,
+        excluded_contacts=tuple(sorted((a, b) for a, b in pairs)),
         links=_links(robot.links, links),
         joints=tuple(_joint(joint, links, joints) for joint in robot.joints),
         closures=tuple(

@@ -19,7 +19,7 @@ from stepbot.robot.shared_meshes import share_meshes
 
 from .closures import closures_of
 from .devices import actuators_of, sensors_of
-from .finding import CONTACTS, DROPPED_INERTIA, MESH, MOVED, NOT_SHOWN, REARRANGED, UNSUPPORTED, Finding
+from .finding import DROPPED_INERTIA, MESH, MOVED, NOT_SHOWN, REARRANGED, UNSUPPORTED, Finding
 from .names import Names, with_valid_names
 from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
@@ -78,7 +78,7 @@ def robot_of_description(
         sensors_of(seen.sensors or (), kept, set(links), found),
         description.simulation,
     )
-    _report_contacts(robot, seen, found)
+    robot = replace(robot, excluded_contacts=_excluded(robot, seen))
     rooted = _without_world(robot, found)
     _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or rooted is not robot
@@ -114,14 +114,10 @@ def _without_world(robot: Robot, found: list[Finding]) -> Robot:
     return replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=Base.FIXED)
 
 
-def _report_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
-    """Pairs of links whose contacts the file excludes, and the model does not."""
-    ours = {tuple(sorted(pair)) for pair in without_contacts(robot)}
-    pairs = [pair for pair in seen.excluded_pairs or () if pair not in ours]
-    if pairs:
-        first = ", ".join(f"'{a}' and '{b}'" for a, b in pairs[:3])
-        more = f" and {len(pairs) - 3} more" if len(pairs) > 3 else ""
-        found.append(Finding(CONTACTS, f"contacts that the file excludes: between {first}{more}"))
+def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
+    """Pairs of links that are not adjacent whose contacts the file excludes."""
+    ours = without_contacts(robot)
+    return tuple(sorted(pair for pair in seen.excluded_pairs or () if frozenset(pair) not in ours))
 
 
 def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:

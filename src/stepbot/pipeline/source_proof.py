@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.described.finding import CONTACTS, DEVICE, DROPPED_INERTIA, LOST, MOVED
+from stepbot.described.finding import DEVICE, DROPPED_INERTIA, LOST, MOVED
 from stepbot.described.robot import Described
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
@@ -90,8 +90,6 @@ def _lost(described: Described, description: Description) -> dict[Quantity, str]
         lost |= dict.fromkeys((Quantity.ACTUATORS, Quantity.SENSORS), f"a loss is declared ({DEVICE})")
     if seen.gravity or any(link.gravity_compensation for link in seen.links):
         lost[Quantity.GRAVITY_SETTINGS] = f"a loss is declared ({LOST})"
-    if CONTACTS in codes:
-        lost[Quantity.CONTACTS] = f"a loss is declared ({CONTACTS})"
     if MOVED in codes:
         lost[Quantity.INITIAL] = f"a change is declared ({MOVED})"
     if DROPPED_INERTIA in codes:

@@ -324,9 +324,13 @@ def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
 
 
 def without_contacts(robot: Robot) -> frozenset[frozenset[str]]:
-    """Pairs of links whose contacts the written files exclude: adjacent ones, and what :attr:`self_collision` says."""
+    """Pairs of links whose contacts the written files exclude.
+
+    Adjacent ones, those that the source excludes, and those that :attr:`.Robot.self_collision` excludes.
+    """
     found = robot.self_collision
-    return neighbours(robot) | (found.excluded if found is not None else frozenset())
+    stated = frozenset(frozenset(pair) for pair in robot.excluded_contacts)
+    return neighbours(robot) | stated | (found.excluded if found is not None else frozenset())
 
 
 def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:

@@ -278,6 +278,8 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     simulation: Simulation = DEFAULTS
     """Settings that the sidecar gives for simulations; :func:`.simulation_settings.settings_of` has the defaults."""
+    excluded_contacts: tuple[tuple[str, str], ...] = ()
+    """Pairs of links that are not adjacent whose contacts the source excludes; each sorted, and all."""
     self_collision: SelfCollision | None = None
     """Which links can overlap, if that was searched."""
     metadata: Metadata = NO_METADATA

@@ -98,14 +98,6 @@ CODES: tuple[Code, ...] = (
         "State an initial pose within the limits: in MJCF the keyframe `home`.",
     ),
     Code(
-        "SB871",
-        "warning",
-        "excluded contacts not converted",
-        "The converted file excludes contacts between links that no joint connects, by `<exclude>` or by the bits of its geoms.",
-        "Engines compute these contacts in the written files, where links of a robot collide with each other.",
-        "Exclude them in the simulator, or in MJCF by `<contact><exclude .../></contact>`.",
-    ),
-    Code(
         "SB872",
         "warning",
         "looks of meshes not converted",

@@ -102,6 +102,7 @@ MJCF = Vocabulary(
         "density": "the robot moves in empty space",
         "viscosity": "the robot moves in empty space",
         "wind": "the robot moves in empty space",
+        "ctrl": "the written keyframe has the inputs that hold its pose",
         "user": "data for programs",
     },
     nests=("default", "body"),

@@ -102,4 +102,5 @@ def excluded_pairs(robot: Robot) -> list[str]:
     """Pairs of links that are not adjacent whose contacts are excluded."""
     found = robot.self_collision
     pairs = found.pairs if found is not None else ()
-    return [f"'{pair.link_a}' and '{pair.link_b}'" for pair in pairs if found and pair.kind in found.exclude]
+    searched = [(pair.link_a, pair.link_b) for pair in pairs if found and pair.kind in found.exclude]
+    return [f"'{a}' and '{b}'" for a, b in dict.fromkeys((*robot.excluded_contacts, *searched))]

@@ -5,6 +5,7 @@ Its links and joints are the URDF's.
 
 from collections.abc import Sequence
 
+from stepbot.robot.kinematics import neighbours
 from stepbot.robot.model import Base, Joint, Robot
 from stepbot.robot.self_collision import PairClass, SelfCollision
 
@@ -13,18 +14,22 @@ from .grippers import groups
 
 REASONS = {PairClass.ADJACENT: "Adjacent", PairClass.ALWAYS: "Always", PairClass.NEVER: "Never"}
 """As MoveIt's setup assistant words them; pairs that sometimes overlap are checked."""
+_STATED = "User"
+"""The same for pairs that somebody excluded."""
 HOME = "home"
 """Name of the state with the drawn pose."""
 ZERO = "zero"
 """Name of the state with all joints at q = 0, where their limits allow it."""
 
 
-def srdf(name: str, found: SelfCollision, source: str, robot: Robot | None = None) -> bytes:
+def srdf(name: str, found: SelfCollision | None, source: str, robot: Robot | None = None) -> bytes:
     """The SRDF of a robot: ``disable_collisions`` for adjacent pairs, and those that overlap always or never.
+
+    Without a search, of adjacent pairs and those that the robot's source excludes.
 
     Args:
         name: Name of the robot in the URDF.
-        found: Which links can overlap.
+        found: Which links can overlap; None if that was not searched.
         source: File name that the robot was built from.
         robot: The robot as the URDF expresses it, for its groups, their drawn pose, and how its root is connected with
             the world; None for pairs alone.
@@ -32,9 +37,16 @@ def srdf(name: str, found: SelfCollision, source: str, robot: Robot | None = Non
     top = root("robot", source, name=name)
     if robot is not None:
         _groups(top, robot)
-    for pair in found.pairs:
-        if pair.kind in REASONS:
-            element(top, "disable_collisions", link1=pair.link_a, link2=pair.link_b, reason=REASONS[pair.kind])
+    disabled: dict[tuple[str, ...], str] = {}
+    if found is not None:
+        disabled = {(one.link_a, one.link_b): REASONS[one.kind] for one in found.pairs if one.kind in REASONS}
+    elif robot is not None:
+        disabled = dict.fromkeys(sorted(tuple(sorted(pair)) for pair in neighbours(robot)), REASONS[PairClass.ADJACENT])
+    if robot is not None:
+        known = {frozenset(pair) for pair in disabled}
+        disabled |= {pair: _STATED for pair in robot.excluded_contacts if frozenset(pair) not in known}
+    for (a, b), reason in disabled.items():
+        element(top, "disable_collisions", link1=a, link2=b, reason=reason)
     return document(top)
 
 

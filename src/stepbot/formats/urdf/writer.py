@@ -129,8 +129,8 @@ def content(top: Element, robot: Robot) -> None:
 
 
 def companions(robot: Robot) -> tuple[Companion, ...]:
-    """An SRDF, if it is known which links can overlap."""
-    if robot.self_collision is None:
+    """An SRDF, if it is known which links can overlap, or some must not touch."""
+    if robot.self_collision is None and not robot.excluded_contacts:
         return ()
     return (Companion(f"{robot.name}.srdf", "", robot, srdf(robot.name, robot.self_collision, robot.source, robot)),)
 
