@@ -1,5 +1,6 @@
 """OpenUSD files, read by USD's library as any program would."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
@@ -24,7 +25,7 @@ every_robot = pytest.mark.parametrize("name", ROBOTS)
 
 def stage_of(robot: Robot) -> Any:
     """The stage of a robot's file."""
-    (content,) = render(robot, "usd", Diagnostics()).values()
+    content, _ = render(robot, "usd", Diagnostics()).values()
     layer = Sdf.Layer.CreateAnonymous(".usda")
     assert layer.ImportFromString(content.decode())
     return Usd.Stage.Open(layer)
@@ -75,7 +76,7 @@ def test_a_mesh_is_in_the_file_once() -> None:
     robot = one_link()
     (visual, *_), (collision, *_) = robot.root.visuals, robot.root.collisions
     link = replace(robot.root, visuals=(visual, replace(visual, name="again")), collisions=(collision,))
-    (content,) = render(replace(robot, links=(link,)), "usd", Diagnostics()).values()
+    content, _ = render(replace(robot, links=(link,)), "usd", Diagnostics()).values()
     assert content.count(b"point3f[] points") == 1
     stage = stage_of(replace(robot, links=(link,)))
     assert len(stage.GetPrototypes()) == 1
@@ -142,8 +143,29 @@ def test_the_file_is_complete(tmp_path: Path) -> None:
     """It refers to no other file."""
     for path, content in render(two_link_arm(), "usd", Diagnostics()).items():
         (tmp_path / path).write_bytes(content)
-    layers, assets, unresolved = UsdUtils.ComputeAllDependencies(str(tmp_path / "two_link_arm.usda"))
-    assert (len(layers), assets, unresolved) == (1, [], [])
+    for file, layers in (("two_link_arm.usda", 1), ("two_link_arm.scene.usda", 2)):
+        found, assets, unresolved = UsdUtils.ComputeAllDependencies(str(tmp_path / file))
+        assert (len(found), assets, unresolved) == (layers, [], [])
+
+
+@pytest.mark.parametrize("build", [two_link_arm, odd_names])
+def test_the_scene_has_the_robot_gravity_and_a_floor(build: Callable[[], Robot], tmp_path: Path) -> None:
+    """The robot of the scene is that of its file, for validators, for the reader, and for UsdPhysics."""
+    for path, content in render(build(), "usd", Diagnostics()).items():
+        (tmp_path / path).write_bytes(content)
+    file = str(tmp_path / f"{build().name}.scene.usda")
+    stage = Usd.Stage.Open(file)
+    context = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators())
+    assert [error.GetMessage() for error in context.Validate(stage)] == []
+    request = Request(file, "usd", configurations=({},), simulate=0.0)
+    seen = engine_of("usd").observer.observe(request)
+    alone = engine_of("usd").observer.observe(replace(request, file=file.replace(".scene.", ".")))
+    assert seen.gravity == pytest.approx((0.0, 0.0, -9.81))
+    assert alone.gravity == ()
+    assert (seen.joints, seen.base) == (alone.joints, alone.base)
+    assert [link.mass for link in seen.links] == [link.mass for link in alone.links]
+    assert [len(link.visuals) for link in seen.links] == [len(link.visuals) for link in alone.links]
+    assert stage.GetPrimAtPath("/World/floor").HasAPI(UsdPhysics.CollisionAPI)
 
 
 def test_singles_read_back_as_singles() -> None:
@@ -167,7 +189,7 @@ def test_a_joint_drawn_beyond_half_a_turn_is_read_back(tmp_path: Path) -> None:
     """Poses do not tell full turns apart: the reader reports the turn that is expected, or else the nearest to 0."""
     robot = two_link_arm()
     elbow = replace(robot.joints[1], limit=Limit(-4.0, 4.0), drawn_position=3.5)
-    (content,) = render(replace(robot, joints=(robot.joints[0], elbow)), "usd", Diagnostics()).values()
+    content, _ = render(replace(robot, joints=(robot.joints[0], elbow)), "usd", Diagnostics()).values()
     (tmp_path / "arm.usda").write_bytes(content)
     request = Request(str(tmp_path / "arm.usda"), "usd", simulate=0.0)
     observe = engine_of("usd").observer.observe

@@ -95,7 +95,7 @@ def said(python: Path, program: str, *arguments: str) -> Any:
 
 def usd_in(folder: Path) -> Path:
     """The OpenUSD file in a folder."""
-    (file,) = folder.glob("*.usda")
+    (file,) = (file for file in folder.glob("*.usda") if not file.name.endswith(".scene.usda"))
     return file
 
 

@@ -30,7 +30,7 @@ pytest.importorskip("pxr", reason="usd-core is not installed")
 def original(build: Callable[[], Robot]) -> tuple[str, Observation, Request]:
     """The text of a robot's file, the expected observation, and the request, which is for a few configurations."""
     robot = lower(build(), FORMATS["usd"], Diagnostics())
-    (content,) = render(build(), "usd", Diagnostics()).values()
+    content, _ = render(build(), "usd", Diagnostics()).values()
     request = Request(
         "",
         "usd",
@@ -115,7 +115,7 @@ def test_closures_about_any_axis(axis: tuple[float, float, float], tmp_path: Pat
     R = Pose.from_xyz_rpy((0, 0, 0), (0.4, -0.2, 0.3))
     (pin,) = robot.closures
     turned = replace(pin, X_AF=pin.X_AF @ R, X_BF=pin.X_BF @ R, axis=axis)
-    (content,) = render(replace(robot, closures=(turned,)), "usd", Diagnostics()).values()
+    content, _ = render(replace(robot, closures=(turned,)), "usd", Diagnostics()).values()
     (tmp_path / "robot.usda").write_bytes(content)
     seen = look("usd", Request(str(tmp_path / "robot.usda"), "usd", closures=(turned,), simulate=0.0))
     (closure,) = seen.closures or ()

@@ -9,6 +9,7 @@ FORMAT = Format(
     suffix=".usda",
     root="",
     order=40,
+    scene=".scene.usda",
     aliases=("usda", "openusd"),
     default=False,
     signatures=(b"#usda ", b"PXR-USDC"),

@@ -13,8 +13,10 @@ from stepbot.version import __version__
 
 from ..companion import Companion
 from ..features import Feature, exact, lowered, reported
+from . import FORMAT
 from .joints import joints
 from .names import Names, named
+from .scene import scene
 from .shapes import Library, place
 from .usda import Prim, layer, quoted, single, singles
 
@@ -138,9 +140,9 @@ def companions(_robot: Robot) -> tuple[Companion, ...]:
     return ()
 
 
-def scenes(_robot: Robot) -> dict[str, bytes]:
-    """No scene."""
-    return {}
+def scenes(robot: Robot) -> dict[str, bytes]:
+    """A scene with gravity, floor and light, which refers to the robot."""
+    return {f"{robot.name}{FORMAT.scene}": scene(robot, f"{robot.name}{FORMAT.suffix}")}
 
 
 def _body(prim: Prim, link: Link) -> None:
