@@ -27,6 +27,7 @@ from stepbot.verification import files
 
 _KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
 _ENGINES = ("lxml.etree", "stepbot.engines.file_references", "stepbot.verification.self_collision.drawn_pose")
+_YOURDFPY = "stepbot.engines.yourdfpy.observer"
 _SPAWNED = worker.spawned
 
 
@@ -42,21 +43,30 @@ class WarmProcesses:
 
     @cached_property
     def _engines(self) -> ForkServer:
-        observers = (f"{engine.package}.observer:prepare" for engine in engines() if not engine.optional)
-        return ForkServer([*_ENGINES, *observers, __name__])
+        shared = (engine.shared_import for engine in engines() if not engine.optional)
+        return ForkServer([*_ENGINES, *shared, __name__])
+
+    @cached_property
+    def _yourdfpy(self) -> ForkServer:
+        """For it alone: it loads trimesh without packages that other workers need."""
+        return ForkServer([f"{_YOURDFPY}:prepare", __name__])
+
+    def _server(self, function: str) -> ForkServer:
+        if function.startswith(_YOURDFPY):
+            return self._yourdfpy
+        return self._kernel if function.startswith(_KERNEL) else self._engines
 
     def start(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> worker.Process:
         """Start a worker; see :data:`stepbot.runtime.worker.Start`."""
         if not can_serve():
             return _SPAWNED(function, memory_limit, stderr)
-        server = self._kernel if function.startswith(_KERNEL) else self._engines
         changes = {name: value for name, value in os.environ.items() if self._environment.get(name) != value}
         removed: dict[str, None] = dict.fromkeys(self._environment.keys() - os.environ.keys())
-        return server.fork(_named(function, str(Path.cwd()), changes | removed), memory_limit, stderr)
+        return self._server(function).fork(_named(function, str(Path.cwd()), changes | removed), memory_limit, stderr)
 
     def close(self) -> None:
         """End the servers."""
-        for name in ("_kernel", "_engines"):
+        for name in ("_kernel", "_engines", "_yourdfpy"):
             if (server := self.__dict__.get(name)) is not None:
                 server.close()
 

@@ -56,6 +56,14 @@ def session(page: str, corpus: Path, folder: Path) -> Iterator[str]:
         yield printed(command.split()[1:], folder)
 
 
+def test_draft(corpus: Path, tmp_path: Path) -> None:
+    """The first command prints the page's lines, and the draft has the page's joint."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert next(session(page, corpus, tmp_path)) == CONSOLE.findall(page)[0][1]
+    assert blocks("yaml", page)[0] in (tmp_path / SIDECAR).read_text(encoding="utf-8")
+
+
+@pytest.mark.long
 def test_session(corpus: Path, tmp_path: Path) -> None:
     """The commands print the page's lines with exit code 0, the draft has the page's joint, and the arm moves."""
     page = PAGE.read_text(encoding="utf-8")
