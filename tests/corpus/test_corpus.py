@@ -31,17 +31,18 @@ pytestmark = pytest.mark.slow
 Read = Callable[[CorpusFile], ReadFile]
 
 
-def each(files: tuple[CorpusFile, ...]) -> pytest.MarkDecorator:
+def each(files: tuple[CorpusFile, ...], long: tuple[str, ...]) -> pytest.MarkDecorator:
     """A parameter ``file``; tests of the same file run in the same process, so that it is read once."""
     marks = {
-        file: [pytest.mark.xdist_group(file.stem), *([pytest.mark.long] if file.name in LARGE else [])]
-        for file in files
+        file: [pytest.mark.xdist_group(file.stem), *([pytest.mark.long] if file.name in long else [])] for file in files
     }
     return pytest.mark.parametrize("file", [pytest.param(file, id=file.stem, marks=marks[file]) for file in files])
 
 
 LARGE = ("openarm_leader_gripper.step", "rotor_pump_ap203.step", "russian_names_cp1251.step")
 """Files that take as long as all others together."""
+MEASURED_ELSEWHERE = "low_cost_robot_follower.step"
+"""test_follower.py compares its mass properties with the integrals of the kernel's own reader."""
 UNITS = {"box_sides_inch.step": "inch", "dm1_ideas_inch.step": "inch", "s1_autocad_foot.step": "foot"}
 DENSITY = 1000.0
 """[kg/m^3]."""
@@ -62,7 +63,7 @@ def solids(assembly: Assembly) -> list[int]:
     return [c.body for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind == BodyKind.SOLID]
 
 
-@each(FILES)
+@each(FILES, LARGE)
 def test_reading(file: CorpusFile, read: Read, corpus: Path) -> None:
     """The solids have the number and volume of the index, or an explained one; all are watertight."""
     reading = read(file)
@@ -84,7 +85,7 @@ def test_reading(file: CorpusFile, read: Read, corpus: Path) -> None:
     assert total == pytest.approx(file.volume or volume, rel=INDEX_TOLERANCE)
 
 
-@each(READABLE)
+@each(READABLE, (*LARGE, MEASURED_ELSEWHERE))
 def test_mass_properties(
     file: CorpusFile, read: Read, corpus: Path, record_property: Callable[[str, object], None]
 ) -> None:
@@ -105,7 +106,7 @@ def test_mass_properties(
     record_property(DEVIATIONS, rows)
 
 
-@each(READABLE)
+@each(READABLE, (*LARGE, MEASURED_ELSEWHERE))
 def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: Path) -> None:
     """Simple solids equal GProp's integration bit for bit; others equal its integration span by span to 1e-6.
 
@@ -146,7 +147,7 @@ def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> 
     return robot, found
 
 
-@each(READABLE)
+@each(READABLE, (*LARGE, MEASURED_ELSEWHERE))
 @pytest.mark.parametrize("mass", ["auto", "mesh", "exact"])
 def test_one_link(file: CorpusFile, mass: str, read: Read, tmp_path: Path) -> None:
     """Every file becomes a robot of one link in every format, with the exact mass, com and inertia."""
