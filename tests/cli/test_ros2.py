@@ -102,6 +102,14 @@ def test_names_that_xacro_would_evaluate(tmp_path: Path) -> None:
     assert [plain(child) for child in made] == [plain(child) for child in urdf]
 
 
+def test_a_name_with_a_digit_first(tmp_path: Path) -> None:
+    """The macro of a robot `2f85` is `_2f85`: an element of XML cannot begin with a digit."""
+    _, urdf = written(replace(pendulum(), name="2f85"), tmp_path)
+    made = xacro(tmp_path / "urdf" / "2f85.urdf.xacro")
+    assert made.attrib["name"] == "2f85"
+    assert [plain(child) for child in made] == [plain(child) for child in urdf]
+
+
 def test_two_robots_with_prefixes_on_one_stand(package: Path) -> None:
     """The macro twice, with prefixes, on one link: one tree with all names once, and the links where they belong."""
     both = package / "urdf" / "both.xacro"

@@ -22,7 +22,8 @@ _PLACE = {"parent": "''", "xyz": "'0 0 0'", "rpy": "'0 0 0'"}
 
 def macro_name(robot: Robot) -> str:
     """The robot's name as the name of an XML element."""
-    return re.sub(r"\W", "_", robot.name, flags=re.ASCII)
+    name = re.sub(r"\W", "_", robot.name, flags=re.ASCII)
+    return f"_{name}" if name[0].isdigit() else name
 
 
 def macro_xacro(robot: Robot, package: str) -> bytes:
