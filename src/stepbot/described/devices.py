@@ -10,7 +10,7 @@ from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
 from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind, View
 from stepbot.robot.unique_names import free_name
 
-from .finding import DEVICE, Finding
+from .finding import DEVICE, NO_GAINS, Finding
 
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 
@@ -26,6 +26,8 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
             found.append(Finding(DEVICE, f"actuator '{one.name}' of type '{one.kind}'{on}: not converted"))
             continue
         name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
+        if not (one.kind == ActuatorKind.MOTOR or one.kp or one.kv):
+            found.append(Finding(NO_GAINS, f"actuator '{name}' on '{one.joint}': no gains in the file"))
         gear = one.gear or 1.0
         limit = _own_limit(one, gear, joint.limit)
         actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), one.kp, one.kv, gear, limit))

@@ -60,6 +60,15 @@ class TriMesh:
         return TriMesh.of(self.vertices[used], renumbered.reshape(-1, 3))
 
 
+def merged(mesh: TriMesh) -> TriMesh:
+    """The mesh with one vertex in place of equal ones, in the order of their first use: STL repeats each per face."""
+    _, first, number = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return TriMesh.of(mesh.vertices[first[order]], rank[number.reshape(-1)][mesh.faces])
+
+
 def joined(meshes: list[TriMesh]) -> TriMesh:
     """One mesh of several, with concatenated vertices and faces; nothing is merged."""
     offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])

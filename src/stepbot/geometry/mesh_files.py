@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from .mesh import TriMesh, joined
+from .mesh import TriMesh, joined, merged
 
 KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
 """Suffixes of the files that are read."""
 _COLLADA = ".dae"
+_STL = ".stl"
 _LINEAR = (".glb", ".gltf")
 """Suffixes of files whose colours are linear, not sRGB."""
 
@@ -54,6 +55,8 @@ def read_content(path: Path) -> MeshContent | None:
         read = [mesh for mesh in _placed(loaded) if isinstance(mesh, trimesh.Trimesh)]
         unit = trimesh.units.unit_conversion(loaded.units, "meters") if kind == _COLLADA else 1.0
         meshes = [TriMesh.of(mesh.vertices * unit, mesh.faces) for mesh in read]
+        if kind == _STL:
+            meshes = [merged(mesh) for mesh in meshes]
         found = joined(meshes) if meshes else None
         colors = [_color(mesh.visual, linear=kind in _LINEAR) for mesh in read] if kind in (_COLLADA, *_LINEAR) else []
         other = b"usemtl" in content if kind == ".obj" else any(_has_other_looks(mesh.visual) for mesh in read)

@@ -38,10 +38,10 @@ class Match:
     """Why they are different joints; empty if they are the same."""
 
 
-def match(ours: Chain, theirs: Chain) -> Match:
-    """Determine whether two chains are the same joint."""
+def match(ours: Chain, theirs: Chain, distance: float) -> Match:
+    """Determine whether two chains are the same joint; the engines that saw them are accurate to ``distance`` [m]."""
     try:
-        return Match(ours, theirs, segments(ours, theirs))
+        return Match(ours, theirs, segments(ours, theirs, distance))
     except NotTheSame as why:
         return Match(ours, theirs, different=str(why))
 

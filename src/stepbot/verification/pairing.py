@@ -46,8 +46,13 @@ class Segment:
         return len(self.ours) == len(self.theirs)
 
 
-def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
+def segments(ours: Chain, theirs: Chain, distance: float = _DISTANCE) -> tuple[Segment, ...]:
     """Pair the steps of two chains, from the parent on.
+
+    Args:
+        ours: The chain of the first file.
+        theirs: That of the other.
+        distance: Maximum distance [m] of two axes, and of two centres: the accuracy of the engines that saw them.
 
     Raises:
         NotTheSame: They are different joints.
@@ -56,9 +61,9 @@ def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
     a, b = list(ours.steps), list(theirs.steps)
     while a and b:
         if "ball" in (a[0].kind, b[0].kind):
-            segment = _ball(a, b)
+            segment = _ball(a, b, distance)
         elif a[0].kind == b[0].kind:
-            _check_place(a[0], b[0])
+            _check_place(a[0], b[0], distance)
             segment = Segment((a[0],), (b[0],))
         else:
             raise NotTheSame(f"'{a[0].names[0]}' and '{b[0].names[0]}' are of different kinds")
@@ -72,22 +77,22 @@ def segments(ours: Chain, theirs: Chain) -> tuple[Segment, ...]:
     return tuple(found)
 
 
-def _check_place(a: Step, b: Step) -> None:
+def _check_place(a: Step, b: Step, distance: float) -> None:
     """Check that parallel axes coincide; the angle between others is compared later."""
     (one,), (other,) = a.twists, b.twists
     if a.kind == "slide" or float(np.linalg.norm(np.cross(direction(one), direction(other)))) > _ANGLE:
         return
     apart = float(np.linalg.norm(foot(other) - foot(one)))
-    if apart > _DISTANCE:
+    if apart > distance:
         raise NotTheSame(f"the axes of {_listed(list(dict.fromkeys(a.names + b.names)))} are {apart:.3g} m apart")
 
 
-def _ball(a: Sequence[Step], b: Sequence[Step]) -> Segment:
+def _ball(a: Sequence[Step], b: Sequence[Step], distance: float) -> Segment:
     """The ball joint at the beginning of both chains."""
     ours, theirs = _turning_freely(a), _turning_freely(b)
     centres = [_centre(side) for side in (ours, theirs)]
     apart = float(np.linalg.norm(centres[1] - centres[0]))
-    if apart > _DISTANCE:
+    if apart > distance:
         raise NotTheSame(f"the centres are {apart:.3g} m apart")
     return Segment(ours, theirs, (_angles(ours), _angles(theirs)))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.engines import Engine, engines_for
-from stepbot.engines.observation import Observation, Request
+from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.openable import openable
 from stepbot.geometry.spatial import Pose
 from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
@@ -14,6 +14,7 @@ from .bounds import without_stand_ins
 from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
 from .correspondence import Correspondence, match
 from .naming import Naming, naming
+from .tolerances import tolerance
 
 Observe = Callable[[Engine, Request], Observation | None]
 """Runs an engine; None if it fails: it will be run again later, and its failure reported then."""
@@ -80,7 +81,8 @@ class Probe:
         theirs = self._chains(other, [b for _, b in pairs])
         if ours is None or theirs is None:
             return Correspondence(())
-        return Correspondence(tuple(match(a, b) for a, b in zip(ours, theirs, strict=True)))
+        accuracy = tolerance((first.engine.name, other.engine.name), Quantity.POSES).absolute
+        return Correspondence(tuple(match(a, b, accuracy) for a, b in zip(ours, theirs, strict=True)))
 
     def _chains(self, probed: Probed, edges: Sequence[Edge]) -> list[Chain] | None:
         """Motion of the links when joints of edges move one by one, by one unit; None if the engine fails now."""

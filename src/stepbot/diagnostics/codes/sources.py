@@ -106,4 +106,13 @@ CODES: tuple[Code, ...] = (
         "The visual has the colour that the description gives, or is grey. Colours of materials in Collada and glTF are converted.",
         "Give the visual a colour in the description, or convert the mesh to Collada or glTF with plain materials.",
     ),
+    Code(
+        "SB873",
+        "warning",
+        "actuator without gains",
+        "A position or velocity actuator of the converted file has no gains: a transmission of ROS 1 has none, and in "
+        "`<ros2_control>` they are optional.",
+        "With gains of 0 it exerts no force in a simulation.",
+        "Set `kp` and `kv` in the written files, or as parameters `kp` and `kv` of the command interface in the source.",
+    ),
 )
