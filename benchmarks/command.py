@@ -10,6 +10,7 @@ python -m benchmarks report                             tables in docs/performan
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
 python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
+python -m benchmarks gym reach MJCF                     steps per second of its environments, one and sixteen
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
 It runs on Linux and macOS, memory is measured on Linux alone, and nothing else should run meanwhile.
@@ -32,6 +33,7 @@ from .assemblies import ASSEMBLIES, Assembly, generate
 from .collision import compare_pieces, compare_steps, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
+from .environments import environment_speeds
 from .inference import corpus_folder, measure
 from .report import write_report
 from .results import keep, table
@@ -83,6 +85,10 @@ def _parser() -> argparse.ArgumentParser:
     stepped = commands.add_parser("steps", help="MuJoCo's steps per second with hulls of parts and with `auto`")
     stepped.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
     stepped.set_defaults(run=_steps)
+    learned = commands.add_parser("gym", help="steps per second of environments of stepbot.gym")
+    learned.add_argument("task", choices=("reach", "stand"))
+    learned.add_argument("model", type=Path, metavar="MJCF")
+    learned.set_defaults(run=_gym)
     commands.add_parser("smoke", help="run everything once on something small").set_defaults(run=_smoke)
     return parser
 
@@ -147,6 +153,11 @@ def _steps(options: argparse.Namespace, folder: Path) -> None:
             files.append(mjcf)
             print(f"{sidecar.name}, {shape}: {shapes_of(output / 'report.json')}")
         print(f"{sidecar.name}: {compare_steps(*files)}")
+
+
+def _gym(options: argparse.Namespace, _: Path) -> None:
+    for line in environment_speeds(options.model, options.task):
+        print(line, flush=True)
 
 
 def _batch(options: argparse.Namespace, folder: Path) -> None:

@@ -41,8 +41,8 @@ def _parser() -> argparse.ArgumentParser:
         "--input",
         action="append",
         default=[],
-        metavar="TEXT",
-        help="the policy sees observations with this in the name",
+        metavar="PATTERN",
+        help="pattern of observations that the policy sees",
     )
     parser.add_argument(
         "--option", type=_option, action=_Options, default={}, metavar="NAME=JSON", help="argument of the environment"

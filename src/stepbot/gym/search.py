@@ -2,11 +2,14 @@
 
 Mania, Guy, Recht, "Simple random search of static linear policies is competitive for reinforcement learning" (2018),
 version V2-t: each iteration tries random changes of the weights in both directions, and moves them along the best ones.
-Both directions of a change have the same episode, so that their difference is that of the policies.
+Other than there, both directions of a change have the same episode, so that their difference is that of the policies,
+and steps are scaled by these differences: the deviation of all returns is mostly that of the episodes. Observations are
+not shifted by their mean: an error of 0 stays 0.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from multiprocessing import get_context
 from typing import Any
 
@@ -15,24 +18,26 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
 
-_LEAST_DEVIATION = 1e-6
-"""Deviation of an observation that does not change."""
+_LEAST_GAIN = 1e-9
+"""Difference of returns that is numeric residue."""
+_LEAST_SIZE = 1e-6
+"""Root mean square of an observation that is always 0."""
 
 
 @dataclass(frozen=True, eq=False)
 class Policy:
-    """Actions linear in some of the observed numbers, which are shifted and scaled to mean 0 and deviation 1."""
+    """Actions linear in some of the observed numbers, which are scaled to a mean square of 1."""
 
     inputs: NDArray[np.intp]
     """Indices (n,) of the numbers in the observation."""
     weights: Array
     """(actions, n)."""
-    mean: Array
-    deviation: Array
+    scale: Array
+    """(n,), root mean squares of the numbers."""
 
     def act(self, observation: Array) -> Array:
         """The action, between -1 and 1."""
-        action: Array = np.clip(self.weights @ ((observation[self.inputs] - self.mean) / self.deviation), -1.0, 1.0)
+        action: Array = np.clip(self.weights @ (observation[self.inputs] / self.scale), -1.0, 1.0)
         return action
 
 
@@ -45,9 +50,9 @@ class Settings:
     """How to search."""
 
     iterations: int = 100
-    directions: int = 16
+    directions: int = 12
     """Changes tried in each iteration, each in both directions."""
-    best: int = 8
+    best: int = 6
     """Number of them along which the weights move."""
     step: float = 0.05
     noise: float = 0.05
@@ -67,16 +72,13 @@ class Episode:
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """Number, mean and sum of squared deviations of observations."""
+    """Number of observations, and the sum of their squares."""
 
-    count: float
-    mean: Array
+    count: int
     squares: Array
 
     def __add__(self, other: "_Seen") -> "_Seen":
-        count, apart = self.count + other.count, other.mean - self.mean
-        mean = self.mean + apart * (other.count / count)
-        return _Seen(count, mean, self.squares + other.squares + apart**2 * (self.count * other.count / count))
+        return _Seen(self.count + other.count, self.squares + other.squares)
 
 
 _env: Any = None
@@ -103,33 +105,33 @@ def _episode(env: Any, job: _Job) -> tuple[Episode, _Seen]:
         seen.append(observation[policy.inputs])
         value += reward
         over = terminated or truncated
-    table = np.array(seen)
-    mean = table.mean(axis=0)
-    return Episode(value, bool(info["is_success"])), _Seen(len(table), mean, ((table - mean) ** 2).sum(axis=0))
+    return Episode(value, bool(info["is_success"])), _Seen(len(seen), np.sum(np.square(seen), axis=0))
 
 
 class Search:
     """Searches for a policy; use it in a ``with`` statement, which ends its processes."""
 
     def __init__(
-        self, make: Callable[[], Any], settings: Settings, *, inputs: Sequence[str] = ("",), processes: int = 1
+        self, make: Callable[[], Any], settings: Settings, *, inputs: Sequence[str] = ("*",), processes: int = 1
     ) -> None:
         """Make the environment, and start processes if there are several.
 
         Args:
             make: Makes the environment; a picklable function.
             settings: How to search.
-            inputs: The policy sees observations whose names contain one of these.
+            inputs: The policy sees observations whose names match one of these, as file names match ``*/[qvw]?``.
             processes: Number of processes; the results do not depend on it.
         """
         env = make()
         names = env.unwrapped.observation_names
-        chosen = np.array([i for i, name in enumerate(names) if any(part in name for part in inputs)], dtype=np.intp)
+        chosen = np.array(
+            [i for i, name in enumerate(names) if any(fnmatchcase(name, one) for one in inputs)], dtype=np.intp
+        )
         actions, observations = env.action_space.shape[0], chosen.size
         self.settings = settings
-        self.policy = Policy(chosen, np.zeros((actions, observations)), np.zeros(observations), np.ones(observations))
+        self.policy = Policy(chosen, np.zeros((actions, observations)), np.ones(observations))
         self._random = np.random.default_rng(settings.seed)
-        self._seen = _Seen(0.0, np.zeros(observations), np.zeros(observations))
+        self._seen = _Seen(0, np.zeros(observations))
         self._env = env
         self._pool = get_context("spawn").Pool(processes, _open, (make,)) if processes > 1 else None
 
@@ -168,15 +170,15 @@ class Search:
         found = self._episodes(jobs)
         values = np.array([episode.value for episode, _ in found]).reshape(-1, 2)
         best = np.argsort(-values.max(axis=1), kind="stable")[: settings.best]
-        scale = max(float(values[best].std()), 1e-9)
-        slope = np.tensordot(values[best, 0] - values[best, 1], changes[best], axes=1)
+        gains = values[best, 0] - values[best, 1]
+        scale = max(float(np.sqrt(np.mean(gains**2))), _LEAST_GAIN)
+        slope = np.tensordot(gains, changes[best], axes=1)
         for _, seen in found:
             self._seen = self._seen + seen
-        deviation = np.sqrt(self._seen.squares / self._seen.count)
-        self.policy = Policy(
-            self.policy.inputs,
-            weights + settings.step / (settings.best * scale) * slope,
-            self._seen.mean,
-            np.where(deviation > _LEAST_DEVIATION, deviation, np.inf),
+        size = np.sqrt(self._seen.squares / self._seen.count)
+        self.policy = replace(
+            self.policy,
+            weights=weights + settings.step / (settings.best * scale) * slope,
+            scale=np.where(size > _LEAST_SIZE, size, np.inf),
         )
         return float(values.mean())

@@ -27,17 +27,24 @@ class Plan:
 
     task: str
     inputs: tuple[str, ...]
-    """Parts of the names of observations that the policy sees."""
+    """Patterns of the names of observations that the policy sees."""
     settings: Settings
     options: Mapping[str, Any] = field(default_factory=dict)
     """Arguments of the environment."""
-    evaluate_every: int = 20
+    evaluate_every: int = 10
     """Iterations between evaluations."""
 
 
 PLANS = {
-    "reach": Plan("reach", ("error/", "/position"), Settings(140, step=0.1, noise=0.1), {"observe": "state"}),
-    "stand": Plan("stand", ("trunk/",), Settings(60, step=0.01, noise=0.02), {"observe": "state"}),
+    "reach": Plan(
+        "reach", ("error/*",), Settings(40, step=0.1, noise=0.1), {"observe": "state", "max_episode_steps": 50}
+    ),
+    "stand": Plan(
+        "stand",
+        ("*/z", "*/[qvw]?"),
+        Settings(40, step=0.03, noise=0.03),
+        {"observe": "state", "max_episode_steps": 100, "push": 2.0},
+    ),
 }
 
 

@@ -50,8 +50,8 @@ def test_search_finds_the_best_policy() -> None:
     with Search(Known, Settings(60, directions=8, best=4, step=0.02, noise=0.02), inputs=("a", "c")) as search:
         values = list(search.run())
         last = search.evaluate(search.policy, range(50))
-    assert np.allclose(search.policy.weights / search.policy.deviation, BEST, atol=0.05)
-    assert np.allclose(search.policy.deviation, 1 / np.sqrt(3), atol=0.02)
+    assert np.allclose(search.policy.weights / search.policy.scale, BEST, atol=0.05)
+    assert np.allclose(search.policy.scale, 1 / np.sqrt(3), atol=0.02)
     assert sum(episode.success for episode in last) > 45
     assert values[-1] > 0.2 * values[0]  # they are negative
 
@@ -75,7 +75,7 @@ def arm(path: Path) -> Any:
 def test_reach_rises(tmp_path: Path) -> None:
     """A few iterations raise the return of the planar arm by more than both confidence intervals."""
     make = partial(arm, written(tmp_path, ARM))
-    with Search(make, Settings(8, directions=8, best=4, step=0.2, noise=0.2), inputs=("error/",)) as search:
+    with Search(make, Settings(8, directions=8, best=4, step=0.2, noise=0.2), inputs=("error/*",)) as search:
         before = Score(0, tuple(search.evaluate(search.policy, range(500, 520))))
         list(search.run())
         after = Score(8, tuple(search.evaluate(search.policy, range(500, 520))))
