@@ -37,15 +37,21 @@ class Plan:
 
 PLANS = {
     "reach": Plan(
-        "reach", ("error/*",), Settings(40, step=0.1, noise=0.1), {"observe": "state", "max_episode_steps": 50}
+        "reach",
+        ("error/*",),
+        Settings(20, step=0.1, noise=0.1),
+        {"observe": "state", "max_episode_steps": 50},
+        evaluate_every=2,
     ),
     "stand": Plan(
         "stand",
-        ("*/z", "*/[qvw]?"),
-        Settings(40, step=0.03, noise=0.03),
-        {"observe": "state", "max_episode_steps": 100, "push": 2.0},
+        ("*/[qvw][xy]",),
+        Settings(40, step=0.1, noise=0.06),
+        {"observe": "state", "max_episode_steps": 75, "push": 2.0, "push_interval": 10.0},
+        evaluate_every=10,
     ),
 }
+"""What ``python -m stepbot.gym`` does for each task."""
 
 
 @dataclass(frozen=True)
