@@ -19,7 +19,7 @@ PAGE = (ROOT / "docs" / "learning.md").read_text(encoding="utf-8")
 def test_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The exported arm becomes an environment; the examples print observations, distance, shape."""
     monkeypatch.chdir(tmp_path)
-    (command,) = re.findall(r"^(stepbot library export .*?) *(?:#.*)?$", PAGE, re.MULTILINE)
+    (command,) = re.findall(r"^(stepbot library export ur5e .*?) *(?:#.*)?$", PAGE, re.MULTILINE)
     assert main([*shlex.split(command)[1:], "--no-verify"]) == 0
     capsys.readouterr()
     examples = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)

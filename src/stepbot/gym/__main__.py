@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from .training import PLANS, draw, shortened, train
+from .training import PLANS, draw, rise, shortened, train
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -16,12 +16,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     plan = shortened(PLANS[options.task], options.iterations, options.seed)
     plan = replace(plan, options={**plan.options, **options.option}, inputs=tuple(options.input) or plan.inputs)
+    plan = replace(plan, outputs=tuple(options.output) or plan.outputs)
     start, scores = time.monotonic(), []
     try:
         for score in train(options.model, plan, processes=options.processes):
             scores.append(score)
             sys.stdout.write(f"{score}, {time.monotonic() - start:.0f} s\n")
             sys.stdout.flush()
+        gained, margin = rise(scores[0], scores[-1])
+        sys.stdout.write(f"return of the same episodes: {gained:+.1f} +- {margin:.1f}\n")
         if options.plot:
             draw(scores, f"{options.task}: {Path(options.model).stem}", options.plot)
     except (OSError, TypeError, ValueError, ImportError) as error:
@@ -43,6 +46,9 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="PATTERN",
         help="pattern of observations that the policy sees",
+    )
+    parser.add_argument(
+        "--output", action="append", default=[], metavar="PATTERN", help="pattern of actions that it decides"
     )
     parser.add_argument(
         "--option", type=_option, action=_Options, default={}, metavar="NAME=JSON", help="argument of the environment"

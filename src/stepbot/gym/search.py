@@ -1,10 +1,10 @@
 """Augmented random search: a linear policy, trained with numpy alone.
 
 Mania, Guy, Recht, "Simple random search of static linear policies is competitive for reinforcement learning" (2018),
-version V2-t: each iteration tries random changes of the weights in both directions, and moves them along the best ones.
-Other than there, both directions of a change have the same episode, so that their difference is that of the policies,
-and steps are scaled by these differences: the deviation of all returns is mostly that of the episodes. Observations are
-not shifted by their mean: an error of 0 stays 0.
+version V2: each iteration tries random changes of the weights in both directions, and moves them towards the better.
+Other than there, both directions of a change have the same episode, so that their difference is that of the policies;
+steps are scaled by these differences, and all of them count: the best returns are those of the easiest episodes.
+Observations are not shifted by their mean: an error of 0 stays 0.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -30,14 +30,17 @@ class Policy:
 
     inputs: NDArray[np.intp]
     """Indices (n,) of the numbers in the observation."""
+    outputs: NDArray[np.bool_]
+    """Which actions it decides (actions,); the others are 0."""
     weights: Array
-    """(actions, n)."""
+    """(m, n), for its m actions."""
     scale: Array
     """(n,), root mean squares of the numbers."""
 
     def act(self, observation: Array) -> Array:
         """The action, between -1 and 1."""
-        action: Array = np.clip(self.weights @ (observation[self.inputs] / self.scale), -1.0, 1.0)
+        action: Array = np.zeros(self.outputs.size)
+        action[self.outputs] = np.clip(self.weights @ (observation[self.inputs] / self.scale), -1.0, 1.0)
         return action
 
 
@@ -52,8 +55,6 @@ class Settings:
     iterations: int = 100
     directions: int = 12
     """Changes tried in each iteration, each in both directions."""
-    best: int = 6
-    """Number of them along which the weights move."""
     step: float = 0.05
     noise: float = 0.05
     """Standard deviation of a change of a weight."""
@@ -112,27 +113,34 @@ class Search:
     """Searches for a policy; use it in a ``with`` statement, which ends its processes."""
 
     def __init__(
-        self, make: Callable[[], Any], settings: Settings, *, inputs: Sequence[str] = ("*",), processes: int = 1
+        self,
+        make: Callable[[], Any],
+        settings: Settings,
+        *,
+        inputs: Sequence[str] = ("*",),
+        outputs: Sequence[str] = ("*",),
+        processes: int = 1,
     ) -> None:
         """Make the environment, and start processes if there are several.
 
         Args:
             make: Makes the environment; a picklable function.
             settings: How to search.
-            inputs: The policy sees observations whose names match one of these, as file names match ``*/[qvw]?``.
+            inputs: The policy sees observations whose names match one of these patterns, such as ``tip/?``.
+            outputs: It decides the actions whose names match one of these; the others are 0.
             processes: Number of processes; the results do not depend on it.
+
+        Raises:
+            ValueError: No name matches.
         """
-        env = make()
-        names = env.unwrapped.observation_names
-        chosen = np.array(
-            [i for i, name in enumerate(names) if any(fnmatchcase(name, one) for one in inputs)], dtype=np.intp
-        )
-        actions, observations = env.action_space.shape[0], chosen.size
+        self._env = make()
+        seen = _matching(self._env.unwrapped.observation_names, inputs)
+        decided = _matching(self._env.unwrapped.action_names, outputs)
         self.settings = settings
-        self.policy = Policy(chosen, np.zeros((actions, observations)), np.ones(observations))
+        weights = np.zeros((int(decided.sum()), int(seen.sum())))
+        self.policy = Policy(np.flatnonzero(seen), decided, weights, np.ones(weights.shape[1]))
         self._random = np.random.default_rng(settings.seed)
-        self._seen = _Seen(0, np.zeros(observations))
-        self._env = env
+        self._seen = _Seen(0, np.zeros(weights.shape[1]))
         self._pool = get_context("spawn").Pool(processes, _open, (make,)) if processes > 1 else None
 
     def __enter__(self) -> "Search":
@@ -169,16 +177,22 @@ class Search:
         ]
         found = self._episodes(jobs)
         values = np.array([episode.value for episode, _ in found]).reshape(-1, 2)
-        best = np.argsort(-values.max(axis=1), kind="stable")[: settings.best]
-        gains = values[best, 0] - values[best, 1]
+        gains = values[:, 0] - values[:, 1]
         scale = max(float(np.sqrt(np.mean(gains**2))), _LEAST_GAIN)
-        slope = np.tensordot(gains, changes[best], axes=1)
+        slope = np.tensordot(gains, changes, axes=1)
         for _, seen in found:
             self._seen = self._seen + seen
         size = np.sqrt(self._seen.squares / self._seen.count)
         self.policy = replace(
             self.policy,
-            weights=weights + settings.step / (settings.best * scale) * slope,
+            weights=weights + settings.step / (settings.directions * scale) * slope,
             scale=np.where(size > _LEAST_SIZE, size, np.inf),
         )
         return float(values.mean())
+
+
+def _matching(names: Sequence[str], patterns: Sequence[str]) -> NDArray[np.bool_]:
+    found = np.array([any(fnmatchcase(name, one) for one in patterns) for name in names])
+    if not found.any():
+        raise ValueError(f"nothing matches {' or '.join(patterns)}; there are {', '.join(names)}")
+    return found

@@ -29,6 +29,8 @@ class Plan:
     inputs: tuple[str, ...]
     """Patterns of the names of observations that the policy sees."""
     settings: Settings
+    outputs: tuple[str, ...] = ("*",)
+    """Patterns of the names of actions that it decides; the others are 0."""
     options: Mapping[str, Any] = field(default_factory=dict)
     """Arguments of the environment."""
     evaluate_every: int = 10
@@ -40,15 +42,15 @@ PLANS = {
         "reach",
         ("error/*",),
         Settings(20, step=0.1, noise=0.1),
-        {"observe": "state", "max_episode_steps": 50},
+        options={"observe": "state", "max_episode_steps": 50},
         evaluate_every=2,
     ),
     "stand": Plan(
         "stand",
-        ("*/[qvw][xy]",),
-        Settings(40, step=0.1, noise=0.06),
-        {"observe": "state", "max_episode_steps": 75, "push": 2.0, "push_interval": 10.0},
-        evaluate_every=10,
+        ("*/qw", "*/[vw][xy]"),
+        Settings(20, directions=24, step=0.1, noise=0.1),
+        options={"observe": "state", "max_episode_steps": 75, "push": 2.0, "push_interval": 10.0},
+        evaluate_every=5,
     ),
 }
 """What ``python -m stepbot.gym`` does for each task."""
@@ -93,6 +95,12 @@ class Score:
         )
 
 
+def rise(before: Score, after: Score) -> tuple[float, float]:
+    """Mean rise of the return over the same episodes, and half width of its confidence interval of 95 %."""
+    values = [one.value - other.value for one, other in zip(after.episodes, before.episodes, strict=True)]
+    return float(np.mean(values)), _SIGMAS * float(np.std(values, ddof=1)) / sqrt(len(values))
+
+
 def train(model: str | PathLike[str], plan: Plan, *, processes: int = 1, test: range = TEST_SEEDS) -> Iterator[Score]:
     """Train a policy; yields its score before, after every ``plan.evaluate_every`` iterations, and at the end.
 
@@ -102,7 +110,7 @@ def train(model: str | PathLike[str], plan: Plan, *, processes: int = 1, test: r
         ValueError: The robot cannot do the task.
     """
     make = partial(make_environment, str(model), plan.task, disable_env_checker=True, **plan.options)
-    with Search(make, plan.settings, inputs=plan.inputs, processes=processes) as search:
+    with Search(make, plan.settings, inputs=plan.inputs, outputs=plan.outputs, processes=processes) as search:
         yield Score(0, tuple(search.evaluate(search.policy, test)))
         for done, _ in enumerate(search.run(), start=1):
             if done % plan.evaluate_every == 0 or done == plan.settings.iterations:

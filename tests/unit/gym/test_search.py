@@ -14,7 +14,7 @@ gymnasium = pytest.importorskip("gymnasium", reason="gymnasium is not installed:
 import stepbot.gym  # noqa: E402
 from stepbot.gym.__main__ import main  # noqa: E402
 from stepbot.gym.search import Episode, Search, Settings  # noqa: E402
-from stepbot.gym.training import PLANS, Score, draw  # noqa: E402
+from stepbot.gym.training import PLANS, Score, draw, rise  # noqa: E402
 
 BEST = np.array([[0.5, -0.3], [0.1, 0.4]])
 """Weights of the best policy of :class:`Known`."""
@@ -24,6 +24,7 @@ class Known:
     """An environment whose best policy is linear: the reward is the squared distance of an action from it, less 1."""
 
     observation_names = ("a", "b", "c")
+    action_names = ("x", "y")
 
     def __init__(self) -> None:
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,))
@@ -47,7 +48,7 @@ class Known:
 
 def test_search_finds_the_best_policy() -> None:
     """The weights, freed from the scale of the observations, become those of the best policy."""
-    with Search(Known, Settings(60, directions=8, best=4, step=0.02, noise=0.02), inputs=("a", "c")) as search:
+    with Search(Known, Settings(60, directions=8, step=0.02, noise=0.02), inputs=("a", "c")) as search:
         values = list(search.run())
         last = search.evaluate(search.policy, range(50))
     assert np.allclose(search.policy.weights / search.policy.scale, BEST, atol=0.05)
@@ -60,7 +61,7 @@ def test_seed_decides_the_search() -> None:
     """The same seed finds the same weights, another seed other ones."""
     found = []
     for seed in (0, 0, 1):
-        with Search(Known, Settings(2, directions=4, best=2, seed=seed)) as search:
+        with Search(Known, Settings(2, directions=4, seed=seed)) as search:
             list(search.run())
         found.append(search.policy.weights)
     assert np.array_equal(found[0], found[1])
@@ -75,7 +76,7 @@ def arm(path: Path) -> Any:
 def test_reach_rises(tmp_path: Path) -> None:
     """A few iterations raise the return of the planar arm by more than both confidence intervals."""
     make = partial(arm, written(tmp_path, ARM))
-    with Search(make, Settings(8, directions=8, best=4, step=0.2, noise=0.2), inputs=("error/*",)) as search:
+    with Search(make, Settings(8, directions=8, step=0.2, noise=0.2), inputs=("error/*",)) as search:
         before = Score(0, tuple(search.evaluate(search.policy, range(500, 520))))
         list(search.run())
         after = Score(8, tuple(search.evaluate(search.policy, range(500, 520))))
@@ -87,7 +88,7 @@ def test_processes_do_not_change_the_result(tmp_path: Path) -> None:
     """Two processes find the weights that one finds."""
     make, found = partial(arm, written(tmp_path, ARM)), []
     for processes in (1, 2):
-        with Search(make, Settings(2, directions=4, best=2), processes=processes) as search:
+        with Search(make, Settings(2, directions=4), processes=processes) as search:
             list(search.run())
             found.append(search.policy.weights)
     assert np.array_equal(*found)
@@ -98,6 +99,9 @@ def test_scores_have_confidence_intervals() -> None:
     score = Score(3, tuple(Episode(value, False) for value in (1.0, 2.0, 3.0, 6.0)))
     assert score.value == 3.0
     assert score.margin == pytest.approx(1.96 * np.sqrt(14 / 3) / 2)
+    assert rise(score, Score(4, tuple(Episode(value, True) for value in (2.0, 4.0, 4.0, 8.0)))) == pytest.approx(
+        (1.5, 1.96 * np.sqrt(1 / 3) / 2)
+    )
     none = Score(0, (Episode(0.0, False),) * 10).success_range
     assert none == pytest.approx((0.0, 0.2775), abs=1e-4)
     some = Score(0, (Episode(0.0, True),) * 8 + (Episode(0.0, False),) * 2)
@@ -124,7 +128,11 @@ def test_command_trains_and_reports_errors(tmp_path: Path, capsys: pytest.Captur
     short = ["--iterations", "1", "--processes", "1", "--option", "max_episode_steps=2"]
     assert main([path, *short]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.partition(":")[0] for line in lines] == ["iteration    0", "iteration    1"]
+    assert [line.partition(":")[0] for line in lines] == [
+        "iteration    0",
+        "iteration    1",
+        "return of the same episodes",
+    ]
     assert main([path, "--task", "stand", *short]) == 2
     assert "floating base" in capsys.readouterr().err
     assert main([path, *short, "--option", "colour=red"]) == 2
