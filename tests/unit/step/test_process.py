@@ -192,7 +192,7 @@ print(hashlib.sha256(content(read_quietly(Path(sys.argv[1])))).hexdigest())
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long  # tests/cli/test_determinism.py compares a whole robot
 def test_the_same_bytes_whatever_the_process(tmp_path: Path) -> None:
     """Hash seed, number of processes and working directory do not change the bytes."""
     path = parts.write_nested(tmp_path / "nested.step").path

@@ -232,6 +232,7 @@ def several() -> tuple[CollisionSet, ...]:
     )
 
 
+@pytest.mark.long  # tests/cli/test_determinism.py compares a whole robot
 def test_same_bytes_in_every_process() -> None:
     """Shapes are the same with one thread and with many, and with other hash seeds."""
     digests = set()
