@@ -10,7 +10,7 @@ from stepbot_cli import main
 
 pytest.importorskip("gymnasium", reason="gymnasium is not installed: pip install stepbot[learn]")
 
-from stepbot.gym.__main__ import _parser
+from stepbot.gym.__main__ import argument_parser
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "learning.md").read_text(encoding="utf-8")
@@ -40,4 +40,4 @@ def test_training_commands_are_valid() -> None:
     commands = re.findall(r"^python -m stepbot\.gym (.*)$", PAGE.replace("\\\n", " "), re.MULTILINE)
     assert commands
     for command in commands:
-        _parser().parse_args(shlex.split(command))
+        argument_parser().parse_args(shlex.split(command))

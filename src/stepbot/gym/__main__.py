@@ -13,7 +13,7 @@ from .training import PLANS, draw, rise, shortened, train
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code: 0, or 2 if it could not run."""
-    options = _parser().parse_args(arguments)
+    options = argument_parser().parse_args(arguments)
     plan = shortened(PLANS[options.task], options.iterations, options.seed)
     plan = replace(plan, options={**plan.options, **options.option}, inputs=tuple(options.input) or plan.inputs)
     plan = replace(plan, outputs=tuple(options.output) or plan.outputs)
@@ -33,7 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
+def argument_parser() -> argparse.ArgumentParser:
+    """The command's arguments."""
     parser = argparse.ArgumentParser(prog="python -m stepbot.gym", description=__doc__.partition(": ")[2])
     parser.add_argument("model", metavar="MODEL", help="MJCF file, as ur5e/ur5e.xml")
     parser.add_argument("--task", choices=sorted(PLANS), default="reach", help="[default: reach]")
