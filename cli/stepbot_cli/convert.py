@@ -17,6 +17,7 @@ from stepbot.formats.urdf.package import package_named, package_of
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
+from .descriptions import base_option, package_path_option
 from .diagnostic_text import printable
 from .drive_table import driven_json, driven_lines
 from .engines import require_option
@@ -85,19 +86,6 @@ gazebo_option = click.option(
     "--gazebo",
     is_flag=True,
     help="Make the output folder a Gazebo model: model.config, and mesh paths of the SDFormat as model://DIR/meshes/...",
-)
-base_option = click.option(
-    "--base",
-    type=click.Choice(["fixed", "floating"]),
-    help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
-)
-package_path_option = click.option(
-    "--package-path",
-    "package_path",
-    multiple=True,
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder of a package, or of packages, that a converted file names in package:// or model://; may be repeated.",
 )
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 

@@ -110,6 +110,8 @@ def test_check_reads_the_source(tmp_path: Path, found: ReadDiagnostics) -> None:
     path = write_arm(tmp_path)
     checked = check(path, options_of(tmp_path), found)
     assert (checked.links, checked.joints) == (4, 3)
+    assert [row.name for row in checked.joint_table] == ["shoulder", "slide", "follower"]
+    assert checked.joint_table[0].origin == (0.0, 0.0, 0.05)
     assert found.codes() == ["SB860"]
     lost = ReadDiagnostics()
     check(path, Options(tmp_path / "out"), lost)

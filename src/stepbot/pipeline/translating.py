@@ -14,12 +14,16 @@ from stepbot.described.inertials import check_inertials
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.engines.description import Description
+from stepbot.engines.observation import Request
+from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
+from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.sidecar.self_collision import SelfCollisionSection
+from stepbot.verification.joint_rows import joint_rows
 
 from .conversion import Checked, Conversion, Options
 from .describing import read_description
@@ -69,7 +73,7 @@ def produce_translation(
 
         report = compared_with_source(path, description, described, written, report, options, found)
     report_unused(found, _JUDGED + judged_by_files(options))
-    report = replace(report, inputs=_hashes(path, description.files))
+    report = replace(report, inputs=_hashes(path, description.files), joint_table=_joint_table(robot))
     if options.strict:
         found.make_strict()
     return Conversion(found, robot, all_files(written, report, options, found), report)
@@ -83,7 +87,12 @@ def check_description(path: Path, options: Options, found: Diagnostics) -> Check
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     robot, _ = _robot(path, _read(path, options, found), options, found)
-    return Checked("", len(robot.links), len(robot.joints) + len(robot.closures))
+    return Checked("", len(robot.links), len(robot.joints) + len(robot.closures), _joint_table(robot))
+
+
+def _joint_table(robot: Robot) -> tuple[JointRow, ...]:
+    """Where each joint is, with all joints at 0."""
+    return joint_rows(observe_robot(robot, Request("", "", configurations=({},))))
 
 
 def _read(path: Path, options: Options, found: Diagnostics) -> Description:

@@ -203,8 +203,9 @@ CODES: tuple[Code, ...] = (
         "SB823",
         "error",
         "robot description cannot be read",
-        "The description given by `init --from` is invalid, or uses a feature that stepbot does not support.",
-        "No sidecar is drafted.",
+        "The URDF, SDFormat or MJCF to convert, to view, or given by `init --from` is invalid, or uses a feature that stepbot does "
+        "not support.",
+        "Nothing is written.",
         "`stepbot verify FILE` shows what each engine reports. Without `--from`, `init` drafts from the STEP alone.",
     ),
     Code(
