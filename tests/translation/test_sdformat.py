@@ -82,3 +82,17 @@ def test_include_is_not_followed(rig: Path) -> None:
     )
     with pytest.raises(EngineCannotRead, match="include"):
         describe(str(rig), "sdf")
+
+
+@pytest.mark.long
+@pytest.mark.pybullet
+def test_sdformat_of_others_converts_with_proof(tmp_path: Path) -> None:
+    """A gripper of pybullet_data, with joints beside the origins of its links, converts to URDF and MJCF."""
+    data = pytest.importorskip("pybullet_data")
+    source = Path(data.getDataPath(), "gripper", "wsg50_one_motor_gripper_new_free_base.sdf")
+    conversion = convert(source, Options(tmp_path / "out", formats=("urdf", "mjcf")))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert not conversion.report.failed
+    against = {check.file for check in conversion.report.checks if check.against.startswith(source.name)}
+    assert len(against) == 2
