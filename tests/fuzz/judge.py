@@ -181,7 +181,7 @@ def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> It
             words = content.decode("ascii").split()
             numbers = [word for word in words[2:] if word not in ("v", "f")]
             sound = bool(np.isfinite(np.array(numbers, dtype=np.float64)).all())
-        elif path.endswith(".usda"):
+        elif path.endswith((".usda", ".proto", ".wbt")):
             sound = not {b"nan", b"inf", b"-inf"} & set(re.split(rb"[\s(),\[\]]+", content))
         else:
             attributes = [one for element in etree.fromstring(content).iter() for one in element.attrib.items()]
