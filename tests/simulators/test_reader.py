@@ -206,7 +206,7 @@ def test_faults_are_refused_with_the_reason(tmp_path: Path, model: str, message:
 @pytest.mark.parametrize(
     ("model", "message"),
     [
-        ('<link name="a"/><model name="inner"/>', "nested models are not supported"),
+        ('<link name="a"/><model name="inner" placement_frame="f"/>', "placement_frame is not supported"),
         ('<link name="a"/><link name="b"/>', "2 root links"),
     ],
 )

@@ -54,7 +54,7 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: The file contradicts the specification.
-        EngineCannotRead: It uses features that this reader does not support: nested models, several trees.
+        EngineCannotRead: It uses features that this reader does not support: <include>, several trees.
     """
     model = read_model(Path(request.file))
     frames = Frames(model)
