@@ -1,9 +1,7 @@
 """Install the wheel like a user: into a fresh environment of every supported Python, with the newest dependencies.
 
     build the wheel
-    each Python    install; convert robots; run the tests marked `portable` against the installed package, except in the
-                   Python that runs this script, in which `make test` runs them
-    --every-python the tests in that Python, too
+    each Python    install; convert robots; run the tests marked `portable` against the installed package
     --oldest       the oldest Python once more, with the oldest dependencies that pyproject.toml allows
     all            the same bytes from each: URDF, SDFormat, MJCF, meshes, reports
 
@@ -50,8 +48,6 @@ class Environment:
     name: str
     python: Path
     pins: tuple[str, ...] = ()
-    is_tested: bool = True
-    """Whether the tests run in it."""
 
     @property
     def folder(self) -> Path:
@@ -73,10 +69,9 @@ def main() -> int:
     """Run everything; returns the exit code."""
     parser = argparse.ArgumentParser(description="Try the wheel in every supported Python that is found.")
     parser.add_argument("--no-tests", action="store_true", help="install, convert and compare only")
-    parser.add_argument("--every-python", action="store_true", help="run tests in the Python of `make test`, too")
     parser.add_argument("--oldest", action="store_true", help="try the oldest dependencies too")
     options = parser.parse_args()
-    environments = _environments(own_too=options.every_python, oldest_too=options.oldest)
+    environments = _environments(oldest_too=options.oldest)
     shutil.rmtree(BUILD, ignore_errors=True)
     failed = []
     wheel = _built()
@@ -89,9 +84,7 @@ def main() -> int:
         try:
             installation.result()
             _convert(one)
-            if not one.is_tested:
-                print(f"{one.name}: its tests are those of `make test`", flush=True)
-            elif not options.no_tests:
+            if not options.no_tests:
                 _test(one)
         except Failed as failure:
             failed.append(f"{one.name}: {failure}")
@@ -101,17 +94,14 @@ def main() -> int:
     return 1 if failed else 0
 
 
-def _environments(*, own_too: bool, oldest_too: bool) -> list[Environment]:
+def _environments(*, oldest_too: bool) -> list[Environment]:
     pythons = found_pythons()
     for version in SUPPORTED:
         name = f"Python {version[0]}.{version[1]}"
         print(f"{name}: {f'{pythons[version][1]} at {pythons[version][0]}' if version in pythons else 'not found'}")
     if not pythons:
         sys.exit("no supported Python was found")
-    found = [
-        Environment(f"Python {full}", path, is_tested=own_too or len(pythons) == 1 or version != sys.version_info[:2])
-        for version, (path, full) in pythons.items()
-    ]
+    found = [Environment(f"Python {full}", path) for path, full in pythons.values()]
     if not oldest_too:
         return found
     oldest, full = next(iter(pythons.values()))
