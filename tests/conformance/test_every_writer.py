@@ -129,7 +129,7 @@ def test_meshes_read_back_by_trimesh() -> None:
 
 def test_formats_are_found_and_have_aliases() -> None:
     """Formats are listed in the declared order and found by name or alias, in any case."""
-    assert tuple(FORMATS) == ("urdf", "sdf", "mjcf", "usd")
+    assert tuple(FORMATS) == ("urdf", "sdf", "mjcf", "usd", "webots")
     assert format_named("SDFormat") is FORMATS["sdf"]
     assert format_named("mujoco") is FORMATS["mjcf"]
     with pytest.raises(KeyError):
