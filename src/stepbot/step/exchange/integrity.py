@@ -5,6 +5,7 @@ origin, or crashes the kernel later. It reports this only on request.
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -68,6 +69,9 @@ _UNRESOLVED = re.compile(r"Unresolved Reference,.*\(Id\.#(\d+)\)")
 _DOUBLE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
 _WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal type")
 
+_NUMBERS = re.compile(rb"\n[ \t]*#(\d+)[ \t]*=")
+"""Numbers of entities at the start of a line, as programs write them; a string may look like one."""
+
 _SHOWN = 5
 """Maximum number of places in a diagnostic."""
 _REMEDY = ("export the file again, or copy it again from its source",)
@@ -126,6 +130,18 @@ class _Statements:
         return int(np.searchsorted(self._line_ends, statement.start)) + 1
 
 
+def has_doubled_numbers(path: Path, place: str, found: Diagnostics) -> bool:
+    """Whether two entities have one number (SB221), before the kernel reads the file: at times it never ends on one."""
+    statements = _Statements(path, None)
+    numbers = _NUMBERS.findall(statements.data)
+    if len(set(numbers)) == len(numbers):
+        return False
+    counts = Counter(statement.number for statement in statements.all)
+    doubled = [statement for number, statement in statements.by_number.items() if counts[number] > 1]
+    _report("SB221", "the file has syntax errors", [_doubled_fault(one, statements) for one in doubled], place, found)
+    return bool(doubled)
+
+
 def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) -> bool:
     """Whether everything that draws or places something was understood; the rest is reported in ``found``.
 
@@ -158,7 +174,11 @@ def _broken(messages: Sequence[str]) -> Iterator[_Fault]:
 def _doubled(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
     for message in messages:
         if (match := _DOUBLE.search(message)) and (statement := statements.by_number.get(int(match[1]))):
-            yield _Fault(statements.line(statement), f"{statement}: duplicate entity number")
+            yield _doubled_fault(statement, statements)
+
+
+def _doubled_fault(statement: Statement, statements: _Statements) -> _Fault:
+    return _Fault(statements.line(statement), f"{statement}: duplicate entity number")
 
 
 def _missing(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:

@@ -77,7 +77,17 @@ def test_two_entities_with_one_number(text: str, tmp_path: Path) -> None:
     """Two entities of one number are an error."""
     point, direction = first("CARTESIAN_POINT", text), first("DIRECTION", text)
     damaged = text.replace(f"#{direction[1]}=", f"#{point[1]}=", 1)
-    assert "SB221" in [d.code for d in complaints(damaged, tmp_path)]
+    (fault,) = complaints(damaged, tmp_path)
+    assert fault.code == "SB221"
+    assert "duplicate entity number" in fault.notes[0]
+
+
+def test_a_string_that_looks_like_an_entity(text: str, tmp_path: Path) -> None:
+    """A line of a string that begins like an entity with the number of another is no duplicate."""
+    point, name = first("CARTESIAN_POINT", text), first("PRODUCT", text)
+    changed = text.replace(name[0], name[0].replace("'", f"'\n#{point[1]}=", 1))
+    assert changed != text
+    assert "SB221" not in [d.code for d in complaints(changed, tmp_path)]
 
 
 def test_styles_that_lead_nowhere_are_a_warning(tmp_path: Path) -> None:
