@@ -18,15 +18,14 @@ from typing import Any, BinaryIO
 
 import pytest
 
-from stepbot.engines import engines
-from stepbot.engines.prestart import started_engine_server
+from stepbot.engines.prestart import shared_imports, started_engine_server
 from stepbot.pipeline import prestart
 from stepbot.runtime import worker
 from stepbot.runtime.fork_server import ForkServer, can_serve
 from stepbot.verification import files
 
 _KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
-_ENGINES = ("lxml.etree", "stepbot.engines.file_references", "stepbot.verification.self_collision.drawn_pose")
+_REFERENCES = "stepbot.engines.file_references"
 _YOURDFPY = "stepbot.engines.yourdfpy.observer"
 _SPAWNED = worker.spawned
 
@@ -43,8 +42,7 @@ class WarmProcesses:
 
     @cached_property
     def _engines(self) -> ForkServer:
-        shared = (engine.shared_import for engine in engines() if not engine.optional)
-        return ForkServer([*_ENGINES, *shared, __name__])
+        return ForkServer([*shared_imports(), _REFERENCES, __name__])
 
     @cached_property
     def _yourdfpy(self) -> ForkServer:

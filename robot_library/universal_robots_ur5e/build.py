@@ -8,8 +8,8 @@ dimensions below are those of the shells around them; letters in brackets name t
 [V] Offsets of the shells along the joints' axes in the maker's description, config/ur5e/visual_parameters.yaml:
     138 mm to the upper arm, 7 mm to the forearm, 99.7 mm of wrist 2.
 [E] Estimated from photographs, to about 3 mm. Wrists 1 and 2 look the same, so both begin at the same distance before
-    their axes. Then base and shoulder never touch wrist 1, as in the maker's SRDF (Universal_Robots_ROS2_Driver,
-    ur_moveit_config/srdf/ur_macro.srdf.xacro).
+    their axes. Then base and shoulder never touch wrist 1, as in the SRDF of the description (ros-industrial/
+    universal_robot, ur5e_moveit_config/config/ur5e.srdf).
 """
 
 from pathlib import Path

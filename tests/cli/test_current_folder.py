@@ -103,6 +103,7 @@ def test_no_further_command_imports_from_the_current_folder(tmp_path: Path, robo
     trap.run(INSTALLED, "check", "--step", "--", "arm2.robot.yaml")
     trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "converted", "--no-verify")
     trap.run(INSTALLED, "uptodate", "-o", "converted", "arm2.robot.yaml")
+    trap.run(INSTALLED, "batch", "-j", "2", "-o", "many", "arm2.robot.yaml")
 
 
 @pytest.mark.slow

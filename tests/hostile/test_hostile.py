@@ -14,16 +14,13 @@ from .sidecar_damage import KINDS, damaged
 from .sidecar_mutant import LIBRARY, SidecarMutant, plan
 from .sidecar_tree import read_tree, written
 
-ELSEWHERE = ("steps", "kills", "caches", "concurrent")
-"""Experiments that `make test` leaves out: tests/fuzz tries mutants, tests/cli/test_bad_input.py sends signals,
-tests/cli/test_cache.py damages entries, tests/unit/runtime tries several writers at once."""
-
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("hostile")
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=pytest.mark.long) if name in ELSEWHERE else name for name in NAMES],
+    # tests/fuzz tries the mutants of `steps`.
+    [pytest.param(name, marks=pytest.mark.long) if name == "steps" else name for name in NAMES],
 )
 def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
     """The short form of each experiment finds no traceback, hang, leftover or incomplete file."""

@@ -32,7 +32,7 @@ def test_written_file_reads_back_as_the_robot(robot: str, format_: str, converte
     """Masses, inertias, limits and, for trees of simple joints, the poses of all links in a random configuration."""
     conversion = converted(robot)
     text = (conversion.folder / "report.json").read_text(encoding="utf-8")
-    model = robot_of_report(json.loads(text)["robot"] and json.loads(text))
+    model = robot_of_report(json.loads(text))
     read = read_back(conversion.file(SUFFIXES[format_]), format_)
     for link in model.links:
         ours, theirs = link.mass_properties, read.link_by_name[link.name].mass_properties

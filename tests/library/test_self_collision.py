@@ -76,8 +76,9 @@ NEVER = {
         ("right_l4", "right_l1 right_l6"),
     ),
 }
-"""Links of which the maker's SRDF says that they never collide: Universal_Robots_ROS2_Driver, ur_macro.srdf.xacro; and
-RethinkRobotics/sawyer_moveit, sawyer_base.srdf.xacro at 7930eb6fd49f, without links that a joint connects."""
+"""Links that never collide by the SRDF of the maker's description, without links that a joint connects:
+ros-industrial/universal_robot, ur5e_moveit_config/config/ur5e.srdf at 7917d497fa4d; RethinkRobotics/sawyer_moveit,
+sawyer_base.srdf.xacro at 7930eb6fd49f."""
 
 
 @pytest.mark.parametrize("robot", ["universal_robots_ur5e", pytest.param("rethink_sawyer", marks=pytest.mark.long)])

@@ -12,7 +12,7 @@ from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.step.exchange import encodings, part21
 from stepbot.step.exchange.long_tokens import _long_tokens
 from stepbot.step.exchange.references import external_references
-from stepbot.step.exchange.statements import Statement, find_statements
+from stepbot.step.exchange.statements import Statement, duplicates, find_statements
 from stepbot.step.exchange.strings import decode_string
 from stepbot.step.structure import paths
 
@@ -74,6 +74,11 @@ def products(data: bytes) -> None:
     assert external_references(b"\n".join(rows), "", with_products=False)
 
 
+def numbers(data: bytes) -> None:
+    """Search for duplicate entity numbers."""
+    duplicates(data)
+
+
 def statements(data: bytes) -> None:
     """Split the text into statements."""
     list(find_statements(data))
@@ -129,6 +134,12 @@ def spelling(data: bytes) -> None:
         (documents, b"DOCUMENT_FILE( '''' , '''"),
         (names, b"x"),
         (products, b"x"),
+        (numbers, b";#0"),
+        (numbers, b";#1"),
+        (numbers, b"; "),
+        (numbers, b";# "),
+        (numbers, b";#1 "),
+        (numbers, b";#1=A('"),
         (statements, b"#1=/*a*/"),
         (statements, b"#1=/* "),
         (statements, b"#1="),

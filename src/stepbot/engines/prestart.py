@@ -5,9 +5,14 @@ from stepbot.runtime.fork_server import ForkServer, can_serve
 from . import engines
 
 
+def shared_imports() -> tuple[str, ...]:
+    """Modules that most engines import."""
+    shared = (engine.shared_import for engine in engines() if not engine.optional)
+    return ("lxml.etree", "stepbot.verification.self_collision.drawn_pose", *shared)
+
+
 def started_engine_server() -> ForkServer | None:
     """A process that starts engines; None without fork, so that each starts on its own."""
     if not can_serve():
         return None
-    shared = [engine.shared_import for engine in engines() if not engine.optional]
-    return ForkServer(("lxml.etree", "stepbot.verification.self_collision.drawn_pose", *shared))
+    return ForkServer(shared_imports())

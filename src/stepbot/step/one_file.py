@@ -13,7 +13,7 @@ from .exchange.encodings import as_utf8
 from .exchange.external_files import entity_of, forget_external_files
 from .exchange.file_set import NONE as NO_FILE
 from .exchange.file_set import Link, StepFile
-from .exchange.integrity import check_integrity, has_doubled_numbers
+from .exchange.integrity import check_integrity, check_numbers
 from .exchange.length_unit import LengthUnit, read_length_unit
 from .exchange.long_tokens import report_long_tokens
 from .exchange.operators import correct_operators
@@ -80,7 +80,7 @@ def read_file(file: StepFile, found: Diagnostics) -> FileContent | None:
 def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent | None:
     place = file.place
     with as_utf8(file.path, file.part21.encoding) as text:
-        if has_doubled_numbers(text, place, found):
+        if not check_numbers(text, place, found):
             return None
         try:
             model = read_model(text)

@@ -5,7 +5,6 @@ origin, or crashes the kernel later. It reports this only on request.
 """
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,7 +34,7 @@ from OCP.StepShape import (
 
 from stepbot.diagnostics import Diagnostics, Span
 
-from .statements import Statement, find_statements
+from .statements import Statement, duplicates, find_statements
 
 _SHAPES = (
     StepGeom_GeometricRepresentationItem,
@@ -66,11 +65,8 @@ _NOT_SHAPES = re.compile("TEXT|CALLOUT|ANNOTATION|DIMENSION|TOLERANCE|DATUM|SYMB
 
 _SYNTAX = re.compile(r"Undefined Parsing: Line (\d+): (?:Incorrect syntax: )?(.*)", re.DOTALL)
 _UNRESOLVED = re.compile(r"Unresolved Reference,.*\(Id\.#(\d+)\)")
-_DOUBLE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
+_DUPLICATE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
 _WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal type")
-
-_NUMBERS = re.compile(rb"\n[ \t]*#(\d+)[ \t]*=")
-"""Numbers of entities at the start of a line, as programs write them; a string may look like one."""
 
 _SHOWN = 5
 """Maximum number of places in a diagnostic."""
@@ -130,16 +126,15 @@ class _Statements:
         return int(np.searchsorted(self._line_ends, statement.start)) + 1
 
 
-def has_doubled_numbers(path: Path, place: str, found: Diagnostics) -> bool:
-    """Whether two entities have one number (SB221), before the kernel reads the file: at times it never ends on one."""
+def check_numbers(path: Path, place: str, found: Diagnostics) -> bool:
+    """Whether every entity has a number of its own (else SB221); to be called before the kernel reads the file.
+
+    The kernel has not ended on a duplicate, now and then: StepData_StepReaderData::SetEntityNumbers of OCCT 8.0.
+    """
     statements = _Statements(path, None)
-    numbers = _NUMBERS.findall(statements.data)
-    if len(set(numbers)) == len(numbers):
-        return False
-    counts = Counter(statement.number for statement in statements.all)
-    doubled = [statement for number, statement in statements.by_number.items() if counts[number] > 1]
-    _report("SB221", "the file has syntax errors", [_doubled_fault(one, statements) for one in doubled], place, found)
-    return bool(doubled)
+    faults = [_duplicate(one, statements) for one in duplicates(statements.data)]
+    _report("SB221", "the file has syntax errors", faults, place, found)
+    return not faults
 
 
 def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) -> bool:
@@ -155,7 +150,7 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     check = model.GlobalCheck(True)
     messages = [str(check.CFail(index)) for index in range(1, check.NbFails() + 1)]
     statements = _Statements(path, model)
-    broken = [*_broken(messages), *_doubled(messages, statements)]
+    broken = [*_broken(messages), *_duplicates(messages, statements)]
     lacking = [*_missing(messages, statements), *_wrong_kinds(session, statements)]
     essential = [fault for fault in lacking if fault.is_essential]
     others = [fault for fault in lacking if not fault.is_essential]
@@ -171,13 +166,13 @@ def _broken(messages: Sequence[str]) -> Iterator[_Fault]:
             yield _Fault(int(match[1]), " ".join(match[2].split()))
 
 
-def _doubled(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
+def _duplicates(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
     for message in messages:
-        if (match := _DOUBLE.search(message)) and (statement := statements.by_number.get(int(match[1]))):
-            yield _doubled_fault(statement, statements)
+        if (match := _DUPLICATE.search(message)) and (statement := statements.by_number.get(int(match[1]))):
+            yield _duplicate(statement, statements)
 
 
-def _doubled_fault(statement: Statement, statements: _Statements) -> _Fault:
+def _duplicate(statement: Statement, statements: _Statements) -> _Fault:
     return _Fault(statements.line(statement), f"{statement}: duplicate entity number")
 
 

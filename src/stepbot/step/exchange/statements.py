@@ -9,6 +9,8 @@ from .encodings import Text
 # Each alternative ends where it must, at the latest at the end of the file: no byte is read twice.
 _TOKEN = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|(;)|#\s*(\d{1,18})\s*=", re.DOTALL)
 _REFERENCE = re.compile(rb"'[^']*'|/\*.*?(?:\*/|\Z)|#\s*(\d{1,18})(?!\d)", re.DOTALL)
+_BEGINNING = re.compile(rb"#\s*+(\d{1,18})\s*+=")
+"""The beginning of a statement; strings and comments may look like one."""
 _KEYWORD = re.compile(rb"[A-Z][A-Z0-9_]*")
 
 
@@ -46,3 +48,19 @@ def find_statements(data: Text) -> Iterator[Statement]:
             if head is not None:
                 yield Statement(int(head[2]), head.start(), data[head.end() : token.start()])
             head = None
+
+
+def duplicates(data: Text) -> list[Statement]:
+    """The statements with the number of an earlier one, in file order.
+
+    Files without any are most, and are recognized in a fraction of the time of :func:`find_statements`.
+    """
+    numbers = [int(number) for number in _BEGINNING.findall(data)]
+    if len(set(numbers)) == len(numbers):
+        return []
+    found, seen = [], set[int]()
+    for statement in find_statements(data):
+        if statement.number in seen:
+            found.append(statement)
+        seen.add(statement.number)
+    return found

@@ -50,8 +50,10 @@ class _Search:
         return tuple(found)
 
 
-_SEARCHES: dict[None, _Search] = {}
-"""The search of the robot that this process was given last."""
+class _Kept:
+    """What this process keeps from one call to the next."""
+
+    search: _Search | None = None
 
 
 def contacts(robot: Robot | None, q: Mapping[str, float]) -> tuple[Contact, ...]:
@@ -65,5 +67,6 @@ def contacts(robot: Robot | None, q: Mapping[str, float]) -> tuple[Contact, ...]
         KeyError: A position is missing.
     """
     if robot is not None:
-        _SEARCHES[None] = _Search(robot)
-    return _SEARCHES[None].contacts(q)
+        _Kept.search = _Search(robot)
+    assert _Kept.search is not None  # the first call has a robot
+    return _Kept.search.contacts(q)

@@ -73,10 +73,12 @@ def test_a_statement_that_does_not_end(text: str, tmp_path: Path) -> None:
     assert broken.span.line == pytest.approx(line_of(point, text), abs=1)  # the kernel may report the line of its end
 
 
-def test_two_entities_with_one_number(text: str, tmp_path: Path) -> None:
-    """Two entities of one number are an error."""
+@pytest.mark.parametrize("layout", ["#{}=", "# 0{} ="])
+@pytest.mark.parametrize("end", ["\n", "\r", ""])
+def test_two_entities_with_one_number(layout: str, end: str, text: str, tmp_path: Path) -> None:
+    """Two entities of one number are an error, wherever lines end and however the number is written."""
     point, direction = first("CARTESIAN_POINT", text), first("DIRECTION", text)
-    damaged = text.replace(f"#{direction[1]}=", f"#{point[1]}=", 1)
+    damaged = text.replace(f"#{direction[1]}=", layout.format(point[1]), 1).replace("\n", end)
     (fault,) = complaints(damaged, tmp_path)
     assert fault.code == "SB221"
     assert "duplicate entity number" in fault.notes[0]
