@@ -22,7 +22,7 @@ class Claims:
     link_of: tuple[str, ...]
     """Link that owns the component's body; empty if the component has no body or is ignored."""
     incomplete: frozenset[str]
-    """Links with a path that matches no component, or too many: results that depend on their parts are unknown."""
+    """Links whose parts are unknown: a path matches no component, or too many; then also the link with ``rest``."""
     claimed: Mapping[int, tuple[str, int]]
     """For each component that a path of a link names itself the link, and the position of the path in its parts."""
     unclaimed: tuple[int, ...] = ()
@@ -53,7 +53,8 @@ def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
     if unknown:
         _report_unclaimed(binder, unknown, incomplete)
     places = {index: (one.link, one.position) for one in reversed(claims) for index in one.indices}
-    return Claims(link_of, frozenset(incomplete), places, tuple(left))
+    with_rest = {rest} if rest and incomplete else set()  # it got the parts that the paths were to match
+    return Claims(link_of, frozenset(incomplete) | with_rest, places, tuple(left))
 
 
 @dataclass(frozen=True)

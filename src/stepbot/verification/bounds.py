@@ -3,13 +3,16 @@
 from dataclasses import replace
 from math import inf
 
+import numpy as np
+
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.formats.lowering import UNLIMITED
-from stepbot.formats.lowering.masses import LEAST_MASS, STAND_IN_MASS
+from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.geometry.spatial import ZERO3, ZERO33
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
 
+_STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
 _ROUNDING = 1e-6
 """Relative error of numbers in single precision."""
 
@@ -24,8 +27,12 @@ def without_stand_ins(observation: Observation) -> Observation:
 
 
 def _has_stand_in(link: ObservedLink) -> bool:
-    mass = link.mass
-    return mass is not None and any(abs(mass - one) < _ROUNDING * one for one in (STAND_IN_MASS, LEAST_MASS))
+    """Whether mass and inertia are those of a stand-in: links of other programs may have the same mass alone."""
+    return link.mass is not None and any(
+        abs(link.mass - mass) < _ROUNDING * mass
+        and (link.inertia is None or np.allclose(link.inertia, moment * np.eye(3), rtol=0.0, atol=_ROUNDING * moment))
+        for mass, moment in _STAND_INS
+    )
 
 
 def _massless(link: ObservedLink) -> ObservedLink:

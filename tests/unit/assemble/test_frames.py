@@ -153,6 +153,24 @@ def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnosti
         _expect(built(shop, tmp_path, _joint(text.removeprefix("origin: "))), (x, y, 0))
 
 
+def test_misspelt_part_is_no_ambiguous_axis(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The link with ``rest`` gets the part that a misspelt path was to match; its axes are not judged."""
+    shop = Workshop()
+    shop.box("plate", (100, 100, 10), axes=[axis((0, 0, 0), radius=5)])
+    shop.box("motor", (20, 20, 10), at(30, 0, 0), axes=[axis((0, 0, 0), radius=5)])
+    shop.box("arm", (20, 20, 60), axes=[axis((0, 0, 0), radius=5), axis((30, 0, 0), radius=5)])
+    text = """
+    defaults: {density: 1000}
+    links: {base: {rest: true}, drive: {parts: [MOTOR]}, arm: {parts: [arm]}}
+    joints:
+      j: {type: continuous, parent: base, child: arm}
+      k: {type: fixed, parent: arm, child: drive, origin: {xyz: [0, 0, 0]}}
+"""
+    _expect(built(shop, tmp_path, text.replace("MOTOR", "motor")), (0, 0, 0))
+    assert build(shop, tmp_path, text.replace("MOTOR", "motro"), found) is None
+    assert found.codes() == ["SB301"]
+
+
 def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
     """An ambiguous ``axis_of`` lists a snippet for each line."""
     shop = _two([axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=2.9)], [])
