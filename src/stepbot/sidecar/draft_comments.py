@@ -31,7 +31,7 @@ def below(lines: Sequence[str], after: int, name: str) -> int:
 
 
 def drafted_reviews(text: str) -> dict[str, str]:
-    """For each joint and closure that still has its score from the draft, what to review; empty if nothing is."""
+    """What to review of each joint and closure that still has its score from the draft and a REVIEW comment."""
     lines = text.split("\n")
     found = {}
     for index, line in enumerate(lines):

@@ -29,13 +29,12 @@ def evidence_of_rows(rows: Iterable[JointRow], reviews: Mapping[str, str] = NO_R
 
     Args:
         rows: The joint table.
-        reviews: What the sidecar's comments say is to be reviewed of a drafted joint, empty if nothing is. `init` has
-            weighed motors, bearings and contacts, too, so this decides; without it, the doubt of the joint table does.
+        reviews: What the sidecar's REVIEW comments say about drafted joints; for others, the doubt of the joint table.
     """
     return {
         row.name: {
             "evidence": evidence_words(row.evidence),
-            "doubt": reviews.get(row.name, row.evidence.doubt),
+            "doubt": reviews.get(row.name) or row.evidence.doubt,
             "at": "" if row.origin is None else point_words(row.origin),
             "along": "" if row.axis is None else direction_words(row.axis),
             "others": [rival_words(one) for one in row.evidence.rivals],
