@@ -229,7 +229,7 @@ class Observation:
     engine: str
     version: str
     format: str
-    """``urdf``, ``sdf`` or ``mjcf``."""
+    """Name of a :class:`stepbot.formats.format.Format`."""
     name: str | None = None
     """Name of the robot."""
     base: str | None = None

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .colors import srgb_from_linear
 from .mesh import TriMesh, joined, merged
 
 KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
@@ -85,7 +86,7 @@ def _color(visual: Any, *, linear: bool) -> Color | None:
         return None
     r, g, b, a = (float(channel) / 255.0 for channel in material.main_color)
     if linear:
-        r, g, b = (12.92 * c if c <= 0.0031308 else 1.055 * c ** (1.0 / 2.4) - 0.055 for c in (r, g, b))
+        r, g, b = map(srgb_from_linear, (r, g, b))
     red, green, blue, opacity = (round(channel, 4) for channel in (r, g, b, a))
     return red, green, blue, opacity
 

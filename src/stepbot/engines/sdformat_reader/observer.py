@@ -26,11 +26,12 @@ from ..observation import (
     Request,
 )
 from ..parsed_motion import with_motion
+from ..shape_bounds import box_around
 from . import ENGINE
 from .frames import MODEL, WORLD, Frames, bool_at, ends, number_at, numbers, read_pose
 from .gz_plugins import plugin_actuators, plugin_sensors
 from .sensors import model_sensors
-from .shapes import box_around, shapes_of
+from .shapes import shapes_of
 from .tree import closing_joints, joints_to_world, read_model
 
 if TYPE_CHECKING:

@@ -1,18 +1,15 @@
 """The shapes of an SDFormat link: names, colours, and bounding boxes."""
 
-from collections.abc import Iterable, Sequence
-from functools import lru_cache
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from stepbot.geometry.spatial import Array, Pose, join_bounds
-from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
 from ..observation import ObservedShape
-from ..resources import resolve
+from ..shape_bounds import mesh_file_bounds
 from .frames import numbers, read_pose
 
 if TYPE_CHECKING:
@@ -36,12 +33,6 @@ def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShap
     return tuple(seen), missing
 
 
-def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
-    """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
-    known = [shape.bounds for shape in shapes if shape.bounds is not None]
-    return join_bounds(known) if known and len(known) == len(shapes) else None
-
-
 def _color(shape: Element, name: str) -> tuple[float, ...]:
     """Red, green, blue and opacity; empty if the file gives none."""
     values = numbers(shape.findtext(f"material/{name}"))
@@ -55,14 +46,8 @@ def _bounds(geometry: Element | None, X_LG: Pose, file: Path) -> tuple[Bounds | 
         return None, []
     if mesh is None:
         return _primitive_bounds(geometry, X_LG), []
-    uri = (mesh.findtext("uri") or "").strip()
-    path = resolve(uri, file)
-    if path is None:
-        return None, [uri]
-    if path.suffix.lower() != ".obj":
-        return None, []
-    scale = np.array(numbers(mesh.findtext("scale") or "1 1 1"))
-    return mesh_bounds(_vertices(path.read_bytes()) * scale, X_LG), []
+    uri, scale = (mesh.findtext("uri") or "").strip(), numbers(mesh.findtext("scale") or "1 1 1")
+    return mesh_file_bounds(uri, file, X_LG, scale)
 
 
 def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
@@ -79,12 +64,3 @@ def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
     if geometry.find("capsule") is not None:
         return primitive_bounds(Capsule(number("capsule/radius"), number("capsule/length")), X_LG)
     return None
-
-
-@lru_cache(maxsize=1024)
-def _vertices(obj: bytes) -> Array:
-    """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
-    words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
-    vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
-    vertices.setflags(write=False)
-    return vertices

@@ -55,7 +55,7 @@ def the_model(top: Element) -> Element:
         EngineCannotRead: It has no model, several, or an include.
     """
     models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
-    if len(models) > 1:  # a floor is no robot
+    if len(models) > 1:  # a floor is not a robot
         models = [model for model in models if (model.findtext("static") or "").strip() not in ("true", "1")]
     if len(models) != 1:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")

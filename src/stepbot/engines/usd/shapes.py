@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, join_bounds
+from stepbot.geometry.colors import srgb_from_linear
+from stepbot.geometry.spatial import Array, bounds
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
@@ -33,12 +34,6 @@ def shapes(stage: Stage, body: Body) -> tuple[tuple[ObservedShape, ...], tuple[O
         if UsdGeom.Imageable(prim).ComputePurpose() != UsdGeom.Tokens.guide:
             visuals.append(ObservedShape(name, _color(prim), bounds=bounds))
     return tuple(visuals), tuple(collisions)
-
-
-def box_around(seen: tuple[ObservedShape, ...]) -> Bounds | None:
-    """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
-    known = [shape.bounds for shape in seen if shape.bounds is not None]
-    return join_bounds(known) if known and len(known) == len(seen) else None
 
 
 def _named(prim: Any) -> Any:
@@ -75,11 +70,7 @@ def _bounds(stage: Stage, prim: Any, body: Body) -> Bounds | None:
 
 def _mesh_bounds(mesh: Any, M: Array) -> Bounds | None:
     points = np.array(mesh.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
-    if not len(points):
-        return None
-    moved = points @ M[:3, :3].T + M[:3, 3]
-    low, high = moved.min(axis=0).tolist(), moved.max(axis=0).tolist()
-    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+    return bounds(points @ M[:3, :3].T + M[:3, 3]) if len(points) else None
 
 
 def _color(prim: Any) -> tuple[float, ...]:
@@ -92,11 +83,7 @@ def _color(prim: Any) -> tuple[float, ...]:
         color, opacity = (surface.GetInput(name) for name in ("diffuseColor", "opacity"))
         seen = color.Get() if color else None
         if seen is not None:
-            return (*map(_srgb, seen), float(opacity.Get()) if opacity and opacity.Get() is not None else 1.0)
+            alpha = opacity.Get() if opacity else None
+            return (*map(srgb_from_linear, seen), 1.0 if alpha is None else float(alpha))
     shown = UsdGeom.Gprim(prim).GetDisplayColorAttr().Get()
-    return (*map(_srgb, shown[0]), 1.0) if shown else ()
-
-
-def _srgb(linear: float) -> float:
-    """A channel of sRGB from a linear one."""
-    return 12.92 * linear if linear <= 0.0031308 else 1.055 * float(linear) ** (1.0 / 2.4) - 0.055
+    return (*map(srgb_from_linear, shown[0]), 1.0) if shown else ()

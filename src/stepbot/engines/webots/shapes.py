@@ -1,17 +1,14 @@
 """The shapes of a solid: colours and bounding boxes."""
 
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
-from stepbot.geometry.spatial import Array, Pose, join_bounds, rotation_about
-from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
 from ..observation import ObservedShape
-from ..resources import resolve
+from ..shape_bounds import mesh_file_bounds
 from .vrml import Node
 
 _GROUPS = ("Pose", "Transform", "Group")
@@ -28,19 +25,11 @@ def collisions_of(solid: Node, file: Path) -> tuple[tuple[ObservedShape, ...], l
     return _observed([] if bounding is None else list(_shapes(bounding, Pose(), geometries=True)), file)
 
 
-def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
-    """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
-    known = [shape.bounds for shape in shapes if shape.bounds is not None]
-    return join_bounds(known) if known and len(known) == len(shapes) else None
-
-
 def _shapes(node: Node, X: Pose, *, geometries: bool = False) -> Iterator[tuple[Node, Node | None, Pose]]:
     """Geometry, appearance and pose of the shapes in a node; solids and joints have shapes of their own."""
     if node.type in _GROUPS:
-        x, y, z, angle = node.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
-        moved = X @ Pose.of(rotation_about((x, y, z), angle), node.numbers("translation", (0.0, 0.0, 0.0)))
         for child in node.nodes("children"):
-            yield from _shapes(child, moved, geometries=geometries)
+            yield from _shapes(child, X @ node.pose(), geometries=geometries)
     elif node.type == "Shape":
         geometry = node.node("geometry")
         if geometry is not None:
@@ -76,24 +65,12 @@ def _bounds(geometry: Node, X: Pose, file: Path) -> tuple[Bounds | None, list[st
             kind = Cylinder if geometry.type == "Cylinder" else Capsule
             return primitive_bounds(kind(geometry.number("radius", 0.1), geometry.number("height", 0.2)), X), []
         case "Mesh":
-            return _mesh_bounds(geometry, X, file)
+            return mesh_file_bounds(_url(geometry), file, X)
         case _:
             return None, []
 
 
-def _mesh_bounds(geometry: Node, X: Pose, file: Path) -> tuple[Bounds | None, list[str]]:
-    urls = geometry.fields.get("url", [])
-    (url, *_) = [str(one).strip('"') for one in (urls if isinstance(urls, list) else [urls])] or [""]
-    path = resolve(url, file)
-    if path is None:
-        return None, [url]
-    return (mesh_bounds(_vertices(path.read_bytes()), X) if path.suffix.lower() == ".obj" else None), []
-
-
-@lru_cache(maxsize=1024)
-def _vertices(obj: bytes) -> Array:
-    """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
-    words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
-    vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
-    vertices.setflags(write=False)
-    return vertices
+def _url(mesh: Node) -> str:
+    """The file of a mesh; of several the first."""
+    urls = mesh.fields.get("url", [])
+    return next((str(one).strip('"') for one in (urls if isinstance(urls, list) else [urls])), "")

@@ -6,6 +6,7 @@ cannot be changed inside of one. Their purpose is ``guide``, which renderers do 
 
 import numpy as np
 
+from stepbot.geometry.colors import linear_from_srgb
 from stepbot.geometry.fixed_point import fixed_point_lines
 from stepbot.geometry.mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, cross
@@ -176,15 +177,9 @@ def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:
     """A material with one colour; USD's colours are linear, those of CAD programs are sRGB."""
     shader = Prim("Shader", "surface")
     shader.set("uniform token info:id", '"UsdPreviewSurface"')
-    shader.set("color3f inputs:diffuseColor", singles(map(_linear, rgba[:3])))
+    shader.set("color3f inputs:diffuseColor", singles(round(linear_from_srgb(c), _COLOR_DECIMALS) for c in rgba[:3]))
     shader.set("float inputs:opacity", single(rgba[3]))
     shader.properties.append("token outputs:surface")
     material = Prim("Material", identifier, children=[shader])
     material.set("token outputs:surface.connect", f"<{scope}/{identifier}/surface.outputs:surface>")
     return material
-
-
-def _linear(channel: float) -> float:
-    """A linear channel from one of sRGB (IEC 61966-2-1)."""
-    linear = channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
-    return round(linear, _COLOR_DECIMALS)

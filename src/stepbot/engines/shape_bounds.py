@@ -1,0 +1,47 @@
+"""Bounding boxes of shapes that stepbot's own parsers read, which no engine measures."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array, Pose, join_bounds
+from stepbot.robot.bounding_boxes import Bounds, mesh_bounds
+
+from .observation import ObservedShape
+from .resources import resolve
+
+
+def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
+    """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
+    known = [shape.bounds for shape in shapes if shape.bounds is not None]
+    return join_bounds(known) if known and len(known) == len(shapes) else None
+
+
+def mesh_file_bounds(
+    uri: str, file: Path, X_LG: Pose, scale: Sequence[float] = (1.0, 1.0, 1.0)
+) -> tuple[Bounds | None, list[str]]:
+    """The bounding box [m] of a mesh file in its link, and the file if it is missing; no box unless it is an OBJ.
+
+    Args:
+        uri: The mesh file, as in the description.
+        file: The description.
+        X_LG: Pose of the mesh in its link.
+        scale: Factors of the coordinates.
+    """
+    path = resolve(uri, file)
+    if path is None:
+        return None, [uri]
+    if path.suffix.lower() != ".obj":
+        return None, []
+    return mesh_bounds(_vertices(path.read_bytes()) * np.array(scale), X_LG), []
+
+
+@lru_cache(maxsize=1024)
+def _vertices(obj: bytes) -> Array:
+    """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
+    words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
+    vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
+    vertices.setflags(write=False)
+    return vertices
