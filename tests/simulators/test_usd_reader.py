@@ -217,6 +217,59 @@ def test_conventions_of_other_programs(tmp_path: Path) -> None:
     assert poses["leaf"].distance_to(half) == pytest.approx((0.0, 0.0), abs=1e-7)
 
 
+def test_passive_forces_of_a_slide_in_other_units(tmp_path: Path) -> None:
+    """Damping in g/s, friction in g cm/s^2 and armature in g of a prismatic joint become SI."""
+    given = "float newton:damping = 3\n        float newton:friction = 4\n        float newton:armature = 5\n"
+    slide = ELSEWHERE.replace("PhysicsRevoluteJoint", "PhysicsPrismaticJoint")
+    seen = read(tmp_path, slide.replace("float physics:lowerLimit", f"{given}        float physics:lowerLimit"))
+    dynamics = seen.joints[0].dynamics
+    assert dynamics is not None
+    assert (dynamics.damping, dynamics.friction, dynamics.armature) == pytest.approx((3e-3, 4e-5, 5e-3))
+
+
+KNOB = """    def Xform "knob" (
+        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]
+    )
+    {
+        float physics:mass = 10
+    }
+
+    def PhysicsRevoluteJoint "turn" (
+        prepend apiSchemas = ["NewtonMimicAPI"]
+    )
+    {
+        uniform token physics:axis = "Y"
+        rel physics:body0 = <BODY0>
+        rel physics:body1 = <BODY1>
+        float newton:mimicCoef0 = 90
+        float newton:mimicCoef1 = 0.5
+        rel newton:mimicJoint = </door/hinge>
+    }
+
+    def PhysicsFixedJoint "wall\""""
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_mimics_of_reversed_joints(sign: float, tmp_path: Path) -> None:
+    """A joint whose first body is the child has the opposite sign, as leader and as follower."""
+    ends = ("/door/frame/leaf", "/door/knob")[:: int(sign)]
+    knob = KNOB.replace("BODY0", ends[0]).replace("BODY1", ends[1])
+    seen = read(tmp_path, ELSEWHERE.replace('    def PhysicsFixedJoint "wall"', knob))
+    (mimic,) = (joint.mimic for joint in seen.joints if joint.name == "turn")
+    assert mimic is not None  # turn = 90 deg + 0.5 hinge in the file, where the hinge is reversed
+    assert (mimic.joint, mimic.multiplier, mimic.offset) == ("hinge", -0.5 * sign, pytest.approx(sign * pi / 2))
+
+
+def test_a_scene_refers_to_a_file_with_an_at_sign(tmp_path: Path) -> None:
+    """The scene of a robot with `@` in its name, which delimits paths in USD, has the robot."""
+    from pxr import Usd
+
+    for path, data in render(replace(two_link_arm(), name="arm@2"), "usd", Diagnostics()).items():
+        (tmp_path / path).write_bytes(data)
+    stage = Usd.Stage.Open(str(tmp_path / "arm@2.scene.usda"))
+    assert stage.GetPrimAtPath("/World/arm_2/forearm")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "error", "message"),
     [

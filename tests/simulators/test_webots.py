@@ -21,7 +21,7 @@ from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, main_file
 from stepbot.formats.webots.names import proto_name
-from stepbot.geometry.spatial import Pose, rotation_about, rotation_angle
+from stepbot.geometry.spatial import Pose, rotation_angle
 from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Limit, Mimic, Robot
 from tests.robots import ROBOTS, four_bar, two_link_arm
 
@@ -167,6 +167,17 @@ def test_proto_names_are_identifiers(robot: str, name: str) -> None:
     assert read_proto(WEBOTS.writer.render(lowered).decode())[0] == name
 
 
+def test_text_cannot_leave_its_comment_or_string() -> None:
+    """Line breaks in a licence or a file name, and what would open a template in a name, do not change the PROTO."""
+    arm = two_link_arm()
+    base = replace(arm.links[0], name='%{ os.exit() }% "a\\')
+    joints = tuple(replace(one, parent=base.name) if one.parent == arm.root.name else one for one in arm.joints)
+    metadata = replace(arm.metadata, license="MIT\nPROTO b [ ] { }")
+    robot = replace(arm, links=(base, *arm.links[1:]), joints=joints, frames=(), sensors=(), metadata=metadata)
+    top = proto(replace(robot, source="a\nPROTO b [ ] { }.step"))
+    assert [node.text("name") for node in top.nodes("children")] == [base.name]
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -189,8 +200,7 @@ def _solids(top: Node) -> dict[str, tuple[float, np.ndarray, Pose]]:
     found: dict[str, tuple[float, np.ndarray, Pose]] = {}
 
     def visit(node: Node, X: Pose) -> None:
-        x, y, z, angle = node.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
-        here = X @ Pose.of(rotation_about((x, y, z), angle), node.numbers("translation", (0.0, 0.0, 0.0)))
+        here = X @ node.pose()
         physics = node.node("physics")
         if physics is not None:
             com = here.apply(physics.numbers("centerOfMass", (0.0, 0.0, 0.0)))

@@ -3,7 +3,7 @@
 Angles are in degrees; gains and damping of joints that turn are per degree.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, radians
 from typing import Any
@@ -58,6 +58,13 @@ class Connection:
     def local_axis(self) -> Vector3:
         """The axis in the joint's frame."""
         return _UNITS[str(self.prim.GetAttribute("physics:axis").Get() or "X")]
+
+    def units(self, stage: Stage) -> tuple[float, float]:
+        """One unit of force [N] and of mass [kg]; for a joint that turns, of torque [N m] and inertia [kg m^2]."""
+        if self.kind == JointKind.PRISMATIC:
+            return stage.newtons, stage.kilograms
+        torque = stage.newtons * stage.metres
+        return torque, torque
 
     def reversed(self) -> "Connection":
         """The connection with its bodies exchanged; its position has the opposite sign."""
@@ -165,24 +172,24 @@ def grown(stage: Stage, found: Sequence[Connection]) -> tuple[list[Branch], list
     return [branches[number] for number in sorted(branches)], closing, root, bool(held)
 
 
-def observed_joint(stage: Stage, branch: Branch, names: dict[str, str]) -> ObservedJoint:
+def observed_joint(stage: Stage, branch: Branch, leaders: Mapping[str, tuple[str, float]]) -> ObservedJoint:
     """A joint of the tree.
 
     Args:
         stage: The stage.
         branch: The joint.
-        names: Name of the joint at each path.
+        leaders: Name and sign (:attr:`Branch.sign`) of the joint at each path.
     """
     one, prim = branch.connection, branch.connection.prim
     anchor = vector3(np.round(branch.frames[1].p, _DECIMALS) + 0.0)
     bare = ObservedJoint(one.name, one.kind, branch.parent.name, branch.child.name, anchor=anchor, mimic_read=True)
     if one.kind == JointKind.FIXED:
         return bare
-    force = stage.newtons * (1.0 if one.kind == JointKind.PRISMATIC else stage.metres)
+    force, mass = one.units(stage)
     dynamics = JointDynamics(
-        damping=_per_unit(one, _number(prim, "newton:damping")) * force,
+        damping=_per_unit(one, _number(prim, "newton:damping")) * mass,
         friction=_number(prim, "newton:friction") * force,
-        armature=_number(prim, "newton:armature") * force,
+        armature=_number(prim, "newton:armature") * mass,
     )
     bare = replace(bare, dynamics=dynamics, dynamics_fields=("damping", "friction", "armature"))
     if one.kind not in (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC):
@@ -195,19 +202,19 @@ def observed_joint(stage: Stage, branch: Branch, names: dict[str, str]) -> Obser
     limit = Limit(lower, upper, _in_si(stage, one, velocity), inf if drive is None else drive.force)
     # The force limit of an actuator is its own.
     fields = ("lower", "upper", "velocity") if drive is not None and drive.actuates else bare.limit_fields
-    return replace(bare, axis=branch.axis, limit=limit, limit_fields=fields, mimic=_mimic(stage, branch, names))
+    return replace(bare, axis=branch.axis, limit=limit, limit_fields=fields, mimic=_mimic(stage, branch, leaders))
 
 
-def _mimic(stage: Stage, branch: Branch, names: dict[str, str]) -> Mimic | None:
+def _mimic(stage: Stage, branch: Branch, leaders: Mapping[str, tuple[str, float]]) -> Mimic | None:
     prim = branch.connection.prim
     targets = prim.GetRelationship("newton:mimicJoint").GetTargets() if "NewtonMimicAPI" in _schemas(prim) else []
     if not targets or prim.GetAttribute("newton:mimicEnabled").Get() is False:
         return None
-    leader = names.get(str(targets[0]))
-    if leader is None:
-        raise EngineRefused(f"joint '{branch.connection.name}' mimics {targets[0]}, which is no joint")
+    if str(targets[0]) not in leaders:
+        raise EngineRefused(f"joint '{branch.connection.name}' mimics {targets[0]}, which is not a joint")
+    leader, sign = leaders[str(targets[0])]
     offset = _in_si(stage, branch.connection, _number(prim, "newton:mimicCoef0"))
-    return Mimic(leader, _number(prim, "newton:mimicCoef1", 1.0), offset)
+    return Mimic(leader, branch.sign * sign * _number(prim, "newton:mimicCoef1", 1.0), branch.sign * offset)
 
 
 @dataclass(frozen=True)
@@ -232,8 +239,7 @@ def _drive(stage: Stage, one: Connection) -> _Drive | None:
     name = "linear" if one.kind == JointKind.PRISMATIC else "angular"
     if not one.prim.HasAPI(UsdPhysics.DriveAPI, name):
         return None
-    drive, force = UsdPhysics.DriveAPI(one.prim, name), stage.newtons * (stage.metres if one.turns else 1.0)
-    gain = force / (1.0 if one.turns else stage.metres)
+    drive, (force, gain) = UsdPhysics.DriveAPI(one.prim, name), one.units(stage)
     stiffness, damping = (_per_unit(one, float(a.Get())) for a in (drive.GetStiffnessAttr(), drive.GetDampingAttr()))
     actuator = str(one.prim.GetCustomDataByKey("actuator") or "")
     return _Drive(actuator, stiffness * gain, damping * gain, float(drive.GetMaxForceAttr().Get()) * force)

@@ -19,6 +19,7 @@ from stepbot.robot.model import JointKind
 
 from ..observation import Observation, ObservedLink, Quantity, Request
 from ..parsed_motion import with_motion
+from ..shape_bounds import box_around
 from . import ENGINE
 from .joints import (
     Branch,
@@ -32,7 +33,7 @@ from .joints import (
     without_residue,
     wxyz,
 )
-from .shapes import box_around, shapes
+from .shapes import shapes
 from .stage import Body, Stage, name_of, rigid
 
 _NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
@@ -56,8 +57,9 @@ def observe(request: Request) -> Observation:
     stage = Stage(request.file)
     found = connections(stage)
     branches, closing, root, fixed = grown(stage, found)
-    names = {str(one.prim.GetPath()): one.name for one in found}
-    joints = tuple(observed_joint(stage, branch, names) for branch in branches)
+    leaders = {str(one.prim.GetPath()): (one.name, 1.0) for one in found}
+    leaders |= {str(one.connection.prim.GetPath()): (one.connection.name, one.sign) for one in branches}
+    joints = tuple(observed_joint(stage, branch, leaders) for branch in branches)
     links = tuple(_link(stage, body) for body in stage.bodies.values())
     observation = Observation(
         engine=ENGINE.name,

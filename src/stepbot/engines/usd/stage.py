@@ -62,9 +62,9 @@ class Stage:
         roots = (one for one in self.prims() if one.HasAPI(self._physics.ArticulationRootAPI))
         return name_of(prim or next(roots, self.stage.GetPseudoRoot()))
 
-    def prims(self, below: Any = None) -> Iterator[Any]:
-        """All prims, or those below one, with the content of instances."""
-        top = below or self.stage.GetPseudoRoot()
+    def prims(self) -> Iterator[Any]:
+        """All prims, with the content of instances."""
+        top = self.stage.GetPseudoRoot()
         yield from (prim for prim in self._usd.PrimRange(top, self._usd.TraverseInstanceProxies()) if prim != top)
 
     @cached_property

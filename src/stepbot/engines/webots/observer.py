@@ -17,7 +17,6 @@ from stepbot.version import __version__
 
 from ..observation import (
     EngineCannotRead,
-    EngineRefused,
     Observation,
     ObservedJoint,
     ObservedLink,
@@ -26,8 +25,9 @@ from ..observation import (
     Request,
 )
 from ..parsed_motion import with_motion
+from ..shape_bounds import box_around
 from . import ENGINE
-from .shapes import box_around, collisions_of, visuals_of
+from .shapes import collisions_of, visuals_of
 from .vrml import Node, read_proto
 
 NO_LIMIT = 1e9
@@ -96,12 +96,6 @@ def _held(robot: Node) -> Node:
     return solids[0]
 
 
-def pose_of(node: Node) -> Pose:
-    """The pose of a node in its parent."""
-    x, y, z, angle = node.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
-    return Pose.of(rotation_about((x, y, z), angle), node.numbers("translation", (0.0, 0.0, 0.0)))
-
-
 class _Tree:
     """What is found below the root."""
 
@@ -122,10 +116,10 @@ class _Tree:
             if child.type in _KINDS:
                 self._joint(child, name)
             elif child.type == "Solid" and child.node("physics") is None:
-                self.frames[child.text("name")] = (name, pose_of(child))
+                self.frames[child.text("name")] = (name, child.pose())
             elif child.type == "Solid":
                 below = child.text("name")
-                self.X_PC[below] = pose_of(child)
+                self.X_PC[below] = child.pose()
                 self.joints.append(ObservedJoint("", "fixed", name, below))
                 self.add(child, below)
             elif child.type in _SENSORS:
@@ -157,7 +151,7 @@ class _Tree:
             return
         child, kind = end.text("name"), _KINDS[node.type]
         devices = node.nodes("device")
-        X_PC, q = pose_of(end), parameters.number("position", 0.0)
+        X_PC, q = end.pose(), parameters.number("position", 0.0)
         name = next((one.text("name") for one in devices if one.type == "PositionSensor"), "").removesuffix(_SUFFIX)
         seen = ObservedJoint(name, kind, parent, child)
         if kind != JointKind.BALL:
@@ -202,7 +196,7 @@ def _limit(parameters: Node, devices: list[Node]) -> Limit:
 
 
 def _sensor(node: Node, link: str) -> ObservedSensor:
-    seen = ObservedSensor(node.text("name"), _SENSORS[node.type], link, X_LS=pose_of(node), rate=0.0)
+    seen = ObservedSensor(node.text("name"), _SENSORS[node.type], link, X_LS=node.pose(), rate=0.0)
     if node.type == "InertialUnit":
         return seen
     camera = node.type == "Camera"
@@ -217,6 +211,3 @@ def _sensor(node: Node, link: str) -> ObservedSensor:
         nearest=node.number(near, 0.01),
         farthest=node.number(far, 0.0),
     )
-
-
-__all__ = ["EngineRefused", "observe", "pose_of", "prepare"]

@@ -7,6 +7,8 @@ import re
 from dataclasses import dataclass, field
 from typing import TypeAlias, Union
 
+from stepbot.geometry.spatial import Pose, rotation_about
+
 from ..observation import EngineCannotRead, EngineRefused
 
 Value: TypeAlias = Union[str, float, "Node", list["Value"]]
@@ -57,6 +59,11 @@ class Node:
         quoted = isinstance(value, str) and value.startswith('"')
         return re.sub(r"\\(.)", r"\1", str(value)[1:-1]) if quoted else ""
 
+    def pose(self) -> Pose:
+        """The pose of the node in its parent."""
+        x, y, z, angle = self.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
+        return Pose.of(rotation_about((x, y, z), angle), self.numbers("translation", (0.0, 0.0, 0.0)))
+
 
 def read_proto(text: str) -> tuple[str, Node]:
     """The name of a PROTO and the node that it stands for, with the defaults of its parameters.
@@ -67,9 +74,10 @@ def read_proto(text: str) -> tuple[str, Node]:
     """
     if not text.startswith("#VRML_SIM "):
         raise EngineRefused("the file does not begin with #VRML_SIM")
-    if re.search(r"%[<{]", text):
+    tokens = [token for token in _TOKEN.findall(text) if not token.startswith("#")]
+    if any(token.startswith("%") for token in tokens):
         raise EngineCannotRead("PROTOs with templates are not supported")
-    reader = _Reader([token for token in _TOKEN.findall(text) if not token.startswith("#")])
+    reader = _Reader(tokens)
     while reader.next_is("EXTERNPROTO"):
         reader.take(2)
     if not reader.next_is("PROTO"):

@@ -5,7 +5,7 @@ from stepbot.robot.model import Robot
 from stepbot.robot.standing import floor_height
 
 from .names import Names
-from .usda import Prim, layer, single, singles
+from .usda import Prim, asset_path, layer, single, singles
 
 _SUN, _SKY = 2000.0, 300.0
 """Intensities of the lights [nit]: a sunny workshop."""
@@ -23,7 +23,7 @@ def scene(robot: Robot, main: str) -> bytes:
     sky = world.add(Prim("DomeLight", "sky"))
     sky.set("float inputs:intensity", single(_SKY))
     names = Names(child.name for child in world.children)
-    world.add(Prim("", names.of(robot.name), metadata=[f"prepend references = @./{main}@"]))
+    world.add(Prim("", names.of(robot.name), metadata=[f"prepend references = {asset_path(f'./{main}')}"]))
     return layer(['defaultPrim = "World"', "kilogramsPerUnit = 1", "metersPerUnit = 1", 'upAxis = "Z"'], world)
 
 

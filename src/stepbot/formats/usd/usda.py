@@ -71,6 +71,12 @@ def quoted(text: str) -> str:
     return '"' + "".join(f"\\x{ord(one):02x}" if ord(one) < 32 or ord(one) == 127 else one for one in escaped) + '"'
 
 
+def asset_path(path: str) -> str:
+    """A path of another file with its delimiters."""
+    delimiter = "@@@" if "@" in path else "@"
+    return f"{delimiter}{path}{delimiter}"
+
+
 def single(value: float) -> str:
     """Shortest text that reads back as the same single; whole numbers without a point, no minus on zero.
 

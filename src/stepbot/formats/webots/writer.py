@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from stepbot.diagnostics import one_line
 from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, vector3
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Base, Joint, JointKind, Link, LoopClosure, Robot
@@ -105,8 +106,8 @@ def reserves(_name: str) -> bool:
 
 def render(robot: Robot) -> bytes:
     """The PROTO of a lowered robot."""
-    licensed = f"# license: {robot.metadata.license}\n" if robot.metadata.license else ""
-    origin = f" from {robot.source}" if robot.source else ""
+    licensed = f"# license: {one_line(robot.metadata.license)}\n" if robot.metadata.license else ""
+    origin = f" from {one_line(robot.source)}" if robot.source else ""
     height = standing_height(robot, initial_configuration(robot))
     body = "\n".join(_robot(robot).lines("  "))
     return f"""{HEADER}
