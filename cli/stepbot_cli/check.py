@@ -12,7 +12,7 @@ from stepbot.diagnostics import Diagnostics
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
-from .descriptions import package_path_option
+from .descriptions import base_option, package_path_option
 from .diagnostic_text import printable
 from .fixing import fix_paths
 from .joint_table import show_joint_table
@@ -57,6 +57,7 @@ class CheckCommand(Command):
 )
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @ignore_option
+@base_option
 @package_path_option
 @reading_options
 @json_option
@@ -68,6 +69,7 @@ def command(
     fix: bool,
     strict: bool,
     ignore: tuple[str, ...],
+    base: str | None,
     package_path: tuple[Path, ...],
     as_json: bool,
     display: Display,
@@ -84,7 +86,7 @@ def command(
     from stepbot.pipeline.source_names import is_description
 
     options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
-    options = replace(options, package_path=package_path)
+    options = replace(options, base=base or "", package_path=package_path)
     found = Diagnostics()
     checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))

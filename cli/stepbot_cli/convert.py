@@ -156,7 +156,7 @@ def command(
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
     if step is not None and is_description(sidecar):
-        raise click.UsageError(f"--step needs a sidecar, and {sidecar.name} is none")
+        raise click.UsageError(f"--step needs a sidecar: {sidecar.name} is a robot description")
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar)
     options = replace(

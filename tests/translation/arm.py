@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from stepbot.geometry.mesh import TriMesh, obj_bytes
+from stepbot.geometry.mesh import TriMesh
 
 ARM = """<?xml version="1.0"?>
 <robot name="arm">
@@ -62,7 +62,6 @@ def write_arm(folder: Path, text: str = ARM) -> Path:
 
     meshes = folder / "packages" / "arm_description" / "meshes"
     meshes.mkdir(parents=True)
-    assert obj_bytes(MILLIMETRES, "upper")  # a mesh that can be written
     trimesh.Trimesh(MILLIMETRES.vertices, MILLIMETRES.faces, process=False).export(meshes / "upper.stl")
     path = folder / "source" / "arm.urdf"
     path.parent.mkdir()

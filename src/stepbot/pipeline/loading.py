@@ -4,7 +4,6 @@ Cache entries depend on the bytes of the file and of those that it refers to, an
 sidecar as a whole: editing a joint does not read the STEP again. Only results without errors are cached.
 """
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +18,7 @@ from stepbot.step.exchange.file_set import input_digest, input_files
 from stepbot.step.reader import Reading, start_reading
 
 from .conversion import Options
+from .input_hashes import input_hashes
 from .prestart import note_read
 
 
@@ -108,10 +108,7 @@ class Loading:
         """
         assert self._known is not None  # the assembly and its measures were waited for
         names = (self._step.name, *self._known.assembly.external_files)
-        try:
-            found = {_printable(name): _sha256(self._step.parent / name) for name in names}
-        except OSError:
-            return {}
+        found = input_hashes({name: self._step.parent / name for name in names})
         return found if self.content else {}
 
     def close(self) -> None:
@@ -170,16 +167,6 @@ class _GeometryCache:
         """The path of each file in diagnostics, by its name in the cache: entries do not depend on the path."""
         others = {name: str(self._step.parent / name) for name in geometry.assembly.external_files}
         return {**others, "": str(self._step)}
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _printable(name: str) -> str:
-    """A file name that UTF-8 can hold."""
-    return name.encode("utf-8", "backslashreplace").decode()
 
 
 def _state(step: Path) -> tuple[tuple[str, int, int], ...]:

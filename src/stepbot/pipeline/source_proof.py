@@ -14,6 +14,7 @@ from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
 from stepbot.formats import format_named
+from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined, main_file
 from stepbot.report.record import Report
 from stepbot.robot.model import Robot
@@ -57,7 +58,7 @@ def compared_with_source(
             for name, one in written.lowered.items()
         }
         source = path
-        if options.package_path:
+        if options.package_path and description.observation.format != MJCF.name:  # whose meshes are in no package
             source = Path(folder) / f"source{path.suffix}"
             with Worker(_LOCATED, memory_limit=options.memory_limit) as worker:
                 worker.submit(str(openable(path)), str(source), options.package_path).result(options.timeout)

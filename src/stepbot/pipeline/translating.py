@@ -4,7 +4,6 @@ What of the file does not reach the model is reported; the engines compare the w
 the file that they came from.
 """
 
-import hashlib
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack, closing
 from dataclasses import replace
@@ -27,6 +26,7 @@ from stepbot.verification.joint_rows import joint_rows
 
 from .conversion import Checked, Conversion, Options
 from .describing import read_description
+from .input_hashes import input_hashes, input_names
 from .self_collisions import with_self_collision
 from .source_names import is_description
 from .writing import Rendered, all_files, judged_by_files, proven, rendered, report_unused, started_proof
@@ -73,7 +73,8 @@ def produce_translation(
 
         report = compared_with_source(path, description, described, written, report, options, found)
     report_unused(found, _JUDGED + judged_by_files(options))
-    report = replace(report, inputs=_hashes(path, description.files), joint_table=_joint_table(robot))
+    inputs = input_hashes(input_names(path, description.files))
+    report = replace(report, inputs=inputs, joint_table=_joint_table(robot))
     if options.strict:
         found.make_strict()
     return Conversion(found, robot, all_files(written, report, options, found), report)
@@ -87,6 +88,7 @@ def check_description(path: Path, options: Options, found: Diagnostics) -> Check
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     robot, _ = _robot(path, _read(path, options, found), options, found)
+    report_unused(found, _JUDGED)
     return Checked("", len(robot.links), len(robot.joints) + len(robot.closures), _joint_table(robot))
 
 
@@ -146,16 +148,3 @@ def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Opti
                 help=["convert into another folder: `-o FOLDER`"],
             )
     found.raise_if_errors()
-
-
-def _hashes(path: Path, others: Iterable[Path]) -> dict[str, str]:
-    """SHA-256 of each file that was read, by its path relative to the folder of the first, or its name outside it."""
-    found = {}
-    for file in (path.resolve(), *others):
-        inside = file.is_relative_to(path.resolve().parent)
-        name = file.relative_to(path.resolve().parent).as_posix() if inside else file.name
-        try:
-            found[name.encode("utf-8", "backslashreplace").decode()] = hashlib.sha256(file.read_bytes()).hexdigest()
-        except OSError:
-            return {}
-    return found

@@ -1,6 +1,6 @@
 """A robot as the bytes of its files in all formats, with the report: the end of every conversion."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -119,7 +119,3 @@ def report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
         if rule.code.startswith(judged) and not rule.code.startswith(_OF_REVISIONS):
             about = f"{rule.subject}: " if rule.subject else ""
             found.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])
-
-
-Progress = Callable[[str], None]
-"""Called at the start of each stage."""
