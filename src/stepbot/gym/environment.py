@@ -1,5 +1,6 @@
 """The environment that all tasks share: model, actions, observations, episodes."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from os import PathLike
 from typing import Any
@@ -20,8 +21,8 @@ from .rendering import MODES, Marker, Pictures
 Info = dict[str, Any]
 
 
-class RobotEnv(gymnasium.Env):  # type: ignore[misc]
-    """A robot in MuJoCo, moved by its actuators. A task adds what is to be done.
+class RobotEnv(gymnasium.Env, ABC):  # type: ignore[misc]
+    """A robot in MuJoCo, moved by its actuators. A task defines the reward, :meth:`_judge`.
 
     Attributes:
         action_names: Name of each action: ``<actuator>/<what it sets>``.
@@ -192,9 +193,9 @@ class RobotEnv(gymnasium.Env):  # type: ignore[misc]
         """What a task tells about a state."""
         return {}
 
+    @abstractmethod
     def _judge(self, action: Array) -> tuple[float, bool, Info]:
         """Reward of the state after an action, whether it ends the episode, and what it consists of."""
-        raise NotImplementedError
 
     def _markers(self) -> tuple[Marker, ...]:
         """What pictures show beside the robot."""

@@ -20,7 +20,7 @@ _SPEED = 1.0
 
 
 def experiment(stage: Stage) -> Result:
-    """Step every position motor, and every velocity motor that is no wheel."""
+    """Step every position motor, and every velocity motor that does not drive a wheel."""
     gaps, curves = Gaps(stage), {}
     overshoots: dict[str, float] = {}
     errors: dict[Motor, float] = {}

@@ -87,7 +87,7 @@ def _word(value: Any) -> str:
 
 
 def _strange(compiled: "Compiled", a: int) -> str:
-    """Why an actuator is none of the model's kinds, as its kind; empty if it is one of them."""
+    """The kind of an actuator that the model does not have; empty for one of the model's kinds."""
     engine, model = compiled.engine, compiled.model
     for what, value, plain in (
         ("activation", engine.mjtDyn(model.actuator_dyntype[a]), (engine.mjtDyn.mjDYN_NONE,)),

@@ -92,7 +92,7 @@ class _Loaded:
     model: Any
     request: Request
 
-    def observation(self, said: list[str]) -> Observation:
+    def observation(self, messages: list[str]) -> Observation:
         """Everything that Newton reports."""
         closed = [q for way in self.request.ways for q in way]
         joints = tuple(self.joints())
@@ -110,7 +110,7 @@ class _Loaded:
             dynamics=() if balls else tuple(self.dynamics(q) for q in self.request.configurations),
             closures=tuple(self.closures()),
             actuators=tuple(self.actuators()),
-            warnings=tuple(dict.fromkeys(said)),
+            warnings=tuple(dict.fromkeys(messages)),
             not_run=not_run,
         )
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepbot.geometry.spatial import IDENTITY, Array
-from stepbot.robot.kinematics import rigid_bodies
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.kinematics import link_poses, rigid_bodies
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.unique_names import free_name
 
@@ -49,12 +49,12 @@ def groups(robot: Robot) -> tuple[tuple[Chain, ...], tuple[Gripper, ...]]:
 
 def _grippers(robot: Robot, found: Sequence[Chain]) -> tuple[Gripper, ...]:
     body, below = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
-    taken = {chain.name for chain in found}
+    taken, poses = {chain.name for chain in found}, link_poses(robot, {})
     grippers = []
     for chain in found:
         hand = body[chain.tip]
         fingers = below.get(hand, [])
-        if hand != body[robot.root.name] and _grip(robot, fingers, below):
+        if hand != body[robot.root.name] and _grip(fingers, below, poses):
             name = free_name(f"{fingers[0].parent}_gripper", "_group", taken)
             link = _on_chain(robot, chain, fingers[0].parent)
             grippers.append(Gripper(name, chain.name, link, tuple(_all_below(hand, below))))
@@ -65,7 +65,7 @@ def _all_below(hand: str, below: Mapping[str, Sequence[Joint]]) -> list[Joint]:
     return [one for joint in below.get(hand, ()) for one in (joint, *_all_below(joint.child, below))]
 
 
-def _grip(robot: Robot, fingers: Sequence[Joint], below: Mapping[str, Sequence[Joint]]) -> bool:
+def _grip(fingers: Sequence[Joint], below: Mapping[str, Sequence[Joint]], poses: Mapping[str, Pose]) -> bool:
     """Whether joints of one body, and all that is below them, are the fingers of a gripper."""
     moving = [one for finger in fingers for one in (finger, *_all_below(finger.child, below))]
     names = {joint.name for joint in moving}
@@ -75,17 +75,13 @@ def _grip(robot: Robot, fingers: Sequence[Joint], below: Mapping[str, Sequence[J
     slides = all(joint.kind is JointKind.PRISMATIC for joint in moving) and len(moving) == len(fingers)
     if not (len(independent) == 1 or slides):
         return False
-    ways = [(joint.kind is JointKind.PRISMATIC, _direction(robot, joint)) for joint in fingers]
+    ways = [(joint.kind is JointKind.PRISMATIC, _direction(joint, poses)) for joint in fingers]
     return any(a[0] == b[0] and float(a[1] @ b[1]) < _OPPOSITE for i, a in enumerate(ways) for b in ways[:i])
 
 
-def _direction(robot: Robot, joint: Joint) -> Array:
-    """The direction in which a joint moves when the gripper does, in the frame of its body at q = 0."""
-    X_BP, link = IDENTITY, joint.parent
-    above = {one.child: one for one in robot.joints}
-    while link in above and above[link].kind is JointKind.FIXED:
-        X_BP, link = above[link].X_PC @ X_BP, above[link].parent
-    axis: Array = (X_BP @ joint.X_PC).R @ np.array(joint.axis)
+def _direction(joint: Joint, poses: Mapping[str, Pose]) -> Array:
+    """The direction in which a joint moves when the gripper does, in the frame of the root."""
+    axis = np.array(poses[joint.child].turn(joint.axis))
     return -axis if joint.mimic is not None and joint.mimic.multiplier < 0.0 else axis
 
 

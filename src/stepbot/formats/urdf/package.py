@@ -32,7 +32,7 @@ def package_of(package: str, ros2: str, formats: Collection[str], prefix: str = 
         prefix: Written before ``package`` and ``ros2`` in messages.
 
     Raises:
-        ValueError: Both are given, one is no name of a package, or URDF is not written.
+        ValueError: Both are given, one is not a valid package name, or URDF is not written.
     """
     if package and ros2:
         raise ValueError(f"{prefix}package and {prefix}ros2 cannot be combined")

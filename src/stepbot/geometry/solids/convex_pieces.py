@@ -38,7 +38,7 @@ _BLIND_CUTS = 4
 _ON = 1e-7
 """Distance [m] up to which a point is on a plane."""
 _SLIVER = 1e-9
-"""Volume of a piece, as a share of the hull of the one that it was cut from, up to which it is none."""
+"""Volume of a piece, as a share of the hull of the one that it was cut from, up to which it is omitted."""
 _ANGLES, _OFFSETS = 1e3, 500.0
 """Steps per unit of a normal, and per diagonal, within which planes count as one."""
 
