@@ -27,7 +27,8 @@ from stepbot.report.record import MeasuredBody
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
