@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stepbot.engines import engine_of
-from stepbot.engines.observation import Observation, Quantity, Request
+from stepbot.engines.observation import EngineCannotRead, Observation, Quantity, Request
 from stepbot.engines.workers import Engines, Fate
 from stepbot.robot.model import Collision, Sphere
 from stepbot.runtime.worker import RemoteError, WorkerDied, call_isolated
@@ -115,6 +115,42 @@ def test_pybullet_ignores_inertia_in_sdformat(arm: Folder) -> None:
     assert all(link.inertia is None for link in seen.links)
     assert all(one.mass_matrix is None and one.inverse is None for one in seen.dynamics)
     assert {Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS} <= set(seen.not_run)
+
+
+HINGE = """<sdf version="1.9"><model name="door">
+  <link name="frame"><inertial><mass>5</mass>INERTIA</inertial></link>
+  <link name="leaf"><pose PLACE</pose><inertial><mass>2</mass>INERTIA</inertial></link>
+  <joint name="hinge" type="KIND"><pose>JOINT</pose><parent>frame</parent><child>leaf</child>
+    <axis><xyz>0 0 1</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+</model></sdf>""".replace("INERTIA", "<inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia>")
+
+
+@pytest.mark.pybullet
+@pytest.mark.parametrize(
+    ("place", "kind", "joint", "reason"),
+    [
+        (">0.3 0.1 0 0 0 0", "revolute", "0.01 0.02 0 0 0 0", "poses of joints"),
+        (">0.3 0.1 0 0 0 0", "prismatic", "0 0 0 0.3 0 0", "poses of joints"),
+        (' degrees="true">0.3 0.1 0 10 20 30', "revolute", "0 0 0 0 0 0", "degrees"),
+        (' rotation_format="quat_xyzw">0.3 0.1 0 0 0 0.1 0.995', "revolute", "0 0 0 0 0 0", "rotation_format"),
+        (' relative_to="frame">0.3 0.1 0 0 0 0', "revolute", "0 0 0 0 0 0", "relative_to"),
+        (">0.3 0.1 0 0.1 0 0", "revolute", "0 0 0 0 0 0", ""),
+        (">0.3 0.1 0 0.1 0 0", "prismatic", "0.01 0.02 0 0 0 0", ""),  # a slide is the same anywhere
+    ],
+)
+def test_pybullet_is_kept_from_poses_that_it_ignores(
+    place: str, kind: str, joint: str, reason: str, tmp_path: Path
+) -> None:
+    """PyBullet would turn a leaf about its origin, not about its hinge; other files it reads as the reader does."""
+    file = tmp_path / "door.sdf"
+    file.write_text(HINGE.replace(" PLACE", place).replace("KIND", kind).replace("JOINT", joint), encoding="utf-8")
+    request = Request(str(file), "sdf", ({"hinge": 0.4},), simulate=0.0)
+    if reason:
+        with pytest.raises(EngineCannotRead, match=f"PyBullet ignores {reason}"):
+            look("pybullet", request)
+        return
+    ours, theirs = (look(engine, request).poses[0]["leaf"] for engine in ("reader", "pybullet"))
+    assert theirs.distance_to(ours) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
 @pytest.mark.pybullet

@@ -1,8 +1,8 @@
 """A copy of an SDFormat file that PyBullet can read: one model in a world, a tree of links, no joint to the world.
 
-PyBullet rejects a joint whose parent is ``world``, crashes on a second joint to a link and on a second root, and
-ignores ``relative_to``. Everything left out is listed for the report. A fixed joint to the world becomes ``<static>``,
-the only way in which PyBullet fixes the base.
+PyBullet rejects a joint whose parent is ``world``, and crashes on a second joint to a link and on a second root.
+Everything left out is listed for the report. A fixed joint to the world becomes ``<static>``, the only way in which
+PyBullet fixes the base.
 """
 
 import tempfile
@@ -11,19 +11,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..mesh_substitutes import MeshSubstitutes
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
-from .frames import ends
+from .frames import ends, read_pose
 from .plain import plain
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 else:
     Element = object
-
-_READABLE = (".obj", ".stl", ".dae")
-"""Suffixes of meshes; PyBullet rejects a file with any other, such as ``.glb``."""
 
 
 def read_model(file: Path) -> Element:
@@ -131,28 +127,32 @@ def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterato
         for link in model.iterfind("link"):
             for shape in (*link.findall("visual"), *link.findall("collision")):
                 link.remove(shape)
+    for uri in model.iter("uri"):
+        mesh = resolve((uri.text or "").strip(), file)
+        if mesh is not None:
+            uri.text = mesh.absolute().as_posix()
     top = etree.Element("sdf", {"version": "1.9"})
     etree.SubElement(top, "world", {"name": "default"}).append(model)
     with tempfile.TemporaryDirectory() as folder:
-        notes += _resolve_meshes(model, file, Path(folder))
         copy = Path(folder) / "model.sdf"
         copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
         yield copy, notes
 
 
-def _resolve_meshes(model: Element, file: Path, folder: Path) -> tuple[str, ...]:
-    """Make paths of meshes absolute, to substitutes in a folder where PyBullet does not read them; returns notes."""
-    substitutes = MeshSubstitutes("PyBullet", _READABLE)
-    for number, uri in enumerate(model.iter("uri")):
-        mesh = resolve((uri.text or "").strip(), file)
-        if mesh is None:
-            continue
-        content = substitutes.of(mesh)
-        if content is not None:
-            mesh = folder / f"mesh_{number}.obj"
-            mesh.write_bytes(content)
-        uri.text = mesh.absolute().as_posix()
-    return substitutes.notes()
+_IGNORED = {
+    "relative_to": ".//pose[@relative_to and @relative_to!='']",
+    "expressed_in": ".//xyz[@expressed_in and @expressed_in!='']",
+    "degrees": ".//pose[@degrees='true']",
+    "rotation_format": ".//pose[@rotation_format='quat_xyzw']",
+}
+"""Attributes, and where they have an effect."""
+
+
+def _is_placed(joint: Element) -> bool:
+    """Whether a joint moves about another point, or along another direction, than without its pose."""
+    X_CJ = read_pose(joint)
+    turns = joint.get("type") in ("revolute", "continuous")
+    return joint.get("type") != "fixed" and (any(X_CJ.rpy) or (turns and any(X_CJ.position)))
 
 
 def check_readable(model: Element) -> None:
@@ -161,9 +161,10 @@ def check_readable(model: Element) -> None:
     Raises:
         EngineCannotRead: The model has such a feature.
     """
-    relative = model.xpath(".//pose[@relative_to and @relative_to!='']|.//xyz[@expressed_in and @expressed_in!='']")
-    if relative:
-        raise EngineCannotRead("PyBullet ignores relative_to and expressed_in")
+    ignored = [name for name, path in _IGNORED.items() if model.xpath(path)]
+    ignored += ["poses of joints"] if any(map(_is_placed, model.findall("joint"))) else []
+    if ignored:
+        raise EngineCannotRead(f"PyBullet ignores {', '.join(ignored)}")
     kinds = sorted(
         {str(joint.get("type")) for joint in model.findall("joint")} - {"fixed", "revolute", "continuous", "prismatic"}
     )
