@@ -14,6 +14,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, format_names, html_option, no_verify_option, strict_option
+from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import paint, printable
 from .engines import require_option
 from .interrupts import interruptible
@@ -38,7 +39,9 @@ def _cores(text: str) -> int:
     return int(text)
 
 
-@click.command(cls=Command, epilog="Example: stepbot batch robots/ -o out -j 4")
+@click.command(
+    cls=Command, short_help="Convert and verify many robots.", epilog="Example: stepbot batch robots/ -o out -j 4"
+)
 @click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "-o",
@@ -58,6 +61,7 @@ def _cores(text: str) -> int:
 @require_option
 @ignore_option
 @reading_options
+@description_options
 @json_option
 @display_options
 def command(
@@ -79,7 +83,8 @@ def command(
     """Convert many robots: sidecars, folders that are searched recursively, or .txt files with one path per line.
 
     Each robot is written to its own subfolder of the output folder. A failure does not stop the other robots. Robots
-    whose input and files are unchanged are skipped, so an interrupted batch can be resumed.
+    whose input and files are unchanged are skipped, so an interrupted batch can be resumed. A URDF, SDFormat or MJCF in
+    place of a sidecar is always converted again.
     """
     from stepbot.jobs.batch import plan
     from stepbot.jobs.discovery import find_sidecars
@@ -87,6 +92,8 @@ def command(
 
     found = Diagnostics()
     tasks = plan(find_sidecars(sidecars, found), output, found)
+    if scheduler is not None:
+        reject_descriptions("--scheduler", (task.sidecar for task in tasks))
     try:
         check_writable(output)
     except StepbotError as error:

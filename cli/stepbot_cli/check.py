@@ -12,8 +12,9 @@ from stepbot.diagnostics import Diagnostics
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
-from .descriptions import base_option, package_path_option
+from .descriptions import description_options
 from .diagnostic_text import printable
+from .fixing import fix_paths
 from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
@@ -21,8 +22,6 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
-
-    from .fixing import Fixed
 
 _NAMED = "the one that the sidecar names"
 
@@ -48,6 +47,7 @@ class CheckCommand(Command):
 
 @click.command(
     cls=CheckCommand,
+    short_help="Check sidecars without writing anything.",
     epilog="Example: stepbot check --step arm.robot.yaml\n\nAfter a CAD change: stepbot check --fix arm.robot.yaml",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
@@ -57,9 +57,8 @@ class CheckCommand(Command):
 )
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @ignore_option
-@base_option
-@package_path_option
 @reading_options
+@description_options
 @json_option
 @display_options
 def command(
@@ -69,8 +68,6 @@ def command(
     fix: bool,
     strict: bool,
     ignore: tuple[str, ...],
-    base: str | None,
-    package_path: tuple[Path, ...],
     as_json: bool,
     display: Display,
 ) -> int:
@@ -86,17 +83,16 @@ def command(
     from stepbot.pipeline.source_names import is_description
 
     options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
-    options = replace(options, base=base or "", package_path=package_path)
     found = Diagnostics()
     checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     open_step = fix or step is not None
-    fixes: list[Fixed] = []
+    fixes = []
     with progress_bar([str(path) for path in sidecars] if open_step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if fix and not is_description(sidecar):
-                fixes += _fixed(sidecar, options, found)
+            if fix and not is_description(sidecar) and (fixed := fix_paths(sidecar, options, found)) is not None:
+                fixes.append(fixed)
             checked[sidecar] = check(sidecar, options, found, open_step=open_step)
     if strict:
         found.make_strict()
@@ -123,13 +119,6 @@ def command(
         if not (display.quiet or display.concise):
             _show(checked, found, display)
     return found.exit_code
-
-
-def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed]":
-    from .fixing import fix_paths
-
-    fixed = fix_paths(sidecar, options, found)
-    return [] if fixed is None else [fixed]
 
 
 def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display) -> None:

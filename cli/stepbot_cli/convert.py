@@ -17,7 +17,7 @@ from stepbot.formats.urdf.package import package_named, package_of
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
-from .descriptions import base_option, package_path_option
+from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
 from .drive_table import driven_json, driven_lines
 from .engines import require_option
@@ -33,7 +33,14 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
-    from stepbot.report.results import LinkCollision
+    from stepbot.report.record import LinkCollision
+
+
+def _titles() -> str:
+    """Titles of the default formats."""
+    *others, last = (FORMATS[name].title for name in default_formats())
+    return f"{', '.join(others)} and {last}" if others else last
+
 
 format_option = names_option(
     "-f",
@@ -85,6 +92,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 
 @click.command(
     cls=Command,
+    short_help=f"Write and verify {_titles()}.",
     epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm\n\n"
     "From another format: stepbot convert robot.urdf -f mjcf,sdf -o robot",
 )
@@ -106,12 +114,11 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @require_option
 @ignore_option
 @reading_options
+@description_options
 @html_option
 @package_option
 @ros2_option
 @gazebo_option
-@base_option
-@package_path_option
 @junit_option
 @json_option
 @display_options
@@ -130,8 +137,6 @@ def command(
     package: str,
     ros2: str,
     gazebo: bool,
-    base: str | None,
-    package_path: tuple[Path, ...],
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -143,12 +148,10 @@ def command(
     Each file is loaded in every engine that supports its format, and the loaded robot is compared with the CAD model.
     The table lists the largest deviations. If an error occurs, existing files in DIR remain unchanged.
     """
-    from stepbot.pipeline.source_names import is_description
-
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
-    if step is not None and is_description(sidecar):
-        raise click.UsageError(f"--step needs a sidecar: {sidecar.name} is a robot description")
+    if step is not None:
+        reject_descriptions("--step", [sidecar])
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar)
     options = replace(
@@ -164,8 +167,6 @@ def command(
         package=package,
         ros2=bool(ros2),
         gazebo=model_of(output, formats) if gazebo else "",
-        base=base or "",
-        package_path=package_path,
     )
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
 

@@ -1,15 +1,24 @@
 """Options for a URDF, SDFormat or MJCF in place of a sidecar."""
 
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import wraps
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-base_option = click.option(
+from .diagnostic_text import printable
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.conversion import Options
+
+_base_option = click.option(
     "--base",
     type=click.Choice(["fixed", "floating"]),
     help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
 )
-package_path_option = click.option(
+_package_path_option = click.option(
     "--package-path",
     "package_path",
     multiple=True,
@@ -17,3 +26,25 @@ package_path_option = click.option(
     metavar="DIR",
     help="Folder of a package, or of packages, that a converted file names in package:// or model://; may be repeated.",
 )
+
+
+def description_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--base`` and ``--package-path`` to the ``options`` that :func:`.reading.reading_options` makes."""
+
+    @wraps(command)
+    def with_options(*, options: "Options", base: str | None, package_path: tuple[Path, ...], **others: Any) -> int:
+        return command(options=replace(options, base=base or "", package_path=package_path), **others)
+
+    return _base_option(_package_path_option(with_options))
+
+
+def reject_descriptions(option: str, paths: Iterable[Path]) -> None:
+    """Reject an option that applies to sidecars alone.
+
+    Raises:
+        click.UsageError: One of the files is a URDF, SDFormat or MJCF.
+    """
+    from stepbot.pipeline.source_names import is_description
+
+    for path in filter(is_description, paths):
+        raise click.UsageError(f"{option} needs a sidecar: {printable(path.name)} is a robot description")

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
+    short_help="Draft a sidecar from a STEP file.",
     epilog="Example: stepbot init arm.step",
 )
 @click.argument("step", metavar="STEP", type=click.Path(path_type=Path))

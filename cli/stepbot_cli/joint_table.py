@@ -1,14 +1,15 @@
 """The joint table: position of every joint, and the evidence for it."""
 
-import sys
+import textwrap
 from collections.abc import Iterator, Sequence
+from shutil import get_terminal_size
 
 from stepbot.report.joint_words import direction_words, evidence_words, face_words, point_words, rival_words
 from stepbot.robot.joint_table import Basis, JointRow
 
 from .columns import cells
-from .diagnostic_text import FRAME_WIDTH, printable
-from .terminal import screen_width, write_result
+from .diagnostic_text import printable
+from .terminal import write_result
 
 _NARROWEST = 60
 _INDENT = "    "
@@ -17,7 +18,7 @@ _INDENT = "    "
 def show_joint_table(rows: Sequence[JointRow], *, verbose: bool = False) -> None:
     """Print the joint table to standard output, as wide as the terminal; nothing without joints."""
     if rows:
-        width = screen_width(sys.stdout) or FRAME_WIDTH
+        width = get_terminal_size((120, 24)).columns
         write_result("\n".join(joint_lines(rows, width, verbose=verbose)))
 
 
@@ -70,8 +71,6 @@ def _details(row: JointRow, *, verbose: bool) -> Iterator[str]:
 
 
 def _wrapped(text: str, width: int, indent: str = "") -> list[str]:
-    import textwrap
-
     return textwrap.wrap(
         text,
         width,

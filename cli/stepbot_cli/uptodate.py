@@ -19,6 +19,7 @@ from .convert import (
     package_option,
     ros2_option,
 )
+from .descriptions import description_options
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
+    short_help="Check that output files are up to date.",
     epilog="Example: stepbot uptodate arm.robot.yaml -o arm",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
 @click.option("--strict", is_flag=True, help="Same as for `convert`.")
 @ignore_option
 @reading_options
+@description_options
 @json_option
 @display_options
 def command(

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from .results import LinkCollision
+from .record import LinkCollision
 
 _PLURALS = {"box": "boxes", "mesh": "meshes"}
 

@@ -1,8 +1,9 @@
 """One diagnostic code with its explanation."""
 
 from dataclasses import dataclass
+from typing import Literal
 
-from .severity import Severity
+Severity = Literal["error", "warning", "note"]
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from typing import Generic, TypeVar
 
 from .codec import codec_of
-from .digest import Digest
-from .keys import environment
+from .keys import Digest, environment
 from .store import Cache
 from .typed import TypedCache
 
