@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.solids.outlines import Region, Shared
 from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.step.faces import FaceKind
@@ -62,9 +63,9 @@ class _Planes:
             return
         for shift in (0.0, 0.5):
             cells = np.floor(self._signed * _CELLS + shift).astype(np.int64)
-            _, kinds = np.unique(cells, axis=0, return_inverse=True)
-            order = np.lexsort((self._heights, kinds.reshape(-1)))
-            ends = np.flatnonzero(np.diff(kinds.reshape(-1)[order])) + 1
+            _, kinds = distinct_rows(cells)
+            order = np.lexsort((self._heights, kinds))
+            ends = np.flatnonzero(np.diff(kinds[order])) + 1
             for parallel in np.split(order, ends):
                 heights = self._heights[parallel]
                 for level in np.split(parallel, np.flatnonzero(np.diff(heights) > GAP) + 1):

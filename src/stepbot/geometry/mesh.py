@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .distinct_rows import distinct_rows
 from .fixed_point import fixed_point_lines
 from .spatial import Pose, Vector3, bounds
 
@@ -62,11 +63,11 @@ class TriMesh:
 
 def merged(mesh: TriMesh) -> TriMesh:
     """The mesh with one vertex in place of equal ones, in the order of their first use: STL repeats each per face."""
-    _, first, number = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)
+    first, number = distinct_rows(mesh.vertices)
     order = np.argsort(first)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    return TriMesh.of(mesh.vertices[first[order]], rank[number.reshape(-1)][mesh.faces])
+    return TriMesh.of(mesh.vertices[first[order]], rank[number][mesh.faces])
 
 
 def joined(meshes: list[TriMesh]) -> TriMesh:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.spatial import Array, Pose, cross, perpendicular_frame, rotation_about
 from stepbot.step.assembly import Assembly
 
@@ -60,7 +61,7 @@ def _each_once(points: Array, directions: Array) -> NDArray[np.intp]:
     feet = points - np.einsum("ij,ij->i", points, directions)[:, None] * directions
     signs = np.sign(directions[np.arange(len(directions)), np.argmax(np.abs(directions), axis=1)])
     keys = np.column_stack([np.rint(feet / ON_LINE), np.rint(directions * signs[:, None] / PARALLEL)])
-    return np.sort(np.unique(keys, axis=0, return_index=True)[1])
+    return np.sort(distinct_rows(keys)[0])
 
 
 def _about(points: Array, directions: Array, origin: Array, frame: Array) -> tuple[Array, Array]:

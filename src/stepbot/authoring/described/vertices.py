@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.spatial import Array
 
 TOLERANCE = 5e-5
@@ -10,7 +11,7 @@ TOLERANCE = 5e-5
 
 def spread(points: Array, most: int) -> Array:
     """At most ``most`` of points (n, 3), evenly sampled, without duplicates."""
-    unique = points[np.sort(np.unique(np.rint(points / TOLERANCE), axis=0, return_index=True)[1])]
+    unique = points[np.sort(distinct_rows(np.rint(points / TOLERANCE))[0])]
     if len(unique) <= most:
         return unique
     return np.asarray(unique[np.linspace(0, len(unique) - 1, most).astype(int)])

@@ -7,6 +7,7 @@ polyhedron encloses it.
 
 import numpy as np
 
+from ..distinct_rows import distinct_rows
 from ..mesh import GRID_PER_METRE, TriMesh
 from ..spatial import Array
 from .manifolds import convex_hull, hull_faces
@@ -77,4 +78,5 @@ def _corners(normals: Array, distances: Array) -> Array:
     scale = np.einsum("ij,ij->i", across, a)
     found = across[scale > 0.0] / scale[scale > 0.0, None]
     # A face of the dual with more than three corners was triangulated: all its triangles give the same vertex.
-    return np.unique((found * GRID_PER_METRE).round() / GRID_PER_METRE + 0.0, axis=0)
+    rounded = (found * GRID_PER_METRE).round() / GRID_PER_METRE + 0.0
+    return np.asarray(rounded[distinct_rows(rounded)[0]])

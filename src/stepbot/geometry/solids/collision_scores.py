@@ -19,6 +19,7 @@ from ..mesh import TriMesh
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from ..spatial import IDENTITY, Array, Pose
 from .collision_sets import PlacedSolid
+from .joined import joined
 from .manifolds import joined_solid, mesh_arrays
 
 MAX_FACES = 1_000_000
@@ -72,15 +73,16 @@ def _score(one: Unscored) -> CollisionScore:
     meshes += [shape.geometry for shape in one.shapes if isinstance(shape.geometry, TriMesh)]
     if not one.shapes or sum(len(mesh.faces) for mesh in meshes) > MAX_FACES:
         return CollisionScore()
-    solid, _ = joined_solid([(placed.mesh, placed.X_AC) for placed in one.solids])
+    solid, _ = joined([(placed.mesh, placed.X_AC) for placed in one.solids])
     if solid is None:
         return CollisionScore()
     parts = [_manifold(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]
     shapes = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+    outside = shapes - solid
     is_exact = len(one.shapes) == 1 and not isinstance(one.shapes[0].geometry, TriMesh)
-    both = (solid ^ shapes).volume() + (one.missing if is_exact else 0.0)
-    iou = both / (solid + shapes).volume()
-    return CollisionScore(round(min(float(iou), 1.0), _DECIMALS), round(_overshoot(solid, shapes), _DECIMALS))
+    both = shapes.volume() - outside.volume() + (one.missing if is_exact else 0.0)
+    iou = both / (solid.volume() + outside.volume())
+    return CollisionScore(round(min(float(iou), 1.0), _DECIMALS), round(_overshoot(solid, outside), _DECIMALS))
 
 
 def _manifold(geometry: Primitive | TriMesh) -> Any:
@@ -108,9 +110,8 @@ def _half(length: float) -> tuple[float, float]:
     return -0.5 * length, 0.5 * length
 
 
-def _overshoot(solid: Any, shapes: Any) -> float:
-    """The largest distance [m] of a point of the shapes from the solid."""
-    outside = shapes - solid
+def _overshoot(solid: Any, outside: Any) -> float:
+    """The largest distance [m] of a point of what is outside the solid from it."""
     points, faces = mesh_arrays(solid)
     accuracy = _ACCURACY * float(np.linalg.norm(np.ptp(points, axis=0)))
     outside = outside.simplify(0.25 * accuracy)

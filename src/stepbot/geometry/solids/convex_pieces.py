@@ -12,10 +12,12 @@ a hundred times as long (``docs/decisions/0028-convex-decomposition-by-planes.md
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..distinct_rows import distinct_rows
 from ..spatial import Array
 from ..sums import exact_sum
 from .manifolds import hull_points, hull_volume, mesh_arrays
@@ -78,21 +80,34 @@ class _Solid:
     """The part of a mesh on one side of several planes.
 
     Where faces lie on a plane, or cross it by the rounding of their vertices, the cut leaves films without a volume.
-    Their points, from which no edge leads away from the plane, do not count.
+    Their points, from which no edge leads away from the plane, do not count. Points are made when they are needed: of
+    an exact solid that is cut again, never.
     """
 
     def __init__(self, manifold: Any, planes: tuple[_Plane, ...] = ()) -> None:
         self.manifold, self.planes = manifold, planes
-        points, faces = mesh_arrays(manifold)
+
+    @property
+    def points(self) -> Array:
+        """Shape (n, 3) [m]."""
+        return self._arrays[0]
+
+    @property
+    def edges(self) -> Any:
+        """Pairs (m, 2) of indices of points."""
+        return self._arrays[1]
+
+    @cached_property
+    def _arrays(self) -> tuple[Array, Any]:
+        points, faces = mesh_arrays(self.manifold)
         sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
         edges = sides[sides[:, 0] < sides[:, 1]]
         counts = np.ones(len(points), dtype=bool)
-        for plane in planes:
+        for plane in self.planes:
             counts &= _reaching(points @ plane.normal - plane.offset, edges)
         renumbered = np.cumsum(counts) - 1
-        self.points = points[counts]
         # Columns are contiguous: they are read for every plane that is tried.
-        self.edges = np.asfortranarray(renumbered[edges[counts[edges].all(axis=1)]])
+        return points[counts], np.asfortranarray(renumbered[edges[counts[edges].all(axis=1)]])
 
     def above(self, plane: _Plane) -> "_Solid":
         """The part of this solid that the plane's normal points to."""
@@ -279,11 +294,11 @@ def _distinct(normals: Array, offsets: Array, areas: Array, diagonal: float) -> 
     signs = np.sign(normals[np.arange(len(normals)), leading])
     normals, offsets = normals * signs[:, None], offsets * signs
     keys = np.column_stack([(normals * _ANGLES).round(), (offsets / diagonal * _OFFSETS).round()]).astype(np.int64)
-    _, first, groups = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    sums = np.bincount(groups.ravel(), weights=areas)
+    first, groups = distinct_rows(keys)
+    sums = np.bincount(groups, weights=areas)
     # The plane of the largest face stands for its group.
-    order = np.lexsort((-areas, groups.ravel()))
-    largest = order[np.searchsorted(groups.ravel()[order], np.arange(len(first)))]
+    order = np.lexsort((-areas, groups))
+    largest = order[np.searchsorted(groups[order], np.arange(len(first)))]
     chosen = largest[np.lexsort((np.arange(len(sums)), -sums.round(15)))][:_PLANES]
     return normals[chosen], offsets[chosen]
 
@@ -292,10 +307,10 @@ def main_axes(normals: Array, areas: Array) -> Array:
     """Three orthogonal axes (3, 3), as rows: the normals of the largest faces; the coordinate axes without planes."""
     signs = np.sign(normals[np.arange(len(normals)), (np.abs(normals) > 0.5 / _ANGLES).argmax(axis=1)])
     towards = normals * signs[:, None]
-    _, groups = np.unique((towards * _ANGLES).round().astype(np.int64), axis=0, return_inverse=True)
-    sums = np.bincount(groups.ravel(), weights=areas).round(15)
-    order = np.lexsort((groups.ravel(), -areas))
-    first = towards[order[[int((groups.ravel()[order] == g).argmax()) for g in np.argsort(-sums, kind="stable")[:50]]]]
+    _, groups = distinct_rows((towards * _ANGLES).round().astype(np.int64))
+    sums = np.bincount(groups, weights=areas).round(15)
+    order = np.lexsort((groups, -areas))
+    first = towards[order[[int((groups[order] == g).argmax()) for g in np.argsort(-sums, kind="stable")[:50]]]]
     z = first[0]
     across = first[np.abs(first @ z) < 1.0 / _ANGLES]
     x = across[0] if len(across) else np.eye(3)[int(np.abs(z).argmin())]

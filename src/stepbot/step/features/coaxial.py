@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
 Indices = NDArray[np.intp]
@@ -50,10 +51,10 @@ def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
     basis = np.array([perpendicular_frame(d)[:, :2] for d in kinds.directions])[kinds.of]
     feet = np.rint(np.einsum("ni,nij->nj", rays.centers, basis) / _SAME_FOOT).astype(np.int64)
     keys = np.column_stack([kinds.of, feet])
-    _, first, rod_of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    first, rod_of = distinct_rows(keys)
     rods = rays.rows(first)
     group_of = _connected(len(first), zip(*close_pairs(rods, rods, distance, angle), strict=True))
-    group_of_face = group_of[rod_of.reshape(-1)]
+    group_of_face = group_of[rod_of]
     order = np.argsort(group_of_face, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(group_of_face[order])) + 1)
     return sorted(groups, key=lambda rows: int(rows[0]))
@@ -82,8 +83,8 @@ def signed(directions: Array) -> Array:
 
 def _direction_kinds(directions: Array) -> _Kinds:
     cells = np.rint(signed(directions) / _SAME_DIRECTION).astype(np.int64)
-    _, first, of = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-    return _Kinds(directions[first], of.reshape(-1))
+    first, of = distinct_rows(cells)
+    return _Kinds(directions[first], of)
 
 
 def close_pairs(a: Rays, b: Rays, distance: float, angle: float) -> tuple[Indices, Indices]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.spatial import Array
 
 Indices = NDArray[np.int64]
@@ -95,8 +96,8 @@ def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
     nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))]) + 0.0
     triangles = _triangles(faces, starts)
     places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
-    _, first, inverse = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
-    return _assembled(nodes, first[inverse.reshape(-1)][triangles], places, 0)
+    first, kinds = distinct_rows(nodes)
+    return _assembled(nodes, first[kinds][triangles], places, 0)
 
 
 def merged_labels(count: int, left: Indices, right: Indices) -> Indices:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import encloses, is_convex
 from stepbot.geometry.spatial import Array, Pose
@@ -147,13 +148,13 @@ def _shrunk(mesh: TriMesh) -> TriMesh:
     """The surface offset inwards by the contact tolerance, to separate flush faces of two surfaces."""
     a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
     weighted = np.cross(b - a, c - a)
-    _, places = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    _, places = distinct_rows(mesh.vertices)
     normals: NDArray[np.float64] = np.zeros((int(places.max()) + 1, 3))
     for corner in range(3):
-        np.add.at(normals, places.reshape(-1)[mesh.faces[:, corner]], weighted)
+        np.add.at(normals, places[mesh.faces[:, corner]], weighted)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     units = normals / np.where(lengths > 0.0, lengths, 1.0)
-    return TriMesh.of(mesh.vertices - TOUCHING * units[places.reshape(-1)], mesh.faces)
+    return TriMesh.of(mesh.vertices - TOUCHING * units[places], mesh.faces)
 
 
 class Pair:

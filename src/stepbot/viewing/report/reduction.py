@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stepbot.geometry.distinct_rows import distinct_rows
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array
 from stepbot.robot.model import Robot
@@ -56,8 +57,7 @@ def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
     if not len(mesh.faces):
         return mesh, 0.0
     keys = np.floor(mesh.vertices / cell).astype(np.int64)
-    _, first, cluster = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    cluster = cluster.reshape(-1)
+    first, cluster = distinct_rows(keys)
     counts = np.bincount(cluster)
     means: Array = np.stack([np.bincount(cluster, mesh.vertices[:, i]) / counts for i in range(3)], axis=1)
     # A vertex that is alone in its cell stays where it is, to the last bit.
@@ -71,7 +71,7 @@ def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
         return mesh.subset(kept), float(_diagonal(mesh))
     used, renumbered = np.unique(faces[kept], return_inverse=True)
     triangles = renumbered.reshape(-1, 3)
-    _, unique = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    unique, _ = distinct_rows(np.sort(triangles, axis=1))
     return TriMesh.of(vertices[used], triangles[np.sort(unique)]), moved
 
 
