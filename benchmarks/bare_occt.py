@@ -26,12 +26,8 @@ from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 def main(path: str, deflection: float = 0.002, angle: float = math.radians(15.0)) -> None:
     """Measure a file and print its solids and their volume, each definition once."""
-    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    reader = STEPCAFControl_Reader()
-    reader.ReadFile(path)
-    reader.Transfer(document)
     solids, volume = 0, 0.0
-    for shape in _definitions(document):
+    for shape in definitions(read(path)):
         box = Bnd_Box()
         BRepBndLib.Add_s(shape, box, False)
         if box.IsVoid():
@@ -46,7 +42,17 @@ def main(path: str, deflection: float = 0.002, angle: float = math.radians(15.0)
     sys.stdout.write(json.dumps({"solids": solids, "volume": volume}) + "\n")
 
 
-def _definitions(document: Any) -> Iterator[Any]:
+def read(path: str) -> Any:
+    """The document of a STEP file."""
+    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
+    reader = STEPCAFControl_Reader()
+    reader.ReadFile(path)
+    reader.Transfer(document)
+    return document
+
+
+def definitions(document: Any) -> Iterator[Any]:
+    """The shape of each product that is no assembly."""
     labels = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetShapes(labels)
     for index in range(1, labels.Length() + 1):

@@ -1,8 +1,8 @@
 """The command line: generate assemblies, compare, and write down what came of it.
 
 python -m benchmarks generate definitions -o FOLDER     one of the large assemblies, or all
-python -m benchmarks cold SIDECAR...                    against the bare script, cascadio and an earlier stepbot
-python -m benchmarks check SIDECAR...                   an unchanged sidecar against ``import click``
+python -m benchmarks cold SIDECAR|STEP...               against the bare script, other converters, an earlier stepbot
+python -m benchmarks check SIDECAR|STEP...              the start and unchanged input against ``import click``
 python -m benchmarks batch FOLDER                       all robots below a folder, on one core and on two
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
@@ -18,13 +18,16 @@ It runs on Linux and macOS, memory is measured on Linux alone, and nothing else 
 
 import argparse
 import json
+import os
 import re
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.stages import Options, convert
+from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
 
@@ -37,6 +40,7 @@ from .environments import environment_speeds
 from .inference import corpus_folder, measure
 from .report import write_report
 from .results import keep, table
+from .timing import CommandFailed, timed
 
 _STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE)
 _PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
@@ -52,8 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one of the commands above."""
     options = _parser().parse_args(arguments)
     with TemporaryDirectory(prefix="stepbot-benchmark-") as folder:
-        options.run(options, Path(folder))
-    return 0
+        return options.run(options, Path(folder)) or 0
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -64,8 +67,8 @@ def _parser() -> argparse.ArgumentParser:
     made.add_argument("-o", "--output", type=Path, default=Path("build/assemblies"), metavar="FOLDER")
     made.set_defaults(run=_generate)
     for name, run in (("cold", _cold), ("check", _check), ("cores", _cores)):
-        one = commands.add_parser(name, help="compare on sidecars and the STEP files that they name")
-        one.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
+        one = commands.add_parser(name, help="compare on sidecars and the STEP files that they name, or on STEP files")
+        one.add_argument("files", nargs="+", type=Path, metavar="SIDECAR|STEP")
         one.add_argument("--step", type=Path, metavar="FILE", help="STEP file, instead of the one that is named")
         if run is _cold:
             one.add_argument("--against", metavar="REVISION", help="an earlier stepbot too")
@@ -106,26 +109,34 @@ def _generate(options: argparse.Namespace, _: Path) -> None:
         print(generate(ASSEMBLIES[name], options.output, name))
 
 
-def _cold(options: argparse.Namespace, folder: Path) -> None:
-    against = [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED]
+def _cold(options: argparse.Namespace, folder: Path) -> int:
+    against = [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.PLAIN]
     if options.cascadio:
         against.append(who.cascadio(options.cascadio))
     if options.against:
         against.append(who.revision(options.against, folder / "earlier"))
-    _compare_sidecars(options, folder, against)
+    return _compare_files(options, folder, against)
 
 
-def _check(options: argparse.Namespace, folder: Path) -> None:
-    _compare_sidecars(options, folder, [who.CLICK, who.CHECK])
+def _check(options: argparse.Namespace, folder: Path) -> int:
+    return _compare_files(options, folder, [who.CLICK, who.VERSION, who.HELP, who.CHECK, who.UNCHANGED])
 
 
-def _cores(options: argparse.Namespace, folder: Path) -> None:
-    _compare_sidecars(options, folder, [who.IN_TURN, who.AT_ONCE])
+def _cores(options: argparse.Namespace, folder: Path) -> int:
+    return _compare_files(options, folder, [who.IN_TURN, who.AT_ONCE])
 
 
-def _compare_sidecars(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> None:
-    for sidecar in options.sidecars:
-        _compare(options, case_of(sidecar, options.step, folder), contenders)
+def _compare_files(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> int:
+    """Compare on each file; one that a contender rejects is reported, and the others are measured."""
+    rejected = 0
+    for file in options.files:
+        sidecar = drafted(file, folder / "drafts") if is_step_name(file.name) else file
+        try:
+            _compare(options, case_of(sidecar, options.step, folder), contenders)
+        except CommandFailed as error:
+            print(f"\n{file}: not measured: {error}", flush=True)
+            rejected += 1
+    return 1 if rejected else 0
 
 
 def _collision(options: argparse.Namespace, _: Path) -> None:
@@ -187,11 +198,21 @@ def _smoke(_: argparse.Namespace, folder: Path) -> None:
     case = case_of(sidecar, None, folder)
     memory = Path("/proc/self/smaps_rollup").exists()
     for contenders in (
-        [who.CLICK, who.CHECK],
+        [who.CLICK, who.VERSION, who.HELP, who.CHECK, who.UNCHANGED],
         [who.IN_TURN, who.AT_ONCE],
-        [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.batch(2, sidecar.parent)],
+        [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.PLAIN, who.batch(2, sidecar.parent)],
     ):
         print(table(compare(case, contenders, 1, warm_up=False, memory=memory)), flush=True)
+
+
+def drafted(step: Path, folder: Path) -> Path:
+    """A sidecar that ``stepbot init`` drafts for a STEP file, beside a copy of it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(step, folder / step.name)
+    sidecar = folder / f"{step_stem(step.name)}.robot.yaml"
+    command = [*who.STEPBOT, "init", step.name, "-o", sidecar.name, "--no-cache", "--force"]
+    timed(command, folder, os.environ)
+    return sidecar
 
 
 def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:

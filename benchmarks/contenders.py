@@ -13,7 +13,8 @@ _CASCADIO = (
     "import sys, cascadio; sys.exit(cascadio.step_to_glb(sys.argv[1], sys.argv[2],"
     " tol_linear=0.002, tol_angular=0.2618, tol_relative=True, use_parallel=True))"
 )
-_STEPBOT = (sys.executable, "-m", "stepbot_cli")
+STEPBOT = (str(Path(sys.executable).with_name("stepbot")),)
+"""The command of this environment."""
 
 
 @dataclass
@@ -72,12 +73,16 @@ class Contender:
 
 
 def _convert(*options: str) -> Callable[[Case], list[str]]:
-    return lambda case: [*_STEPBOT, "convert", case.sidecar.name, "-o", "out", *options]
+    return lambda case: [*STEPBOT, "convert", case.sidecar.name, "-o", "out", *options]
+
+
+def _filling(case: Case) -> tuple[str, ...]:
+    return ("convert", case.sidecar.name, "-o", "filled", "--no-verify")
 
 
 def _fill_cache(case: Case) -> None:
-    for command in (("convert", case.sidecar.name, "-o", "filled", "--no-verify"), ("check", case.sidecar.name)):
-        subprocess.run([*_STEPBOT, *command], cwd=case.folder, env=case.environment, check=True, capture_output=True)
+    for command in (_filling(case), ("check", case.sidecar.name)):
+        subprocess.run([*STEPBOT, *command], cwd=case.folder, env=case.environment, check=True, capture_output=True)
 
 
 def _script(case: Case) -> list[str]:
@@ -99,6 +104,10 @@ def _twice(how: str) -> Contender:
     return Contender(f"bare OCCT script, twice {how}", lambda case: [sys.executable, "-c", _TWICE, how, *_script(case)])
 
 
+PLAIN = Contender(
+    "plain converter script",
+    lambda case: [sys.executable, str(ROOT / "benchmarks" / "plain_converter.py"), case.step.name, "plain"],
+)
 BARE = Contender("bare OCCT script", _script)
 IN_TURN, AT_ONCE = _twice("in turn"), _twice("at once")
 CLICK = Contender("import click", lambda case: [sys.executable, "-c", "import click"])
@@ -106,9 +115,12 @@ COLD = Contender("stepbot, cold", _convert("--no-cache", "--no-verify"))
 VERIFIED = Contender("stepbot, cold, verified", _convert("--no-cache"))
 EDITED = Contender("stepbot, sidecar edited", _convert("--no-verify"), Case.edit, _fill_cache)
 EDITED_VERIFIED = Contender("stepbot, sidecar edited, verified", _convert(), Case.edit, _fill_cache)
+VERSION = Contender("stepbot --version", lambda case: [*STEPBOT, "--version"])
+HELP = Contender("stepbot --help", lambda case: [*STEPBOT, "--help"])
 CHECK = Contender(
-    "stepbot check, unchanged", lambda case: [*_STEPBOT, "check", case.sidecar.name], before_all=_fill_cache
+    "stepbot check, unchanged", lambda case: [*STEPBOT, "check", case.sidecar.name], before_all=_fill_cache
 )
+UNCHANGED = Contender("stepbot convert, unchanged", lambda case: [*STEPBOT, *_filling(case)], before_all=_fill_cache)
 
 
 def cascadio(python: str) -> Contender:
@@ -124,7 +136,7 @@ def batch(jobs: int, library: Path) -> Contender:
 
     return Contender(
         f"stepbot batch -j {jobs}",
-        lambda case: [*_STEPBOT, "batch", str(library), "-o", "batch", "-j", str(jobs), "--no-cache"],
+        lambda case: [*STEPBOT, "batch", str(library), "-o", "batch", "-j", str(jobs), "--no-cache"],
         fresh,
     )
 

@@ -1,18 +1,29 @@
-"""Writes the results to docs/performance.md: tables between markers. Nothing is measured here."""
+"""Writes the results to docs/performance.md: tables between markers, and a picture. Nothing is measured here."""
 
 import re
+from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
+from .overview import PICTURE, picture, tables
 from .results import load, rows_of, table
 
 PAGE = "performance.md"
+OVER_FILES = ("cold",)
+"""Kinds of results with a row per file; other kinds have a table per file."""
 _PART = re.compile(r"(<!-- results: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def write_report(docs: Path) -> None:
-    """Update the tables of the page."""
+    """Update the tables of the page, and the picture if matplotlib is installed."""
     page = docs / PAGE
     page.write_text(page_with_results(page.read_text(encoding="utf-8")), encoding="utf-8", newline="\n")
+    if find_spec("matplotlib") is None:
+        print(f"{PICTURE} is not updated: pip install 'stepbot[draw]'")
+        return
+    for kind in OVER_FILES:
+        results = {case: rows_of(entry) for case, entry in load().get(kind, {}).items()}
+        (docs / "pictures" / PICTURE).write_bytes(picture(results))
 
 
 def page_with_results(text: str) -> str:
@@ -21,7 +32,21 @@ def page_with_results(text: str) -> str:
 
 
 def _tables(kind: str) -> str:
-    parts = []
-    for case, entry in load().get(kind, {}).items():
-        parts.append(f"`{case}`, {entry['rounds']} rounds, {entry['machine']}:\n\n{table(rows_of(entry))}\n")
+    entries = load().get(kind, {})
+    if kind in OVER_FILES and entries:
+        results = {case: rows_of(entry) for case, entry in entries.items()}
+        return f"{_conditions(entries)}\n\n{tables(results)}"
+    parts = [f"`{case}`, {_rounds(entry)}:\n\n{table(rows_of(entry))}\n" for case, entry in entries.items()]
     return "\n".join(parts)
+
+
+def _conditions(entries: Mapping[str, Mapping[str, object]]) -> str:
+    """The machine and the number of rounds, once if they are the same for all files."""
+    conditions = {case: _rounds(entry) for case, entry in entries.items()}
+    if len(set(conditions.values())) == 1:
+        return f"{next(iter(conditions.values()))}; ratios to the first column, quartiles in brackets."
+    return "; ".join(f"`{case}`: {words}" for case, words in conditions.items()) + "."
+
+
+def _rounds(entry: Mapping[str, object]) -> str:
+    return f"{entry['rounds']} round{'s' if entry['rounds'] != 1 else ''}, {entry['machine']}"

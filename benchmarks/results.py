@@ -29,7 +29,11 @@ def rows_of(entry: dict[str, object]) -> list[Row]:
     """The rows of a case in the result of :func:`load`."""
     rows = entry["rows"]
     assert isinstance(rows, list)
-    return [Row(**{field.name: row[field.name] for field in fields(Row)}) for row in rows]
+    return [Row(**{field.name: _plain(row.get(field.name)) for field in fields(Row)}) for row in rows]
+
+
+def _plain(value: object) -> object:
+    return tuple(value) if isinstance(value, list) else value
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -51,4 +55,10 @@ def machine() -> str:
 
 
 def _rounded(row: Row) -> dict[str, object]:
-    return {name: round(value, 4) if isinstance(value, float) else value for name, value in asdict(row).items()}
+    return {name: _shortened(value) for name, value in asdict(row).items()}
+
+
+def _shortened(value: object) -> object:
+    if isinstance(value, tuple):
+        return [_shortened(one) for one in value]
+    return round(value, 4) if isinstance(value, float) else value

@@ -5,13 +5,14 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
 from benchmarks import collision
 from benchmarks import contenders as who
 from benchmarks.assemblies import ASSEMBLIES, Assembly, generate
-from benchmarks.command import case_of
+from benchmarks.command import case_of, drafted
 from benchmarks.comparison import compare
 from benchmarks.contenders import Case, Contender
 from benchmarks.report import PAGE, page_with_results
@@ -34,6 +35,30 @@ def test_volume_in_closed_form(tmp_path: Path, assembly: Assembly) -> None:
     assert reported["solids"] == (assembly.definitions or 1)
     assert reported["volume"] * assembly.occurrences == pytest.approx(assembly.volume, rel=1e-9)
     assert case_of(sidecar, None, tmp_path / "case").step.name == "made.step"
+
+
+@pytest.mark.long
+def test_plain_converter_writes_the_volume_in_closed_form(tmp_path: Path) -> None:
+    """The masses of the plain converter's links are those of the solids, so that it does the work of its class."""
+    assembly = Assembly(definitions=3)
+    generate(assembly, tmp_path, "made")
+    script = [sys.executable, str(ROOT / "benchmarks" / "plain_converter.py"), "made.step", "out"]
+    subprocess.run(script, cwd=tmp_path, check=True)
+    links = ET.parse(tmp_path / "out" / "assembly.urdf").getroot().findall("link/inertial/mass")
+    assert len(links) == len(list((tmp_path / "out").glob("*.stl"))) == 3
+    assert sum(float(mass.attrib["value"]) for mass in links) == pytest.approx(
+        assembly.volume * 1e-9 * 1000.0, rel=1e-6
+    )
+
+
+@pytest.mark.long
+def test_a_plain_step_gets_a_drafted_sidecar(tmp_path: Path) -> None:
+    """`cold` of a STEP file measures with the sidecar that `stepbot init` drafts."""
+    generate(Assembly(definitions=2), tmp_path, "made")
+    sidecar = drafted(tmp_path / "made.step", tmp_path / "drafts")
+    case = case_of(sidecar, None, tmp_path / "case")
+    case.edit()
+    assert compare(case, [who.COLD], 1, warm_up=False)[0].cpu > 0.0
 
 
 def test_assemblies_have_the_size_in_their_names() -> None:
@@ -120,6 +145,10 @@ def test_contenders_name_each_other_apart() -> None:
         who.EDITED,
         who.EDITED_VERIFIED,
         who.CHECK,
+        who.VERSION,
+        who.HELP,
+        who.UNCHANGED,
+        who.PLAIN,
     ]
     assert len({contender.name for contender in everyone}) == len(everyone)
 
